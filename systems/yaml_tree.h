@@ -1,0 +1,42 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tenon::internal {
+
+/// A document as a tree of values, each with the place that it comes from.
+struct YamlTree {
+  enum class Kind { kNull, kScalar, kList, kMap };
+
+  Kind kind = Kind::kNull;
+  std::string text;                // of a scalar
+  bool quoted = false;             // a quoted scalar is text, whatever it looks like
+  std::string place;               // "robot.yaml:3:5" or "--set a.b=3"
+  bool overridden = false;         // comes from Set
+  std::string key;                 // of an entry of a map
+  std::string key_place;           // where the key stands
+  std::vector<YamlTree> children;  // of a list or a map
+
+  template <class Tree>
+  static auto FindKey(Tree& map, std::string_view key) {
+    return std::ranges::find(map.children, key, &YamlTree::key);
+  }
+};
+
+/// Gives the place of a line and a column, both from 1.
+using YamlPlaceOf = std::function<std::string(int line, int column)>;
+
+/// Parses one document; an empty one is null. Throws ParameterError on a syntax error, a key given twice,
+/// a second document, a tag.
+YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden);
+
+/// "nothing", "'abc'", "a list of 3": what was found, for messages.
+std::string Describe(const YamlTree& tree);
+
+[[noreturn]] void FailAt(std::string_view place, std::string_view what);
+
+}  // namespace tenon::internal
