@@ -111,6 +111,17 @@ void* Context::MutableAddress(const Source& source) {
   return memory_.get() + origin.offset_;
 }
 
+void Context::SetDoubles(const Source& source, std::span<const double> values) {
+  void* value = MutableAddress(source);
+  std::vector<Element> elements;
+  source.type_->list_elements(value, source.spec(), elements);
+  if (elements.size() != values.size()) {
+    throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(), elements.size(),
+                               values.size()));
+  }
+  source.type_->from_doubles(value, values.data());
+}
+
 void Context::CheckFixed(const Source& origin) const {
   const auto& open = diagram_.program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {

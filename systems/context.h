@@ -50,6 +50,8 @@ class Context {
   void Set(const S& source, const typename S::Value& value) {
     *static_cast<typename S::Value*>(MutableAddress(source)) = value;
   }
+  /// The same for a source known by path only; throws RunError if the number of values is wrong.
+  void SetDoubles(const Source& source, std::span<const double> values);
   void SetTime(double time);
 
   /// All continuous states [SI units], in the order of Diagram::ContinuousStateNames().
