@@ -205,6 +205,17 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
   return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_.num_continuous_states());
 }
 
+void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
+  const internal::Program& program = diagram_.program();
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+  double* states = continuous_data();
+  if (states != x) std::memcpy(states, x, bytes);
+  SetRunTime(t);
+  RunAll(program.derivatives);
+  ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
+  std::memcpy(xdot, derivative_data(), bytes);
+}
+
 void Context::RunAll(const internal::OpList& ops) {
   const Op* op = ops.data();
   const Op* const end = op + ops.size();

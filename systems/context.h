@@ -59,6 +59,9 @@ class Context {
   void SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state);
   /// Their time derivatives at the present values.
   Eigen::VectorXd EvalTimeDerivatives();
+  /// What an integrator calls at every stage: moves to time `t` [s] and states `x`, and writes ẋ. Samples,
+  /// modes and what depends on them alone stay as they are. Allocates nothing.
+  void CalcTimeDerivatives(double t, const double* x, double* xdot);
 
   std::unique_ptr<Context> Clone() const;
   /// The whole context as bytes; throws RunError that names a held value whose type cannot be stored.
@@ -72,7 +75,7 @@ class Context {
  private:
   friend class Diagram;
   friend class Simulator;
-  friend class Integrator;
+  friend class SundialsIntegrator;
   friend class SignalLog;
   friend class internal::Compiler;
 

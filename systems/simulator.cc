@@ -107,10 +107,10 @@ void Simulator::IntegrateTo(double end) {
   context_->RunStale(program_.held);
   integrator_.Restart(end);
   while (context_->time() < end && !end_reason_) {
-    const Integrator::Stop stop = integrator_.Advance(each_step);
+    const SundialsIntegrator::Stop stop = integrator_.Advance(each_step);
     if (each_step) AfterStep();
-    if (stop == Integrator::Stop::kRoot) HandleRoots();
-    const bool changed = stop == Integrator::Stop::kRoot || !program_.each_step.empty();
+    if (stop == SundialsIntegrator::Stop::kRoot) HandleRoots();
+    const bool changed = stop == SundialsIntegrator::Stop::kRoot || !program_.each_step.empty();
     if (changed && context_->time() < end) {
       context_->RunStale(program_.held);
       integrator_.Restart(end);

@@ -8,7 +8,7 @@
 
 #include "tenon/systems/context.h"
 #include "tenon/systems/diagram.h"
-#include "tenon/systems/integrator.h"
+#include "tenon/systems/sundials_integrator.h"
 #include "tenon/systems/signal_log.h"
 #include "tenon/systems/simulator_options.h"
 
@@ -76,7 +76,7 @@ class Simulator {
   std::unique_ptr<Context> context_;
   SimulatorOptions options_;
   const internal::Program& program_;
-  Integrator integrator_;
+  SundialsIntegrator integrator_;
   std::unique_ptr<internal::Schedule> schedule_;
   double synchronized_time_ = -1;
 

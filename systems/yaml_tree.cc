@@ -20,7 +20,10 @@ class TreeBuilder final : public YAML::EventHandler {
   TreeBuilder(const YamlPlaceOf& place_of, bool overridden)
       : place_of_(place_of), overridden_(overridden), root_(Make({}, Kind::kNull)) {}
 
-  YamlTree Take() { return std::move(root_); }
+  YamlTree Take() {
+    if (!bad_key_.empty()) FailAt(bad_key_, "a key must be a word; quote it if it is meant so");
+    return std::move(root_);
+  }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ > 1) FailAt(PlaceOf(mark), "a second document begins here; keep one per file");
@@ -78,11 +81,7 @@ class TreeBuilder final : public YAML::EventHandler {
   bool ExpectsKey() const {
     return !open_.empty() && open_.back().tree.kind == Kind::kMap && !open_.back().key;
   }
-  void Open(YamlTree tree, YAML::anchor_t anchor) {
-    if (ExpectsKey())
-      FailAt(tree.place, "a key must be a word, not a list or a map; quote it if it is meant so");
-    open_.push_back({std::move(tree), anchor});
-  }
+  void Open(YamlTree tree, YAML::anchor_t anchor) { open_.push_back({std::move(tree), anchor}); }
   void Close() {
     Level level = std::move(open_.back());
     open_.pop_back();
@@ -96,9 +95,10 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     Level& level = open_.back();
     if (ExpectsKey()) {
-      if (tree.kind != Kind::kScalar) FailAt(tree.place, "a key must be a word; quote it if it is meant so");
+      // The parser takes an unfinished list for a key before it finds the syntax error, so this must wait.
+      if (tree.kind != Kind::kScalar && bad_key_.empty()) bad_key_ = tree.place;
       const auto first = YamlTree::FindKey(level.tree, tree.text);
-      if (first != level.tree.children.end())
+      if (tree.kind == Kind::kScalar && first != level.tree.children.end())
         FailAt(tree.place, fmt::format("the key '{}' is given twice, first at {}; remove one of them",
                                        tree.text, first->key_place));
       level.key = std::move(tree);
@@ -115,6 +115,7 @@ class TreeBuilder final : public YAML::EventHandler {
   const YamlPlaceOf& place_of_;
   bool overridden_;
   YamlTree root_;
+  std::string bad_key_;  // place of the first key that is no word
   int documents_ = 0;
   std::vector<Level> open_;
   std::map<YAML::anchor_t, YamlTree> anchors_;
@@ -141,7 +142,7 @@ std::string Describe(const YamlTree& tree) {
     case Kind::kNull:
       return "nothing";
     case Kind::kScalar:
-      return fmt::format(tree.quoted ? "the quoted text '{}'" : "'{}'", tree.text);
+      return (tree.quoted ? "the quoted text '" : "'") + tree.text + "'";
     case Kind::kList:
       return fmt::format("a list of {}", tree.children.size());
     case Kind::kMap:

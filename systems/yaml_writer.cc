@@ -39,7 +39,9 @@ struct YamlWriter::Impl {
   }
 };
 
-YamlWriter::YamlWriter() : impl_(std::make_unique<Impl>()) {}
+YamlWriter::YamlWriter() : impl_(std::make_unique<Impl>()) {
+  impl_->emitter.SetNullFormat(YAML::LowerNull);
+}
 YamlWriter::~YamlWriter() = default;
 
 std::string YamlWriter::Text() const {

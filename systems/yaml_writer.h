@@ -46,7 +46,7 @@ class YamlWriter {
   }
   template <class T>
   void Write(const std::map<std::string, T>& value) {
-    BeginMap();
+    BeginMap(value.empty());
     for (const auto& [key, item] : value) WriteKey(key), Write(item);
     EndMap();
   }
@@ -82,7 +82,7 @@ class YamlWriter {
   }
   void WriteNull();
   void WriteKey(const std::string& key);
-  void BeginMap();
+  void BeginMap(bool empty = false);
   void EndMap();
   void BeginList(bool block);
   void EndList();

@@ -1,4 +1,4 @@
-#include "tenon/systems/integrator.h"
+#include "tenon/systems/sundials_integrator.h"
 
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
@@ -40,7 +40,7 @@ ARKodeButcherTable MidpointTable() {
 
 }  // namespace
 
-struct Integrator::Sundials {
+struct SundialsIntegrator::Sundials {
   Sundials(Context& c, const SimulatorOptions& o);
   ~Sundials();
   void CreateErk();
@@ -91,7 +91,7 @@ struct Integrator::Sundials {
   double last_step = 0, smallest_step = 0, largest_step = 0;
 };
 
-Integrator::Sundials::Sundials(Context& c, const SimulatorOptions& o)
+SundialsIntegrator::Sundials::Sundials(Context& c, const SimulatorOptions& o)
     : context(c), program(c.diagram().program()), options(o), size(std::max(1, program.num_continuous)) {
   CheckOptions();
   SUNContext_Create(nullptr, &sun);
@@ -120,7 +120,7 @@ Integrator::Sundials::Sundials(Context& c, const SimulatorOptions& o)
   if (cvode()) CreateCvode();
 }
 
-Integrator::Sundials::~Sundials() {
+SundialsIntegrator::Sundials::~Sundials() {
   if (memory != nullptr) {
     if (erk()) ERKStepFree(&memory);
     if (dirk()) ARKStepFree(&memory);
@@ -134,7 +134,7 @@ Integrator::Sundials::~Sundials() {
   SUNContext_Free(&sun);
 }
 
-void Integrator::Sundials::CheckOptions() const {
+void SundialsIntegrator::Sundials::CheckOptions() const {
   const auto demand = [](bool holds, const std::string& text) {
     if (!holds) throw ParameterError("SimulatorOptions: " + text);
   };
@@ -152,7 +152,7 @@ void Integrator::Sundials::CheckOptions() const {
   demand(options.fixed_step == 0 || !cvode(), "fixed_step is for Runge-Kutta methods: CVODE chooses its steps");
 }
 
-void Integrator::Sundials::CreateErk() {
+void SundialsIntegrator::Sundials::CreateErk() {
   memory = ERKStepCreate(Rhs, context.time(), y, sun);
   ERKStepSetUserData(memory, this);
   ERKStepSetErrHandlerFn(memory, Silent, this);
@@ -186,7 +186,7 @@ void Integrator::Sundials::CreateErk() {
   }
 }
 
-void Integrator::Sundials::CreateDirk() {
+void SundialsIntegrator::Sundials::CreateDirk() {
   memory = ARKStepCreate(nullptr, Rhs, context.time(), y, sun);
   ARKStepSetUserData(memory, this);
   ARKStepSetErrHandlerFn(memory, Silent, this);
@@ -210,7 +210,7 @@ void Integrator::Sundials::CreateDirk() {
   }
 }
 
-void Integrator::Sundials::CreateCvode() {
+void SundialsIntegrator::Sundials::CreateCvode() {
   memory = CVodeCreate(options.method == Method::kBdf ? CV_BDF : CV_ADAMS, sun);
   CVodeInit(memory, Rhs, context.time(), y);
   CVodeSetUserData(memory, this);
@@ -234,7 +234,7 @@ static double EvenStep(double remaining, double wanted) {
   return remaining / std::max(1.0, count);
 }
 
-double Integrator::Sundials::FirstStep() const {
+double SundialsIntegrator::Sundials::FirstStep() const {
   const double remaining = end - context.time();
   double wanted = options.fixed_step > 0 ? options.fixed_step : context.next_step_;
   if (wanted <= 0) wanted = std::min(remaining, 1e-3);  // nothing known yet; the error test corrects it
@@ -242,7 +242,7 @@ double Integrator::Sundials::FirstStep() const {
   return EvenStep(remaining, wanted);
 }
 
-void Integrator::Sundials::Restart(double to) {
+void SundialsIntegrator::Sundials::Restart(double to) {
   end = to;
   first_evaluation = true;
   const double t = context.time();
@@ -265,7 +265,7 @@ void Integrator::Sundials::Restart(double to) {
   }
 }
 
-Integrator::Stop Integrator::Sundials::Advance(bool one_step) {
+SundialsIntegrator::Stop SundialsIntegrator::Sundials::Advance(bool one_step) {
   double t = context.time();
   thrown = nullptr;
   not_finite.clear();
@@ -295,47 +295,45 @@ Integrator::Stop Integrator::Sundials::Advance(bool one_step) {
   return Stop::kRoot;
 }
 
-void Integrator::Sundials::Count(double step) {
+void SundialsIntegrator::Sundials::Count(double step) {
   last_step = step;
   largest_step = std::max(largest_step, step);
   smallest_step = smallest_step == 0 ? step : std::min(smallest_step, step);
 }
 
-int Integrator::Sundials::Rhs(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
+int SundialsIntegrator::Sundials::Rhs(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
   auto& self = *static_cast<Sundials*>(self_pointer);
   Context& context = self.context;
   ++self.evaluations;
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(self.program.num_continuous);
-  if (bytes == 0) {
+  const int size = self.program.num_continuous;
+  if (size == 0) {
     N_VGetArrayPointer(ydot)[0] = 0;
     return 0;
   }
+  // At the start of an interval, what the tick has just computed is not computed again.
   const bool first = self.first_evaluation && t == context.time();
   self.first_evaluation = false;
+  double* derivatives = N_VGetArrayPointer(ydot);
   try {
-    if (double* states = context.continuous_data(); states != N_VGetArrayPointer(y)) {
-      std::memcpy(states, N_VGetArrayPointer(y), bytes);
-    }
-    *reinterpret_cast<double*>(context.memory_.get()) = t;
     if (first) {
-      context.RunStale(self.program.derivatives);  // what the tick has just computed is not computed again
+      std::copy_n(N_VGetArrayPointer(y), size, context.continuous_data());
+      context.RunStale(self.program.derivatives);
+      std::copy_n(context.derivative_data(), size, derivatives);
     } else {
-      context.RunAll(self.program.derivatives);
+      context.CalcTimeDerivatives(t, N_VGetArrayPointer(y), derivatives);
     }
   } catch (...) {
     self.thrown = std::current_exception();
     return -1;
   }
-  const double* derivatives = context.derivative_data();
-  std::memcpy(N_VGetArrayPointer(ydot), derivatives, bytes);
   double sum = 0;
-  for (int i = 0; i < self.program.num_continuous; ++i) sum += derivatives[i] * 0;
+  for (int i = 0; i < size; ++i) sum += derivatives[i] * 0;
   if (sum == 0) return 0;
   self.not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
   return first ? -1 : 1;  // inside a step, a smaller one may help
 }
 
-int Integrator::Sundials::Roots(double t, N_Vector y, double* g, void* self_pointer) {
+int SundialsIntegrator::Sundials::Roots(double t, N_Vector y, double* g, void* self_pointer) {
   auto& self = *static_cast<Sundials*>(self_pointer);
   Context& context = self.context;
   try {
@@ -358,7 +356,7 @@ int Integrator::Sundials::Roots(double t, N_Vector y, double* g, void* self_poin
 
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
-int Integrator::Sundials::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double, double, int q,
+int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double, double, int q,
                                      int p, double* next, void* self_pointer) {
   auto& self = *static_cast<Sundials*>(self_pointer);
   Context& context = self.context;
@@ -382,7 +380,7 @@ int Integrator::Sundials::ChooseStep(N_Vector, double t, double h1, double, doub
   return 0;
 }
 
-std::string Integrator::Sundials::WorstState() {
+std::string SundialsIntegrator::Sundials::WorstState() {
   if (program.num_continuous == 0) return "none";
   N_Vector errors = N_VClone(y), weights = N_VClone(y);
   if (erk()) ERKStepGetEstLocalErrors(memory, errors), ERKStepGetErrWeights(memory, weights);
@@ -399,7 +397,7 @@ std::string Integrator::Sundials::WorstState() {
   return fmt::format("'{}' (error {:.3g} times its tolerance)", context.diagram().ContinuousStateNames()[worst], error);
 }
 
-void Integrator::Sundials::ThrowFailure(int flag) {
+void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
   if (thrown) std::rethrow_exception(thrown);
   if (!not_finite.empty()) {
     throw RunError(fmt::format("{}: the run cannot go on; check that block and what feeds it", not_finite));
@@ -418,7 +416,7 @@ void Integrator::Sundials::ThrowFailure(int flag) {
       t, h, options.rtol, WorstState(), flag_name, message));
 }
 
-IntegratorStatistics Integrator::Sundials::Statistics() const {
+IntegratorStatistics SundialsIntegrator::Sundials::Statistics() const {
   IntegratorStatistics result{.evaluations = evaluations,
                               .last_step = last_step,
                               .smallest_step = smallest_step,
@@ -436,12 +434,12 @@ IntegratorStatistics Integrator::Sundials::Statistics() const {
   return result;
 }
 
-Integrator::Integrator(Context& context, const SimulatorOptions& options)
+SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
     : sundials_(std::make_unique<Sundials>(context, options)) {}
-Integrator::~Integrator() = default;
-void Integrator::Restart(double end) { sundials_->Restart(end); }
-Integrator::Stop Integrator::Advance(bool one_step) { return sundials_->Advance(one_step); }
-const std::vector<int>& Integrator::roots() const { return sundials_->roots; }
-IntegratorStatistics Integrator::statistics() const { return sundials_->Statistics(); }
+SundialsIntegrator::~SundialsIntegrator() = default;
+void SundialsIntegrator::Restart(double end) { sundials_->Restart(end); }
+SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) { return sundials_->Advance(one_step); }
+const std::vector<int>& SundialsIntegrator::roots() const { return sundials_->roots; }
+IntegratorStatistics SundialsIntegrator::statistics() const { return sundials_->Statistics(); }
 
 }  // namespace tenon

@@ -12,11 +12,11 @@ namespace tenon {
 
 /// Moves a context's continuous states in time with SUNDIALS, all of whose handles live here. A Simulator
 /// uses it between ticks.
-class Integrator {
+class SundialsIntegrator {
  public:
   /// Throws ParameterError for an order that the method does not have, or tolerances that are not positive.
-  Integrator(Context& context, const SimulatorOptions& options);
-  ~Integrator();
+  SundialsIntegrator(Context& context, const SimulatorOptions& options);
+  ~SundialsIntegrator();
 
   enum class Stop { kArrived, kRoot, kStep };
 

@@ -1,0 +1,12 @@
+// A block alone: no simulator, no diagram.
+
+#include <gtest/gtest.h>
+#include <tenon/tests/testing/test_rig.h>
+
+#include "cart.h"
+
+TEST(PdTest, PushesTowardsTheReference) {
+  tenon::TestRig<Pd> rig(PdParams{.kp = 3});
+  rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
+  EXPECT_EQ(rig[rig.system().u], 3);
+}
