@@ -152,7 +152,7 @@ struct Calculation {
 
   template <std::size_t... I>
   void Evaluate(Target* target, std::byte* memory, const Offset* args, std::index_sequence<I...>) const {
-    (void)memory;
+    (void)memory, (void)args;
     // Braces evaluate from left to right, which the cursor needs.
     const std::tuple<typename Handles::Argument...> values{std::get<I>(uses.handles).Load(memory, args)...};
     if constexpr (InPlace()) {

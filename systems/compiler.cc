@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
+#include <tuple>
 #include <unordered_map>
 
 #include "tenon/systems/diagram_builder.h"
@@ -54,20 +56,20 @@ void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
 
 void Compiler::ResolveInputs() {
   std::vector<const Source*>& open = program_.open_inputs;
-  for (const Source* source : sources_) {
-    if (source->kind() != SourceKind::kInput) continue;
+  // Ports of subdiagrams too: nobody may read them, but they can be set, evaluated and logged.
+  std::vector<const Source*> ports(sources_.begin(), sources_.end());
+  ports.insert(ports.end(), ports_.begin(), ports_.end());
+  for (const Source* source : ports) {
     const Source& origin = source->Resolve();
     if (origin.kind() == SourceKind::kOutput && origin.run_ == nullptr) {
       throw BuildError(fmt::format(
-          "output '{}' of a nested diagram, which '{}' reads, has nothing connected to it inside: connect an "
-          "inner output to it",
-          origin.path(), source->path()));
+          "output '{}' of a nested diagram has nothing connected to it inside: connect an inner output to it",
+          origin.path()));
     }
     if (origin.kind() != SourceKind::kInput) continue;
     if (origin.has_initial_value_) {
       // Several inner inputs may share the port of a subdiagram.
-      if (&origin == source || std::find(default_inputs_.begin(), default_inputs_.end(), &origin) ==
-                                   default_inputs_.end()) {
+      if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
         default_inputs_.push_back(&origin);
       }
       continue;
@@ -85,6 +87,7 @@ void Compiler::ResolveInputs() {
 
 void Compiler::CheckDeclarations() {
   std::unordered_map<const Source*, const Source*> derivatives, sampled_updates, scratch_users;
+  std::set<std::tuple<const Source*, Trigger::When, const Witness*>> triggers;
   for (const Source* source : sources_) {
     if (source->run_ != nullptr) CheckArguments(*source);
     if (source->kind() == SourceKind::kDerivative && !derivatives.emplace(source->target_, source).second) {
@@ -94,6 +97,11 @@ void Compiler::CheckDeclarations() {
         !sampled_updates.emplace(source->target_, source).second) {
       throw BuildError(
           fmt::format("state '{}' has two sampled updates: merge them into one", source->target_->path()));
+    }
+    if (source->kind() == SourceKind::kUpdate &&
+        !triggers.emplace(source->target_, source->trigger().when, source->trigger().witness).second) {
+      throw BuildError(fmt::format("state '{}' has two updates with the same trigger: merge them into one",
+                                   source->target_->path()));
     }
     if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && IsSampled(*source) &&
         source->trigger().sampled.offset > 0 && !source->has_initial_value_) {
@@ -278,7 +286,13 @@ void Compiler::LayOut() {
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
                       source.kind() == SourceKind::kRandom;
-    if (held || kept) program_.saved.push_back(cell);
+    // Computed once more after a restore, what has a warm start would find another result.
+    const bool warm = GivesValue(source) && std::any_of(source.arguments_.begin(), source.arguments_.end(),
+                                                        [](const Source::Slot& slot) {
+                                                          return slot.source != nullptr &&
+                                                                 slot.source->kind() == SourceKind::kScratch;
+                                                        });
+    if (held || kept || warm) program_.saved.push_back(cell);
   }
   program_.signature = hash;
 }

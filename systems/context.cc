@@ -94,16 +94,20 @@ std::vector<double> Context::EvalDoubles(const Source& source) {
   return doubles;
 }
 
-void* Context::MutableAddress(const Source& source) {
+void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();
-  const bool held_sample = origin.calculation_ >= 0 && diagram_.program().calculations[origin.calculation_].sampled;
-  if (origin.calculation_ >= 0 && !held_sample) {
+  if (origin.calculation_ >= 0 && !diagram_.program().calculations[origin.calculation_].sampled) {
     throw RunError(fmt::format("'{}' is computed: set the states and inputs that it depends on instead",
                                source.path()));
   }
+}
+
+void* Context::MutableAddress(const Source& source) {
+  CheckSettable(source);
+  const Source& origin = source.Resolve();
   MarkAllStale();
-  if (held_sample) stamps_[origin.calculation_] = 1;
+  if (origin.calculation_ >= 0) stamps_[origin.calculation_] = 1;
   const auto& open = diagram_.program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (open[i] == &origin) fixed_[i] = true;
@@ -112,14 +116,14 @@ void* Context::MutableAddress(const Source& source) {
 }
 
 void Context::SetDoubles(const Source& source, std::span<const double> values) {
-  void* value = MutableAddress(source);
+  CheckSettable(source);
   std::vector<Element> elements;
-  source.type_->list_elements(value, source.spec(), elements);
+  source.type_->list_elements(Address(source), source.spec(), elements);
   if (elements.size() != values.size()) {
     throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(), elements.size(),
                                values.size()));
   }
-  source.type_->from_doubles(value, values.data());
+  source.type_->from_doubles(MutableAddress(source), values.data());
 }
 
 void Context::CheckFixed(const Source& origin) const {
@@ -135,15 +139,27 @@ void Context::CheckAllFixed() const {
   for (const Source* input : diagram_.program().open_inputs) CheckFixed(*input);
 }
 
+void Context::CheckSample(const CalculationInfo& sampled) const {
+  if (stamps_[sampled.op.calculation] != 0) return;
+  throw RunError(fmt::format(
+      "sampled output '{}' is read at t = {} s before it has run: initialise the simulator or step the block, "
+      "or declare an initial value",
+      sampled.source->path(), time()));
+}
+
+void Context::CheckSamplesFor(const internal::OpList& ops) const {
+  const auto& calculations = diagram_.program().calculations;
+  for (const Op& op : ops) {
+    for (const int used : calculations[op.calculation].uses) {
+      if (calculations[used].sampled) CheckSample(calculations[used]);
+    }
+  }
+}
+
 void Context::EnsureFresh(int calculation) {
   const CalculationInfo& info = diagram_.program().calculations[calculation];
   if (IsFresh(info.op)) return;
-  if (info.sampled) {
-    throw RunError(fmt::format(
-        "sampled output '{}' is read at t = {} s before it has run: initialise the simulator or step the block, "
-        "or declare an initial value",
-        info.source->path(), time()));
-  }
+  if (info.sampled) CheckSample(info);
   for (const Source::Slot& slot : info.source->arguments_) {
     if (slot.source != nullptr && slot.source->calculation_ < 0) CheckFixed(slot.source->Resolve());
   }
@@ -199,9 +215,12 @@ void Context::SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state)
 }
 
 Eigen::VectorXd Context::EvalTimeDerivatives() {
+  const internal::Program& program = diagram_.program();
   CheckAllFixed();
-  RunStale(diagram_.program().held);
-  RunStale(diagram_.program().derivatives);
+  CheckSamplesFor(program.held);
+  CheckSamplesFor(program.derivatives);
+  RunStale(program.held);
+  RunStale(program.derivatives);
   return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_.num_continuous_states());
 }
 
@@ -309,8 +328,8 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(last_error_, archive);
   for (const Cell& cell : program.saved) {
     const Source& source = *cell.source;
-    const bool ran = source.calculation_ < 0 || stamps_[source.calculation_] != 0;
-    internal::Save(ran, archive);
+    const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
+    internal::Save(fresh, archive);
     try {
       source.type_->save(memory_.get() + cell.offset, archive);
     } catch (const Error& error) {
@@ -322,6 +341,11 @@ std::vector<std::byte> Context::Save() const {
 }
 
 void Context::Restore(std::span<const std::byte> bytes) {
+  Clone()->Load(bytes);  // a snapshot that is refused leaves this context as it is
+  Load(bytes);
+}
+
+void Context::Load(std::span<const std::byte> bytes) {
   const internal::Program& program = diagram_.program();
   internal::Archive archive;
   archive.Write(bytes.data(), bytes.size());
@@ -336,18 +360,22 @@ void Context::Restore(std::span<const std::byte> bytes) {
   internal::Load(started_, archive);
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
+  SetTime(time);
   for (const Cell& cell : program.saved) {
-    bool ran = false;
-    internal::Load(ran, archive);
+    bool fresh = false;
+    internal::Load(fresh, archive);
     cell.source->type_->load(memory_.get() + cell.offset, archive);
-    if (cell.source->calculation_ >= 0) stamps_[cell.source->calculation_] = ran ? 1 : 0;
+    const int calculation = cell.source->calculation_;
+    if (calculation < 0) continue;
+    const std::uint64_t stamp = program.calculations[calculation].varies ? instant_ : 1;
+    stamps_[calculation] = fresh ? stamp : 0;
   }
   for (std::size_t i = 0; i < fixed_.size(); ++i) {
     bool fixed = false;
     internal::Load(fixed, archive);
     fixed_[i] = fixed;
   }
-  SetTime(time);
+  if (!archive.exhausted()) throw RunError("the snapshot is longer than this diagram's: it is damaged");
 }
 
 void Context::SaveFile(const std::filesystem::path& file) const {
@@ -364,7 +392,11 @@ void Context::RestoreFile(const std::filesystem::path& file) {
   std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  Restore(bytes);
+  try {
+    Restore(bytes);
+  } catch (const Error& error) {
+    throw RunError(fmt::format("cannot restore '{}': {}", file.string(), error.what()));
+  }
 }
 
 }  // namespace tenon

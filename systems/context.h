@@ -19,6 +19,7 @@ class Diagram;
 
 namespace internal {
 struct Op;
+struct CalculationInfo;
 struct UpdatePlan;
 struct TickPlan;
 struct Program;
@@ -57,7 +58,8 @@ class Context {
   /// All continuous states [SI units], in the order of Diagram::ContinuousStateNames().
   Eigen::Map<const Eigen::VectorXd> continuous_state() const;
   void SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state);
-  /// Their time derivatives at the present values.
+  /// Their time derivatives at the present values. Throws RunError if they need a sampled output that has not
+  /// run yet or an open input that was never fixed.
   Eigen::VectorXd EvalTimeDerivatives();
   /// What an integrator calls at every stage: moves to time `t` [s] and states `x`, and writes ẋ. Samples,
   /// modes and what depends on them alone stay as they are. Allocates nothing.
@@ -66,7 +68,8 @@ class Context {
   std::unique_ptr<Context> Clone() const;
   /// The whole context as bytes; throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
-  /// Takes over what Save gave, from a context of the same diagram; throws RunError if it is another.
+  /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if it
+  /// is another or cut short.
   void Restore(std::span<const std::byte> bytes);
   /// The same with a file; throws RunError that names the file if it cannot be written or read.
   void SaveFile(const std::filesystem::path& file) const;
@@ -90,9 +93,13 @@ class Context {
   void* MutableAddress(const Source& source);
   const std::byte* Address(const Source& source) const;
   void CheckOwned(const Source& source) const;
+  void CheckSettable(const Source& source) const;
   void CheckFixed(const Source& origin) const;
   void CheckAllFixed() const;
+  void CheckSample(const internal::CalculationInfo& sampled) const;
+  void CheckSamplesFor(const std::vector<internal::Op>& ops) const;
   void EnsureFresh(int calculation);
+  void Load(std::span<const std::byte> bytes);
   bool IsFresh(const internal::Op& op) const;
   void MarkAllStale();
   double* continuous_data();

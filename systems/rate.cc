@@ -12,11 +12,11 @@ namespace tenon {
 
 namespace internal {
 
-Rational ToRational(double value, const char* what) {
+Rational ToRational(double value, const char* what, const char* unit) {
   constexpr double kTolerance = 1e-12;
   constexpr std::int64_t kMaxDenominator = 1'000'000;
   if (!(value >= 0) || value > 1e9) {
-    throw ParameterError(fmt::format("{} of {} s is not a time: give a finite number, 0 or more", what, value));
+    throw ParameterError(fmt::format("{} of {} {} is out of range: give a number from 0 to 1e9", what, value, unit));
   }
   // Continued fraction: the convergents p/q are the best approximations for their size.
   std::int64_t p0 = 0, q0 = 1, p1 = 1, q1 = 0;
@@ -33,8 +33,8 @@ Rational ToRational(double value, const char* what) {
     rest = 1 / (rest - whole);
   }
   throw ParameterError(fmt::format(
-      "{} of {} s is no fraction with a denominator up to {}: ticks are exact fractions of a second, so round it",
-      what, value, kMaxDenominator));
+      "{} of {} {} is no fraction with a denominator up to {}: ticks are exact fractions of a second, so round it",
+      what, value, unit, kMaxDenominator));
 }
 
 }  // namespace internal
@@ -53,7 +53,7 @@ Rate Hz(double hz) {
   if (!(hz > 0) || !std::isfinite(hz)) {
     throw ParameterError(fmt::format("a rate of {} Hz is not positive and finite: give a rate above 0 Hz", hz));
   }
-  const internal::Rational ratio = internal::ToRational(hz, "a rate");
+  const internal::Rational ratio = internal::ToRational(hz, "a rate", "Hz");
   return Rate(ratio.denominator, ratio.numerator);
 }
 

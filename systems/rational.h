@@ -13,6 +13,6 @@ struct Rational {
 
 /// The simplest fraction within 1e-12 of `value`, which must be 0 or more; throws ParameterError that names
 /// `what` if there is none with a denominator up to 10^6.
-Rational ToRational(double value, const char* what);
+Rational ToRational(double value, const char* what, const char* unit = "s");
 
 }  // namespace tenon::internal

@@ -15,11 +15,14 @@ constexpr std::int64_t kMaxTicksPerSecond = 1'000'000'000'000;
 
 Schedule::Schedule(std::vector<SampleGroup> groups) {
   for (const SampleGroup& group : groups) {
-    per_second_ = std::lcm(per_second_, std::lcm(group.period.denominator, group.offset.denominator));
-    if (per_second_ > kMaxTicksPerSecond || per_second_ <= 0) {
-      throw BuildError(fmt::format(
-          "the sample times of '{}' and '{}' have no common tick above a picosecond: round their periods",
-          groups.front().example, group.example));
+    for (const std::int64_t denominator : {group.period.denominator, group.offset.denominator}) {
+      const std::int64_t factor = denominator / std::gcd(per_second_, denominator);
+      if (factor > kMaxTicksPerSecond / per_second_) {
+        throw BuildError(fmt::format(
+            "the sample times of '{}' and '{}' have no common tick above a picosecond: round their periods",
+            groups.front().example, group.example));
+      }
+      per_second_ *= factor;
     }
   }
   for (const SampleGroup& group : groups) {
@@ -30,11 +33,11 @@ Schedule::Schedule(std::vector<SampleGroup> groups) {
 }
 
 void Schedule::MoveTo(double time, bool inclusive) {
-  const double exact = time * static_cast<double>(per_second_);
-  const double nearest = std::round(exact);
-  const bool at_tick = nearest / static_cast<double>(per_second_) == time;
-  // The first tick that counts.
-  const auto first = static_cast<std::int64_t>(at_tick ? nearest + (inclusive ? 0 : 1) : std::ceil(exact));
+  // The first tick that counts. The product may round up to a tick that `time` is short of, or past.
+  const auto per_second = static_cast<double>(per_second_);
+  auto first = static_cast<std::int64_t>(std::floor(time * per_second));
+  const auto counts = [&](double tick_time) { return inclusive ? tick_time >= time : tick_time > time; };
+  while (!counts(static_cast<double>(first) / per_second)) ++first;
   for (Entry& entry : entries_) {
     const std::int64_t late = first - entry.offset;
     const std::int64_t periods = late <= 0 ? 0 : (late + entry.period - 1) / entry.period;

@@ -42,7 +42,7 @@ void Archive::Write(const void* data, std::size_t size) {
 
 void Archive::Read(void* data, std::size_t size) {
   if (size > bytes_.size() - cursor_) {
-    throw Error("the snapshot is cut short: " + std::to_string(bytes_.size()) + " bytes, more are needed");
+    throw RunError("the snapshot is cut short: " + std::to_string(bytes_.size()) + " bytes, more are needed");
   }
   std::memcpy(data, bytes_.data() + cursor_, size);
   cursor_ += size;

@@ -111,7 +111,7 @@ void ListElements(const T& model, const Spec& spec, const std::string& prefix, s
 class Archive {
  public:
   void Write(const void* data, std::size_t size);
-  void Read(void* data, std::size_t size);  ///< throws Error past the end
+  void Read(void* data, std::size_t size);  ///< throws RunError past the end
   std::vector<std::byte>& bytes() { return bytes_; }
   const std::vector<std::byte>& bytes() const { return bytes_; }
   bool exhausted() const { return cursor_ == bytes_.size(); }
@@ -172,6 +172,7 @@ struct TypeInfo {
   void (*destroy)(void* value);
   void (*assign)(void* to, const void* from);
   void (*list_elements)(const void* model, const Spec& spec, std::vector<Element>& out);
+  std::size_t (*count)(const void* value);               ///< of its elements
   double* (*to_doubles)(const void* value, double* out);  ///< returns the end of what it wrote
   void (*from_doubles)(void* value, const double* in);
   Finiteness (*finiteness)(const void* value);
@@ -202,6 +203,12 @@ inline constexpr TypeInfo kTypeInfo{
     .list_elements =
         [](const void* model, const Spec& spec, std::vector<Element>& out) {
           ListElements(*static_cast<const T*>(model), spec, "", out);
+        },
+    .count =
+        [](const void* value) {
+          std::size_t count = 0;
+          VisitScalars(*static_cast<const T*>(value), [&](const auto&) { ++count; });
+          return count;
         },
     .to_doubles =
         [](const void* value, double* out) {

@@ -16,6 +16,12 @@ namespace tenon {
 void MemoryLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   names_ = names;
   units_ = units;
+  if (reserved_ > 0) Reserve(reserved_);
+}
+
+void MemoryLog::Reserve(std::size_t rows) {
+  reserved_ = rows;
+  data_.reserve(data_.size() + rows * names_.size());
 }
 
 void MemoryLog::Row(std::span<const double> row) { data_.insert(data_.end(), row.begin(), row.end()); }
@@ -81,6 +87,7 @@ void SignalLog::Begin() {
   for (const Source* signal : signals_) {
     std::vector<Element> elements;
     signal->type_->list_elements(context_.EvalAddress(*signal), signal->spec(), elements);
+    sizes_.push_back(elements.size());
     for (const Element& element : elements) {
       names.push_back(signal->path() + (element.name.empty() ? "" : "." + element.name));
       units.push_back(element.unit);
@@ -95,7 +102,15 @@ void SignalLog::Sample() {
   context_.RunStale(ops_);
   double* out = row_.data();
   *out++ = context_.time();
-  for (const Source* signal : signals_) out = signal->type_->to_doubles(context_.Address(*signal), out);
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const void* value = context_.Address(*signals_[i]);
+    if (const std::size_t size = signals_[i]->type_->count(value); size != sizes_[i]) {
+      throw RunError(fmt::format(
+          "'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals of constant size",
+          signals_[i]->path(), sizes_[i], size, context_.time()));
+    }
+    out = signals_[i]->type_->to_doubles(value, out);
+  }
   for (const auto& sink : sinks_) sink->Row(row_);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -30,7 +31,7 @@ class MemoryLog final : public LogSink {
   void Row(std::span<const double> row) override;
 
   /// Makes room, so that the next `rows` rows do not allocate.
-  void Reserve(std::size_t rows) { data_.reserve(data_.size() + rows * std::max<std::size_t>(1, names_.size())); }
+  void Reserve(std::size_t rows);
   std::size_t rows() const { return names_.empty() ? 0 : data_.size() / names_.size(); }
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }
@@ -42,6 +43,7 @@ class MemoryLog final : public LogSink {
   std::vector<std::string> names_;
   std::vector<std::string> units_;
   std::vector<double> data_;
+  std::size_t reserved_ = 0;  ///< rows asked for before their length was known
 };
 
 /// Writes a log as CSV with a header of "name [unit]", row by row, so that a killed run leaves what it had.
@@ -68,7 +70,8 @@ class SignalLog {
  public:
   SignalLog(Context& context, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
   ~SignalLog();
-  /// Computes what is stale and hands a row to the sinks.
+  /// Computes what is stale and hands a row to the sinks. Throws RunError if a signal has another size than in
+  /// the first row.
   void Sample();
   void Flush();
 
@@ -79,6 +82,7 @@ class SignalLog {
   std::vector<std::shared_ptr<LogSink>> sinks_;
   std::vector<internal::Op> ops_;
   std::vector<double> row_;
+  std::vector<std::size_t> sizes_;  ///< of each signal
 };
 
 }  // namespace tenon

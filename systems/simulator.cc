@@ -13,6 +13,14 @@ namespace tenon {
 
 using internal::TickPlan;
 
+namespace {
+
+/// Times that differ by less are the same: sums of periods round differently than ticks do, and an interval
+/// between the two would be a step of 1e-17 s.
+double Rounding(double time) { return 1e-10 * (1 + std::abs(time)); }
+
+}  // namespace
+
 Simulator::Simulator(const Diagram& diagram, SimulatorOptions options)
     : Simulator(diagram.CreateContext(options.seed), options) {}
 
@@ -23,6 +31,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
       integrator_(*context_, options_) {
   witness_values_.resize(program_.witness_plans.size());
   new_witness_values_.resize(program_.witness_plans.size());
+  events_.resize(program_.witness_plans.size());
   RebuildSchedule();
 }
 
@@ -50,24 +59,22 @@ void Simulator::RebuildSchedule() {
   }
   if (entries.size() > 64) throw BuildError("more than 64 different sample times and logs: give logs the same rate");
   schedule_ = std::make_unique<internal::Schedule>(std::move(entries));
-  synchronized_time_ = -1;
+  schedule_->MoveTo(context_->time(), !context_->started_);
 }
 
 /// Finds the place in the schedule again after the context was restored or set by hand.
 void Simulator::Synchronize() {
-  if (synchronized_time_ == context_->time()) return;
+  if (synchronized_time_ == context_->time() && context_->started_) return;
   schedule_->MoveTo(context_->time(), !context_->started_);
-  synchronized_time_ = context_->time();
-  if (context_->started_) {
-    context_->RunStale(program_.held);
-    EvaluateWitnesses(witness_values_);
-  }
+  end_reason_.reset();
+  pace_start_ = {};
 }
 
 RunStatus Simulator::Initialize() { return AdvanceTo(context_->time()); }
 
 RunStatus Simulator::AdvanceTo(double time) {
-  if (std::isnan(time) || time < context_->time()) {
+  const double rounding = Rounding(time);
+  if (std::isnan(time) || time < context_->time() - rounding) {
     throw RunError(fmt::format("cannot advance to t = {} s: the run is at t = {} s already", time, context_->time()));
   }
   try {
@@ -77,16 +84,12 @@ RunStatus Simulator::AdvanceTo(double time) {
       pace_start_ = std::chrono::steady_clock::now();
       pace_start_time_ = context_->time();
     }
-    if (!context_->started_) {
-      context_->started_ = true;
-      context_->Apply(program_.at_start);
-      EvaluateWitnesses(witness_values_);
-      if (schedule_->next_time() == context_->time()) Tick();
-    }
-    while (context_->time() < time && !end_reason_) {
-      const double end = std::min(time, schedule_->next_time());
-      IntegrateTo(end);
-      if (!end_reason_ && end == schedule_->next_time()) Tick();
+    if (!context_->started_) Start();
+    while (!end_reason_) {
+      const bool tick = schedule_->next_time() <= time + rounding;
+      if (!tick && context_->time() >= time - rounding) break;
+      IntegrateTo(tick ? schedule_->next_time() : time);
+      if (tick && !end_reason_) Tick();
       KeepPace();
     }
     synchronized_time_ = context_->time();
@@ -98,30 +101,44 @@ RunStatus Simulator::AdvanceTo(double time) {
   return {context_->time(), end_reason_.has_value(), end_reason_.value_or("")};
 }
 
+void Simulator::Start() {
+  context_->started_ = true;
+  context_->CheckSamplesFor(program_.at_start.ops);
+  context_->Apply(program_.at_start);
+  if (schedule_->next_time() == context_->time()) Tick(true);
+  for (const internal::CalculationInfo& info : program_.calculations) {
+    if (info.sampled) context_->CheckSample(info);  // all have run, unless the run starts between their ticks
+  }
+}
+
 void Simulator::IntegrateTo(double end) {
   const bool each_step = !program_.each_step.empty() || !program_.each_step_verdicts.empty();
   if (program_.num_continuous == 0 && program_.witness_plans.empty() && !each_step) {
     context_->SetRunTime(end);
     return;
   }
+  // What rounding leaves over, behind a root say, is no interval that could be integrated.
+  const auto goes_on = [&] { return end - context_->time() > 1e-14 * (1 + std::abs(end)) && !end_reason_; };
   context_->RunStale(program_.held);
-  integrator_.Restart(end);
-  while (context_->time() < end && !end_reason_) {
+  if (goes_on()) integrator_.Restart(end);
+  while (goes_on()) {
     const SundialsIntegrator::Stop stop = integrator_.Advance(each_step);
     if (each_step) AfterStep();
     if (stop == SundialsIntegrator::Stop::kRoot) HandleRoots();
     const bool changed = stop == SundialsIntegrator::Stop::kRoot || !program_.each_step.empty();
-    if (changed && context_->time() < end) {
+    if (changed && goes_on()) {
       context_->RunStale(program_.held);
       integrator_.Restart(end);
     }
   }
+  if (context_->time() < end && !end_reason_) context_->SetRunTime(end);
 }
 
-void Simulator::Tick() {
+/// The first tick of a run gives samples the values that witnesses may read; the others may change them.
+void Simulator::Tick(bool first) {
   const std::uint64_t due = schedule_->Take();
   const std::uint64_t own = program_.groups.empty() ? 0 : due & (~std::uint64_t{0} >> (64 - program_.groups.size()));
-  if (!program_.witness_plans.empty()) EvaluateWitnesses(witness_values_);
+  if (!first) EvaluateWitnesses(witness_values_);
   const TickPlan* plan = nullptr;
   if (own != 0) {
     plan = &*std::lower_bound(program_.ticks.begin(), program_.ticks.end(), own,
@@ -133,6 +150,7 @@ void Simulator::Tick() {
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     if (due >> (program_.groups.size() + i) & 1) logs_[i]->log.Sample();
   }
+  if (first) EvaluateWitnesses(witness_values_);
   if (plan != nullptr) {
     Judge(plan->monitors, plan->verdicts);
     context_->Apply(plan->updates);
@@ -175,19 +193,20 @@ void Simulator::EvaluateWitnesses(std::vector<double>& values) {
 void Simulator::Fire(std::size_t witness) {
   const internal::WitnessPlan& plan = program_.witness_plans[witness];
   const double now = context_->time();
-  events_ = std::abs(now - event_instant_) <= 1e-9 * (1 + std::abs(now)) ? events_ + 1 : 1;
-  event_instant_ = now;
-  if (events_ > options_.max_events) {
+  Events& events = events_[witness];
+  events.count = std::abs(now - events.instant) <= 1e-9 * (1 + std::abs(now)) ? events.count + 1 : 1;
+  events.instant = now;
+  if (events.count > options_.max_events) {
     throw RunError(fmt::format(
         "witness '{}' fires for the {}th time at t = {} s: its updates must move the state away from the crossing",
-        plan.witness->path(), events_, now));
+        plan.witness->path(), events.count, now));
   }
   context_->Apply(plan.updates);
 }
 
 void Simulator::HandleRoots() {
   EvaluateWitnesses(witness_values_);
-  const std::vector<int> roots = integrator_.roots();
+  const std::vector<int>& roots = integrator_.roots();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     if (roots[i] == 0) continue;
     Fire(i);

@@ -49,8 +49,8 @@ class Simulator {
 
   /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
   RunStatus Initialize();
-  /// Runs up to and including the tick at `time` [s]. A time that is no tick cuts a step in two and so changes
-  /// the last digits of what follows. Throws RunError: what a block threw, the first value that is not
+  /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors. A time
+  /// that is no tick cuts a step in two and so changes the last digits of what follows. Throws RunError: what a block threw, the first value that is not
   /// finite, the integrator's failure with its worst state, or events without end.
   RunStatus AdvanceTo(double time);
   /// Time of the next tick [s], infinity if there is none.
@@ -62,7 +62,8 @@ class Simulator {
   void Synchronize();
   void RebuildSchedule();
   void IntegrateTo(double end);
-  void Tick();
+  void Start();
+  void Tick(bool first = false);
   void AfterStep();
   void HandleRoots();
   void HandleJumps();
@@ -88,8 +89,11 @@ class Simulator {
 
   std::vector<double> witness_values_;
   std::vector<double> new_witness_values_;
-  double event_instant_ = -1;
-  int events_ = 0;
+  struct Events {
+    double instant = -1;
+    int count = 0;  ///< at this instant
+  };
+  std::vector<Events> events_;  ///< of each witness
 
   std::optional<std::string> end_reason_;
   std::chrono::steady_clock::time_point pace_start_{};

@@ -24,6 +24,7 @@ constexpr double kSafety = 0.9;        // of our step size, see ChooseStep
 constexpr double kArkodeSafety = 0.5;  // ARKODE multiplies a step of ours by this; it is divided out
 constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
+constexpr int kMaxRefused = 50;
 
 /// Explicit midpoint with Euler embedded. SUNDIALS's own table of order 2 (Heun-Euler) ends at abscissa 1, and
 /// ERKStep 6.4 then takes the last stage for the next step's first, which it is not.
@@ -80,6 +81,8 @@ struct SundialsIntegrator::Sundials {
   double dummy = 0;  // the state of a diagram that has none, but witnesses of time
 
   double end = 0;
+  double step = 0;  // the first one after the restart; if fixed, all
+  int refused = 0;  // evaluations since the restart that were not finite
   bool first_evaluation = false;
   std::vector<int> roots;
   std::vector<int> directions;
@@ -244,16 +247,18 @@ double SundialsIntegrator::Sundials::FirstStep() const {
 
 void SundialsIntegrator::Sundials::Restart(double to) {
   end = to;
+  step = FirstStep();
   first_evaluation = true;
   const double t = context.time();
+  refused = 0;
   if (erk()) {
     ERKStepReset(memory, t, y);
     ERKStepSetStopTime(memory, end);
-    options.fixed_step > 0 ? ERKStepSetFixedStep(memory, FirstStep()) : ERKStepSetInitStep(memory, FirstStep());
+    options.fixed_step > 0 ? ERKStepSetFixedStep(memory, step) : ERKStepSetInitStep(memory, step);
   } else if (dirk()) {
     ARKStepReset(memory, t, y);
     ARKStepSetStopTime(memory, end);
-    options.fixed_step > 0 ? ARKStepSetFixedStep(memory, FirstStep()) : ARKStepSetInitStep(memory, FirstStep());
+    options.fixed_step > 0 ? ARKStepSetFixedStep(memory, step) : ARKStepSetInitStep(memory, step);
   } else {
     long steps = 0, failures = 0;
     CVodeGetNumSteps(memory, &steps);
@@ -286,7 +291,7 @@ SundialsIntegrator::Stop SundialsIntegrator::Sundials::Advance(bool one_step) {
     CVodeGetLastStep(memory, &h);
     Count(h);
   } else if (options.fixed_step > 0) {
-    Count(options.fixed_step);
+    Count(step);
   }
   if (!root) return arrived ? Stop::kArrived : Stop::kStep;
   if (erk()) ERKStepGetRootInfo(memory, roots.data());
@@ -328,9 +333,13 @@ int SundialsIntegrator::Sundials::Rhs(double t, N_Vector y, N_Vector ydot, void*
   }
   double sum = 0;
   for (int i = 0; i < size; ++i) sum += derivatives[i] * 0;
-  if (sum == 0) return 0;
+  if (sum == 0) {
+    self.not_finite.clear();
+    return 0;
+  }
   self.not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
-  return first ? -1 : 1;  // inside a step, a smaller one may help
+  // A smaller step may help, but not for ever: step sizes have no lower bound.
+  return first || ++self.refused > kMaxRefused ? -1 : 1;
 }
 
 int SundialsIntegrator::Sundials::Roots(double t, N_Vector y, double* g, void* self_pointer) {
@@ -361,17 +370,20 @@ int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, doub
   auto& self = *static_cast<Sundials*>(self_pointer);
   Context& context = self.context;
   const double order = std::min(p, q) + 1;
+  // A step cut short by the end of its interval says little of the next one.
+  const bool cut = t >= self.end - 1e-12 * (1 + std::abs(t)) && h1 < 0.5 * context.next_step_;
   const double error = std::max(e1, 1e-10);
   double factor = kSafety * std::pow(error, -0.7 / order);
   const bool accepted = e1 <= 1;
   if (accepted) {
     if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
-    context.last_error_ = error;
+    if (!cut) context.last_error_ = error;
     self.Count(h1);
   } else {
     factor = std::min(kSafety, kSafety * std::pow(error, -1 / order));
   }
   double wanted = h1 * std::clamp(factor, kMinShrink, kMaxGrowth);
+  if (accepted && cut) wanted = std::max(wanted, context.next_step_);
   if (self.options.max_step > 0) wanted = std::min(wanted, self.options.max_step);
   context.next_step_ = wanted;
   const double remaining = self.end - t;
@@ -398,6 +410,7 @@ std::string SundialsIntegrator::Sundials::WorstState() {
 }
 
 void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
+  ++context.instant_;  // the context holds values of different times
   if (thrown) std::rethrow_exception(thrown);
   if (!not_finite.empty()) {
     throw RunError(fmt::format("{}: the run cannot go on; check that block and what feeds it", not_finite));

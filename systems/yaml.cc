@@ -1,13 +1,14 @@
 #include "tenon/systems/yaml.h"
 
 #include <fmt/format.h>
-#include <tenon/systems/yaml_tree.h>
 
 #include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <sstream>
 #include <system_error>
+
+#include "tenon/systems/yaml_tree.h"
 
 namespace tenon {
 
@@ -29,6 +30,11 @@ YamlDocument YamlDocument::Load(const std::filesystem::path& path) {
 YamlDocument YamlDocument::Parse(std::string text, std::string name) {
   const auto place_of = [&](int line, int column) { return fmt::format("{}:{}:{}", name, line, column); };
   return YamlDocument(std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)));
+}
+
+std::string YamlDocument::Text(std::string_view key) const {
+  const auto found = YamlTree::FindKey(*tree_, key);
+  return found == tree_->children.end() ? "" : found->text;
 }
 
 void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text) {

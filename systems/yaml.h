@@ -1,13 +1,14 @@
 #pragma once
 
-#include <tenon/systems/errors.h>
-#include <tenon/systems/fields.h>
-#include <tenon/systems/yaml_node.h>
-#include <tenon/systems/yaml_writer.h>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "tenon/systems/errors.h"
+#include "tenon/systems/fields.h"
+#include "tenon/systems/yaml_node.h"
+#include "tenon/systems/yaml_writer.h"
 
 namespace tenon {
 
@@ -45,6 +46,9 @@ class YamlDocument {
   /// keys and list indices (`anchors.2`). A map key that is missing is added, a list does not grow.
   /// Errors that stem from the value say `--set a.b=3` instead of a line of the file.
   void Set(std::string_view dotted_key, std::string_view value_text);
+
+  /// The text of a scalar at top level; empty if there is none of that key.
+  std::string Text(std::string_view key) const;
 
   /// Reads the document into a T that holds its defaults.
   template <HasFields T>

@@ -1,7 +1,6 @@
 #include "tenon/systems/yaml_node.h"
 
 #include <fmt/format.h>
-#include <tenon/systems/yaml_tree.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,25 +10,13 @@
 #include <numeric>
 #include <system_error>
 
+#include "tenon/systems/nearest_name.h"
+#include "tenon/systems/yaml_tree.h"
+
 namespace tenon::internal {
 namespace {
 
 using Kind = YamlTree::Kind;
-
-/// Levenshtein's distance: how many letters to insert, remove or replace.
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 bool IsUnit(std::string_view word) {
   constexpr std::string_view kUnits[] = {
@@ -64,9 +51,9 @@ std::string SuggestKey(std::string_view unknown, std::span<const YamlKey> keys) 
     return fmt::format("the unit is wrong: convert the value from {} to {} and write '{}'", unit, valid_unit,
                        key.name);
   }
-  const YamlKey& nearest = *std::ranges::min_element(
-      keys, {}, [&](const YamlKey& key) { return EditDistance(unknown, key.name); });
-  return fmt::format("the nearest valid key is '{}'", nearest.name);
+  std::vector<std::string> names;
+  for (const YamlKey& key : keys) names.emplace_back(key.name);
+  return fmt::format("the nearest valid key is '{}'", NearestName(unknown, names));
 }
 
 std::string JoinKeys(std::span<const YamlKey> keys) {

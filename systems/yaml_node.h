@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tenon/systems/errors.h>
-#include <tenon/systems/fields.h>
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -13,6 +11,9 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "tenon/systems/errors.h"
+#include "tenon/systems/fields.h"
 
 namespace tenon {
 
@@ -26,6 +27,15 @@ template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires(E e) {
   EnumNames(e);
 };
+
+/// The name of an enumerator; "?" for a value that has none.
+template <NamedEnum E>
+constexpr const char* EnumName(E value) {
+  for (const auto& [e, name] : EnumNames(value)) {
+    if (e == value) return name;
+  }
+  return "?";
+}
 
 namespace internal {
 

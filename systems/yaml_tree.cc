@@ -1,13 +1,14 @@
 #include "tenon/systems/yaml_tree.h"
 
 #include <fmt/format.h>
-#include <tenon/systems/errors.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <map>
 #include <optional>
 #include <utility>
+
+#include "tenon/systems/errors.h"
 
 namespace tenon::internal {
 namespace {

@@ -1,12 +1,13 @@
 #include "tenon/systems/yaml_writer.h"
 
 #include <fmt/format.h>
-#include <tenon/systems/errors.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+
+#include "tenon/systems/errors.h"
 
 namespace tenon::internal {
 namespace {
@@ -76,7 +77,8 @@ void YamlWriter::WriteKey(const std::string& key) {
   impl_->Emit(key);
   impl_->emitter << YAML::Value;
 }
-void YamlWriter::BeginMap() {
+void YamlWriter::BeginMap(bool empty) {
+  if (empty) impl_->emitter << YAML::Flow;
   impl_->emitter << YAML::BeginMap;
 }
 void YamlWriter::EndMap() {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tenon/systems/fields.h>
-#include <tenon/systems/yaml_node.h>
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -10,6 +8,9 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "tenon/systems/fields.h"
+#include "tenon/systems/yaml_node.h"
 
 namespace tenon {
 namespace internal {

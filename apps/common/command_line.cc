@@ -1,0 +1,66 @@
+#include "tenon/apps/common/command_line.h"
+
+#include <fmt/core.h>
+
+#include "tenon/plants/description/resources.h"
+#include "tenon/systems/errors.h"
+
+namespace tenon::apps {
+
+void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
+  app.add_option("SCENARIO", arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
+  app.add_option("--seed", arguments.seed, "seed of all random streams");
+  app.add_option("--set", arguments.settings, "override a value of the scenario: --set pd.rate_hz=500")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--duration", arguments.duration, "simulated time [s], instead of the scenario's")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--out", arguments.out, "directory for all output (default: out/SCENARIO)");
+  app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
+  app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
+  app.footer(
+      "Writes summary.json, signals.csv and scenario.yaml (every default filled in) to the output directory.\n"
+      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell or broke a forbidden limit; 4 numerical failure.");
+}
+
+int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kRan : kBadUsage;
+  }
+  try {
+    return body();
+  } catch (const RunError& error) {
+    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    return kNumericalFailure;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
+    return kBadUsage;
+  }
+}
+
+YamlDocument LoadScenario(const CommonArguments& arguments) {
+  if (arguments.scenario.empty()) {
+    throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
+  }
+  YamlDocument document = YamlDocument::Load(FindResource("scenarios", arguments.scenario));
+  for (const std::string& setting : arguments.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500", setting));
+    }
+    document.Set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return document;
+}
+
+void ListScenarios(const std::string& app) {
+  for (const std::string& name : ListResources("scenarios")) {
+    const YamlDocument document = YamlDocument::Load(FindResource("scenarios", name));
+    if (document.Text("app") != app) continue;
+    fmt::print("{:<16} {}\n", name, document.Text("description"));
+  }
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tenon/systems/yaml.h"
+
+namespace tenon::apps {
+
+/// What every app returns to the shell.
+enum ExitCode {
+  kRan = 0,
+  kBadUsage = 2,       ///< command line, scenario or robot file
+  kLimitBroken = 3,    ///< the robot fell, or broke a limit that the scenario forbids to break
+  kNumericalFailure = 4,
+};
+
+/// The arguments that all apps share.
+struct CommonArguments {
+  std::string scenario;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> settings;  ///< key=value
+  std::optional<double> duration;     ///< [s]
+  std::string out;                    ///< directory; empty: out/SCENARIO
+  std::string graph;                  ///< file; empty: none
+  bool list = false;
+};
+
+/// Declares the shared arguments on an app's command line; the app may add its own.
+void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
+
+/// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
+int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
+
+/// The scenario file with all --set overrides applied; throws ParameterError.
+YamlDocument LoadScenario(const CommonArguments& arguments);
+
+/// Prints name and description of every shipped scenario whose `app` key is this app's name.
+void ListScenarios(const std::string& app);
+
+}  // namespace tenon::apps

@@ -1,0 +1,97 @@
+#include "tenon/apps/common/outputs.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tenon/systems/errors.h"
+
+namespace tenon::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void WriteText(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  out.close();
+  if (!out) throw ParameterError(fmt::format("cannot write '{}': choose another --out or --graph", file.string()));
+}
+
+}  // namespace
+
+OutputDirectory::OutputDirectory(const CommonArguments& arguments, const std::string& scenario_yaml)
+    : path_(arguments.out.empty() ? fs::path("out") / fs::path(arguments.scenario).stem() : fs::path(arguments.out)),
+      graph_(arguments.graph) {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (error) {
+    throw ParameterError(fmt::format("cannot make the output directory '{}' ({}): choose another --out",
+                                     path_.string(), error.message()));
+  }
+  WriteText(path_ / "scenario.yaml", scenario_yaml);
+}
+
+void OutputDirectory::WriteGraph(const Diagram& diagram) const {
+  if (graph_.empty()) return;
+  if (graph_.extension() == ".dot") return WriteText(graph_, diagram.Graphviz());
+  if (graph_.extension() != ".svg") {
+    throw ParameterError(fmt::format("--graph {}: name a file that ends in .svg or .dot", graph_.string()));
+  }
+  WriteText(graph_, "");  // says so at once if the place cannot be written
+  const std::string command = fmt::format("dot -Tsvg -o '{}'", graph_.string());
+  std::FILE* dot = popen(command.c_str(), "w");
+  const std::string text = diagram.Graphviz();
+  if (dot != nullptr) std::fwrite(text.data(), 1, text.size(), dot);
+  if (dot == nullptr || pclose(dot) != 0) {
+    throw ParameterError(fmt::format("--graph {}: Graphviz's `dot` failed; install graphviz, or write a .dot file",
+                                     graph_.string()));
+  }
+}
+
+struct Summary::Json {
+  nlohmann::ordered_json values;
+};
+
+Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome)
+    : json_(std::make_unique<Json>()) {
+  const bool failed = !outcome.failure.empty();
+  exit_code_ = failed ? kNumericalFailure : outcome.status.ended ? kLimitBroken : kRan;
+  auto& values = json_->values;
+  values["case"] = case_name;
+  values["seed"] = seed;
+  values["finished"] = exit_code_ == kRan;
+  values["fell"] = outcome.status.ended;
+  values["end_reason"] = failed ? outcome.failure : outcome.status.ended ? outcome.status.reason : "end of the run";
+  values["simulated_s"] = outcome.status.time;
+  values["wall_s"] = outcome.wall_s;
+  values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
+}
+
+Summary::~Summary() = default;
+
+void Summary::Set(const std::string& key, double value) { json_->values[key] = value; }
+void Summary::Set(const std::string& key, const std::string& value) { json_->values[key] = value; }
+void Summary::Set(const std::string& key, const std::optional<double>& value) {
+  json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+void Summary::Write(const fs::path& file) const {
+  std::ofstream out(file);
+  out << json_->values.dump(2) << '\n';
+  out.close();
+  if (!out) throw RunError(fmt::format("cannot write '{}'", file.string()));
+}
+
+void Summary::Print() const {
+  for (const auto& [key, value] : json_->values.items()) {
+    fmt::print("{:<28} {}\n", key, value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
+                                   : value.is_string()     ? value.get<std::string>()
+                                                           : value.dump());
+  }
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "tenon/apps/common/command_line.h"
+#include "tenon/apps/common/progress.h"
+#include "tenon/systems/diagram.h"
+
+namespace tenon::apps {
+
+/// The directory that a run writes into; made if it is not there. Holds scenario.yaml from the start, so that
+/// even a killed run says what it was.
+class OutputDirectory {
+ public:
+  /// Throws ParameterError if the directory cannot be made or written.
+  OutputDirectory(const CommonArguments& arguments, const std::string& scenario_yaml);
+  const std::filesystem::path& path() const { return path_; }
+  /// Writes the diagram to the file of --graph, if there is one: as SVG through Graphviz, or as .dot. Throws
+  /// ParameterError for another ending, or if the file cannot be written or `dot` is missing.
+  void WriteGraph(const Diagram& diagram) const;
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path graph_;
+};
+
+/// summary.json: the figures of a run, SI units in the keys. Starts with those that all apps have.
+class Summary {
+ public:
+  Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
+  ~Summary();
+  void Set(const std::string& key, double value);
+  void Set(const std::string& key, const std::string& value);
+  /// Null if empty.
+  void Set(const std::string& key, const std::optional<double>& value);
+
+  void Write(const std::filesystem::path& file) const;  ///< throws RunError
+  void Print() const;                                   ///< on stdout, one figure a line
+  ExitCode exit_code() const { return exit_code_; }
+
+ private:
+  struct Json;
+  std::unique_ptr<Json> json_;
+  ExitCode exit_code_;
+};
+
+}  // namespace tenon::apps

@@ -1,0 +1,68 @@
+// tenon-cdpr: flies a cable-driven parallel robot along a path.
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "tenon/apps/cdpr_figures.h"
+#include "tenon/apps/cdpr_scenario.h"
+#include "tenon/apps/common/command_line.h"
+#include "tenon/apps/common/outputs.h"
+#include "tenon/apps/common/progress.h"
+
+namespace tenon::apps {
+namespace {
+
+int Run(const CommonArguments& arguments, const std::string& controller) {
+  if (arguments.list) {
+    ListScenarios("tenon-cdpr");
+    return kRan;
+  }
+  YamlDocument document = LoadScenario(arguments);
+  if (!controller.empty()) document.Set("controller", controller);
+  auto scenario = document.Read<CdprScenario>();
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+
+  DiagramBuilder builder;
+  auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
+  const auto diagram = builder.Build();
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(*diagram);
+
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  const std::vector<const Source*> signals{&loop.plant.platform, &loop.plant.euler, &loop.plant.acceleration,
+                                           &loop.plant.cables,   &loop.pd.command,  &loop.reference.reference};
+  const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
+  simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
+                   {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
+  const RunOutcome outcome = Advance(simulator, scenario.duration_s);
+
+  Summary summary(scenario.case_name, scenario.seed, outcome);
+  summary.Set("controller", std::string(EnumName(scenario.controller)));
+  summary.Set("tension_min_N", figures->tension_min());
+  summary.Set("tension_max_N", figures->tension_max());
+  summary.Set("command_min_N", figures->command_min());
+  summary.Set("command_max_N", figures->command_max());
+  summary.Set("tension_rate_rms_N_per_s", figures->tension_rate_rms());
+  summary.Set("euler_oscillation_rms_rad", figures->euler_oscillation_rms());
+  summary.Set("acceleration_rms_m_per_s2", figures->acceleration_rms());
+  summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
+  summary.Set("settling_time_s", figures->settling_time());
+  summary.Write(out.path() / "summary.json");
+  summary.Print();
+  return summary.exit_code();
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Flies a cable-driven parallel robot along a path and reports how well it did.", "tenon-cdpr");
+  tenon::apps::CommonArguments arguments;
+  tenon::apps::AddCommonArguments(app, arguments);
+  std::string controller;
+  app.add_option("--controller", controller, "pd (the scenario's, unless given)");
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, controller); });
+}

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+
+#include "tenon/controllers/equilibrium_path.h"
+#include "tenon/systems/ports.h"
+#include "tenon/systems/system.h"
+
+namespace tenon {
+
+struct ReferenceGeneratorParams {
+  /// Computed once, before the run; several blocks and contexts share it.
+  std::shared_ptr<const EquilibriumPath> path;
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError if there is no path
+};
+
+/// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
+/// the static equilibrium there.
+///
+/// Ports: out `reference`, sampled.
+class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  OutputPort<CdprReference> reference{this,
+                                      {"reference"},
+                                      params.path->At(0),
+                                      Sampled{params.rate},
+                                      Uses(time),
+                                      &ReferenceGenerator::CalcReference};
+
+ private:
+  CdprReference CalcReference(const double& time) const { return params.path->At(time); }
+};
+
+}  // namespace tenon

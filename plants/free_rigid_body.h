@@ -1,0 +1,56 @@
+#pragma once
+
+#include <tenon/plants/description/cdpr_signals.h>
+
+#include <Eigen/Core>
+#include <memory>
+
+namespace tenon {
+
+/// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), and perhaps a
+/// point mass fixed to it.
+///
+/// Simbody gives the accelerations A0 = (alpha, a) of the bare body, whose mass properties belong to the
+/// model's topology and cannot change in a run. The point mass m at r = R_WB p_B adds to them what it takes
+/// of the forces: with w the angular velocity it pulls on the body by
+///
+///     -m (a + alpha x r + w x (w x r))   at r,
+///
+/// whose last term is applied as a force and whose first two are M_m A, with M_m the spatial inertia of the
+/// mass about the body's origin. So, exactly, (M + M_m) A = M A0, six equations. Gravity accelerates all
+/// masses alike: it is added to a last, as is exact.
+///
+/// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
+/// one of them each. That needs a System without force subsystems, which is why forces are arguments here.
+/// Values depend on the arguments of the last Calc alone. Throws ParameterError if Simbody refuses the
+/// inertia.
+class FreeRigidBody {
+ public:
+  /// Not a body yet: good to be assigned to.
+  FreeRigidBody();
+  /// `mass` [kg] and `inertia_B` [kg m^2] about the CoM, which is the origin of B.
+  FreeRigidBody(double mass, const Eigen::Matrix3d& inertia_B);
+  FreeRigidBody(const FreeRigidBody& other);
+  FreeRigidBody& operator=(const FreeRigidBody& other);
+  ~FreeRigidBody();
+
+  /// Computes what the functions below return. The quaternion may have any length but zero.
+  void Calc(const PlatformState& x, const PlatformWrench& wrench, const Payload& payload, double gravity);
+
+  const PlatformAcceleration& acceleration() const { return acceleration_; }
+  /// d q_WB / dt, which leaves the length of the quaternion as it is.
+  const Vec<4>& quaternion_rate() const { return quaternion_rate_; }
+  /// Of body and point mass [J].
+  double kinetic_energy() const { return kinetic_energy_; }
+
+ private:
+  struct Model;
+  struct Work;
+  std::shared_ptr<const Model> model_;
+  std::unique_ptr<Work> work_;
+  PlatformAcceleration acceleration_;
+  Vec<4> quaternion_rate_ = Vec<4>::Zero();
+  double kinetic_energy_ = 0;
+};
+
+}  // namespace tenon

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "tenon/systems/primitives/elementwise.h"
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct DiscreteLowPassParams {
+  double time_constant = 0.1;          // [s]
+  T initial = internal::Filled<T>(0);  // y at the first tick [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";  // of input and output
+  void Validate() const {
+    Demand(time_constant > 0, "time_constant must be positive");
+    Demand(internal::IsFinite(initial), "initial must be finite");
+  }
+};
+
+/// A sampled first-order low-pass filter, for controllers. For an input that is held between ticks it is at
+/// every tick exactly what LowPassFilter is, with h the period:
+///
+///     y[n + 1] = y[n] + (1 - exp(-h / T)) (u[n] - y[n]),   y[0] = initial
+///
+///     | port | kind            | size | unit |
+///     | u    | input           | T    | unit |
+///     | y    | output, sampled | T    | unit |
+///
+/// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
+/// Throws ParameterError if the time constant is not positive or the initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
+ public:
+  using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
+  using LeafSystem<DiscreteLowPassParams<T>>::params;
+
+ private:
+  const double blend_ = -std::expm1(-params.rate.period() / params.time_constant);
+
+ public:
+  InputPort<T> u{this, {"u", params.unit}};
+  DiscreteState<T> x{this, {"x", params.unit}, params.initial};
+  OutputPort<T> y{
+      this, {"y", params.unit}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& { return x; }};
+  Update<T> next{x, Sampled{params.rate}, Uses(x, u),
+                 [this](const T& x, const T& u) -> T { return x + blend_ * (u - x); }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "tenon/systems/primitives/elementwise.h"
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct IntegratorParams {
+  T initial = internal::Filled<T>(0);  // y at t = 0 [y_unit]
+  std::string u_unit = "";             // of the input: y_unit per second
+  std::string y_unit = "";             // of the output
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
+};
+
+/// The integral over time:
+///
+///     dy/dt = u,   y(0) = initial
+///
+///     | port | kind             | size | unit   |
+///     | u    | input            | T    | u_unit |
+///     | y    | output, the state | T    | y_unit |
+///
+/// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
+/// Throws ParameterError if the initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class Integrator final : public LeafSystem<IntegratorParams<T>> {
+ public:
+  using LeafSystem<IntegratorParams<T>>::LeafSystem;
+  using LeafSystem<IntegratorParams<T>>::params;
+  InputPort<T> u{this, {"u", params.u_unit}};
+  ContinuousState<T> x{this, {"y", params.y_unit}, params.initial};
+  OutputPort<T> y{this, x};
+  TimeDerivative<T> dx{x, Uses(u), [](const T& u) -> const T& { return u; }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+#include "tenon/systems/primitives/elementwise.h"
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct LowPassFilterParams {
+  double time_constant = 0.1;          // [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
+  T initial = internal::Filled<T>(0);  // y at t = 0 [unit]
+  std::string unit = "";               // of input and output
+  void Validate() const {
+    Demand(time_constant > 0, "time_constant must be positive");
+    Demand(internal::IsFinite(initial), "initial must be finite");
+  }
+};
+
+/// A continuous first-order low-pass filter with gain 1:
+///
+///     T dy/dt = u - y,   y(0) = initial
+///
+///     | port | kind              | size | unit |
+///     | u    | input             | T    | unit |
+///     | y    | output, the state | T    | unit |
+///
+/// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
+/// Throws ParameterError if the time constant is not positive or the initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
+ public:
+  using LeafSystem<LowPassFilterParams<T>>::LeafSystem;
+  using LeafSystem<LowPassFilterParams<T>>::params;
+  InputPort<T> u{this, {"u", params.unit}};
+  ContinuousState<T> x{this, {"y", params.unit}, params.initial};
+  OutputPort<T> y{this, x};
+  TimeDerivative<T> dx{x, Uses(x, u),
+                       [this](const T& x, const T& u) -> T { return (1 / params.time_constant) * (u - x); }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <class T = double>
+struct SampleDelayParams {
+  int samples = 1;                    // the length of the delay, in periods; at least 1
+  T initial = internal::Zeroed<T>();  // y before the first sample arrives [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";  // of input and output
+  void Validate() const { Demand(samples >= 1, "samples must be 1 or more: a delay of 0 is a connection"); }
+};
+
+/// A delay by N samples, for transport and communication:
+///
+///     y[n] = u[n - N],   y[0] = … = y[N - 1] = initial
+///
+///     | port | kind            | size | unit |
+///     | u    | input           | T    | unit |
+///     | y    | output, sampled | T    | unit |
+///
+/// T is any copyable type but bool. The output does not depend on the present input, so the block breaks
+/// loops. A tick copies N values and allocates nothing if T does not. Throws ParameterError if N is below 1.
+template <class T = double>
+class SampleDelay final : public LeafSystem<SampleDelayParams<T>> {
+  static_assert(!std::is_same_v<T, bool>, "SampleDelay: delay an int or an enumeration instead of a bool.");
+  using Line = std::vector<T>;
+
+ public:
+  using LeafSystem<SampleDelayParams<T>>::LeafSystem;
+  using LeafSystem<SampleDelayParams<T>>::params;
+  InputPort<T> u{this, {"u", params.unit}};
+  /// What is on its way, the oldest first.
+  DiscreteState<Line> line{this, {"line", params.unit}, Line(params.samples, params.initial)};
+  OutputPort<T> y{this,           {"y", params.unit},
+                  params.initial, Sampled{params.rate},
+                  Uses(line),     [](const Line& line) -> const T& { return line.front(); }};
+  Update<Line> next{line, Sampled{params.rate}, Uses(line, u), [](const Line& line, const T& u, Line* next) {
+                      next->resize(line.size());
+                      std::copy(line.begin() + 1, line.end(), next->begin());
+                      next->back() = u;
+                    }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "tenon/systems/primitives/elementwise.h"
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct SaturationParams {
+  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  // [unit]
+  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   // [unit]
+  std::string unit = "";                                                    // of input, output and limits
+  void Validate() const {
+    Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
+           "lower must not exceed upper, in any element");
+  }
+};
+
+/// A limit, element by element:
+///
+///     y = min(max(u, lower), upper)
+///
+///     | port | kind   | size | unit |
+///     | u    | input  | T    | unit |
+///     | y    | output | T    | unit |
+///
+/// T is double or Vec<N>. A u that is not a number passes as it is. Throws ParameterError if a lower limit
+/// exceeds its upper one or either is not a number.
+template <internal::DoubleOrMatrix T = double>
+class Saturation final : public LeafSystem<SaturationParams<T>> {
+ public:
+  using LeafSystem<SaturationParams<T>>::LeafSystem;
+  using LeafSystem<SaturationParams<T>>::params;
+  InputPort<T> u{this, {"u", params.unit}};
+  OutputPort<T> y{this, {"y", params.unit}, Uses(u), [this](const T& u) -> T {
+                    const auto limit = [](double u, double low, double high) {
+                      return std::clamp(u, low, high);
+                    };
+                    return internal::Elementwise(limit, u, params.lower, params.upper);
+                  }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+struct SwitchParams {
+  std::string unit = "";  // of the two signals and the output
+};
+
+/// Passes on one of two signals:
+///
+///     y = on if select, else off
+///
+///     | port    | kind   | size | unit |
+///     | select  | input  | bool |      |
+///     | on, off | input  | T    | unit |
+///     | y       | output | T    | unit |
+///
+/// T is any copyable type. All inputs have feedthrough.
+template <class T = double>
+class Switch final : public LeafSystem<SwitchParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<bool> select{this, "select"};
+  InputPort<T> on{this, {"on", params.unit}};
+  InputPort<T> off{this, {"off", params.unit}};
+  OutputPort<T> y{this,
+                  {"y", params.unit},
+                  Uses(select, on, off),
+                  [](bool select, const T& on, const T& off) -> const T& { return select ? on : off; }};
+};
+
+struct ThresholdSwitchParams {
+  double threshold = 0;           // [control_unit]
+  std::string control_unit = "";  // of the control input
+  std::string unit = "";          // of the two signals and the output
+  void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
+};
+
+/// Passes on one of two signals, chosen by a number:
+///
+///     y = on if control >= threshold, else off
+///
+///     | port    | kind   | size   | unit         |
+///     | control | input  | double | control_unit |
+///     | on, off | input  | T      | unit         |
+///     | y       | output | T      | unit         |
+///
+/// T is any copyable type. All inputs have feedthrough. Throws ParameterError if the threshold is not finite.
+template <class T = double>
+class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> control{this, {"control", params.control_unit}};
+  InputPort<T> on{this, {"on", params.unit}};
+  InputPort<T> off{this, {"off", params.unit}};
+  OutputPort<T> y{this,
+                  {"y", params.unit},
+                  Uses(control, on, off),
+                  [this](double control, const T& on, const T& off) -> const T& {
+                    return control >= params.threshold ? on : off;
+                  }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tenon/systems/primitives/elementwise.h"
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+struct TransferFunctionParams {
+  std::vector<double> numerator = {1};   // coefficients of powers of s [1/s], highest first
+  std::vector<double> denominator = {};  // the same; Order + 1 of them, the first not zero
+  std::string u_unit = "";               // of the input
+  std::string y_unit = "";               // of the output
+  void Validate() const {
+    Demand(!numerator.empty(), "numerator must not be empty");
+    Demand(internal::IsFinite(numerator) && internal::IsFinite(denominator), "coefficients must be finite");
+    Demand(!denominator.empty() && denominator.front() != 0,
+           "denominator must begin with a coefficient other than 0");
+    Demand(numerator.size() <= denominator.size(),
+           "numerator must not have more coefficients than denominator: the transfer function would not be "
+           "proper");
+  }
+};
+
+/// A proper rational transfer function with one input and one output, n = Order from 1 to 8:
+///
+///     y(s) / u(s) = (b_n s^n + … + b_0) / (a_n s^n + … + a_0),   zero initial state
+///
+///     | port | kind   | size   | unit   |
+///     | u    | input  | double | u_unit |
+///     | y    | output | double | y_unit |
+///
+/// Realised in controllable canonical form, in the time scale of the denominator: with
+/// w = max |a_i / a_n|^(1 / (n - i)) and s = w p, a_n = 1, d = b_n and c_i = (b_i - d a_i) w^(i - n),
+///
+///     dx_i/dt = w x_(i+1),   dx_n/dt = w (u - sum a_i w^(i - n) x_(i+1)),   y = sum c_i x_(i+1) + d u.
+///
+/// So the states have about the size of u whatever the frequencies, and the integrator's absolute tolerance
+/// means the same for all of them. If b_n = 0 the output does not depend on the present input, and the block
+/// breaks loops.
+///
+/// Throws ParameterError if the function is not proper, if a coefficient is not finite, or if the denominator
+/// does not have Order + 1 coefficients.
+template <int Order>
+class TransferFunction final : public LeafSystem<TransferFunctionParams> {
+  static_assert(Order >= 1 && Order <= 8, "TransferFunction: the order is from 1 to 8.");
+
+ public:
+  using LeafSystem::LeafSystem;
+
+ private:
+  struct Realization {
+    double w;
+    Vec<Order> a, c;
+    double d;
+  };
+  static Realization Realize(const TransferFunctionParams& params);
+  const Realization form_ = Realize(params);
+
+ public:
+  InputPort<double> u{this, {"u", params.u_unit}};
+  ContinuousState<Vec<Order>> x{this, {"x", params.u_unit}};
+  OutputPort<double> y{
+      this,
+      {"y", params.y_unit},
+      UsesAtRunTime(form_.d == 0 ? std::vector<const Source*>{&x} : std::vector<const Source*>{&x, &u}),
+      [this](const Reads& read) -> double {
+        const double direct = form_.d == 0 ? 0 : form_.d * read[u];
+        return form_.c.dot(read[x]) + direct;
+      }};
+  TimeDerivative<Vec<Order>> dx{x, Uses(x, u), [this](const Vec<Order>& x, double u) -> Vec<Order> {
+                                  Vec<Order> dx;
+                                  for (int i = 0; i + 1 < Order; ++i) dx[i] = form_.w * x[i + 1];
+                                  dx[Order - 1] = form_.w * (u - form_.a.dot(x));
+                                  return dx;
+                                }};
+};
+
+template <int Order>
+auto TransferFunction<Order>::Realize(const TransferFunctionParams& params) -> Realization {
+  Demand(params.denominator.size() == Order + 1,
+         "denominator has " + std::to_string(params.denominator.size()) +
+             " coefficients; a TransferFunction<" + std::to_string(Order) + "> needs " +
+             std::to_string(Order + 1));
+  const double lead = params.denominator.front();
+  const auto coefficient = [lead](const std::vector<double>& list, int power) {
+    const int i = static_cast<int>(list.size()) - 1 - power;
+    return i < 0 ? 0.0 : list[i] / lead;
+  };
+  Realization form{.w = 0, .a = {}, .c = {}, .d = coefficient(params.numerator, Order)};
+  for (int i = 0; i < Order; ++i) {
+    form.w = std::max(form.w, std::pow(std::abs(coefficient(params.denominator, i)), 1.0 / (Order - i)));
+  }
+  if (form.w == 0) form.w = 1;  // integrators only
+  for (int i = 0; i < Order; ++i) {
+    const double scale = std::pow(form.w, i - Order), a = coefficient(params.denominator, i);
+    form.a[i] = a * scale;
+    form.c[i] = (coefficient(params.numerator, i) - form.d * a) * scale;
+  }
+  return form;
+}
+
+}  // namespace tenon

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+template <class T = double>
+struct UnitDelayParams {
+  T initial = internal::Zeroed<T>();  // y at the first tick [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";  // of input and output
+};
+
+/// A delay by one sample, which models computation time and breaks loops of sampled blocks:
+///
+///     y[n + 1] = u[n],   y[0] = initial
+///
+///     | port | kind            | size | unit |
+///     | u    | input           | T    | unit |
+///     | y    | output, sampled | T    | unit |
+///
+/// T is any copyable type. The output does not depend on the present input.
+template <class T = double>
+class UnitDelay final : public LeafSystem<UnitDelayParams<T>> {
+ public:
+  using LeafSystem<UnitDelayParams<T>>::LeafSystem;
+  using LeafSystem<UnitDelayParams<T>>::params;
+  InputPort<T> u{this, {"u", params.unit}};
+  DiscreteState<T> x{this, {"x", params.unit}, params.initial};
+  OutputPort<T> y{this,           {"y", params.unit},
+                  params.initial, Sampled{params.rate},
+                  Uses(x),        [](const T& x) -> const T& { return x; }};
+  Update<T> next{x, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& { return u; }};
+};
+
+}  // namespace tenon

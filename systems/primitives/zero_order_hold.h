@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "tenon/systems/state.h"
+
+namespace tenon {
+
+struct ZeroOrderHoldParams {
+  Rate rate = Hz(1000);
+  std::string unit = "";  // of input and output
+};
+
+/// Samples its input and holds it, with h the period:
+///
+///     y(t) = u(n h)   for n h <= t < (n + 1) h
+///
+///     | port | kind            | size | unit |
+///     | u    | input           | T    | unit |
+///     | y    | output, sampled | T    | unit |
+///
+/// T is any copyable type. The sample is fresh at its tick: the block has feedthrough and does not break
+/// loops.
+template <class T = double>
+class ZeroOrderHold final : public LeafSystem<ZeroOrderHoldParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<T> u{this, {"u", params.unit}};
+  OutputPort<T> y{
+      this, {"y", params.unit}, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& { return u; }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tenon/plants/description/cdpr_description.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tenon::test {
+
+/// Four cables from the corners of a ceiling of 7 x 9 m to the top of a box of 15 kg.
+inline CdprDescription FourCableRobot() {
+  CdprDescription robot;
+  robot.name = "four";
+  robot.mass = 15;
+  robot.inertia_B = Eigen::Vector3d(0.21, 0.13, 0.21).asDiagonal();
+  for (const double x : {1, -1}) {
+    for (const double y : {1, -1}) {
+      robot.cables.push_back({{3.5 * x, 4.5 * y, 4}, {0.075 * x, 0.075 * y, 0.093}});
+    }
+  }
+  robot.cable.axial_stiffness = 27e3;
+  robot.cable.tension_max = 800;
+  return robot;
+}
+
+/// The same with a fifth cable, from the middle of the front wall.
+inline CdprDescription FiveCableRobot() {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "five";
+  robot.cables.push_back({{3.5, 0, 4.5}, {0.1, 0, 0.05}});
+  return robot;
+}
+
+/// Three anchors and three attachments, turned by 60 deg against each other; each anchor holds the two
+/// nearest attachments.
+inline CdprDescription SixCableRobot() {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "six";
+  robot.cables.clear();
+  for (int i = 0; i < 6; ++i) {
+    const double anchor = (i / 2) * 2 * std::numbers::pi / 3;
+    const double attachment = anchor + (i % 2 == 0 ? 1 : -1) * std::numbers::pi / 3;
+    robot.cables.push_back({{4 * std::cos(anchor), 4 * std::sin(anchor), 4},
+                            {0.4 * std::cos(attachment), 0.4 * std::sin(attachment), 0.1}});
+  }
+  return robot;
+}
+
+/// One cable to each corner of a room of 7 x 9 x 4 m, crossed: the upper ones to the bottom of the platform.
+inline CdprDescription EightCableRobot() {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "eight";
+  robot.cables.clear();
+  for (const double z : {1, -1}) {
+    for (const double x : {1, -1}) {
+      for (const double y : {1, -1}) {
+        robot.cables.push_back({{3.5 * x, 4.5 * y, 2 + 2 * z}, {0.3 * x, 0.2 * y, -0.15 * z}});
+      }
+    }
+  }
+  return robot;
+}
+
+}  // namespace tenon::test

@@ -1,0 +1,44 @@
+#include "tenon/systems/primitives/adder.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tenon/tests/testing/expect_throws.h"
+#include "tenon/tests/testing/matchers.h"
+#include "tenon/tests/testing/test_rig.h"
+
+namespace tenon {
+namespace {
+
+TEST(AdderTest, AddsTwoInputsByDefault) {
+  TestRig<Adder<>> rig;
+  auto& u = rig.system().u;
+  ASSERT_EQ(u.size(), 2u);
+  EXPECT_EQ(rig.Fix(u[0], 3).Fix(u[1], 4)[rig.system().y], 7);
+}
+
+TEST(AdderTest, Weighs) {
+  TestRig<Adder<Vec<2>>> rig(AdderParams{.weights = {1, -1, 0.5}});
+  auto& u = rig.system().u;
+  rig.Fix(u[0], {1, 2}).Fix(u[1], {3, 5}).Fix(u[2], {4, -4});
+  EXPECT_THAT(rig[rig.system().y], IsNear(Vec<2>(0, -5), 0));
+}
+
+TEST(AdderTest, TakesOneInput) {
+  TestRig<Adder<>> rig(AdderParams{.weights = {-1}});
+  EXPECT_EQ(rig.Fix(rig.system().u[0], 3)[rig.system().y], -3);
+}
+
+TEST(AdderTest, RefusesBadWeights) {
+  EXPECT_TRUE(Throws<ParameterError>([] { Adder<> adder(AdderParams{.weights = {}}); }, "must not be empty"));
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        Adder<> adder(AdderParams{.weights = {1, infinity}});
+      },
+      "weights must be finite"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,30 @@
+#include "tenon/systems/primitives/constant.h"
+
+#include <gtest/gtest.h>
+
+#include "tenon/tests/testing/matchers.h"
+#include "tenon/tests/testing/test_rig.h"
+
+namespace tenon {
+namespace {
+
+TEST(ConstantSourceTest, GivesItsValue) {
+  TestRig<ConstantSource<Vec<2>>> rig(ConstantParams<Vec<2>>{.value = {1, 2}, .unit = "N"});
+  EXPECT_THAT(rig[rig.system().y], IsNear(Vec<2>(1, 2), 0));
+  EXPECT_THAT(rig.AdvanceTo(10)[rig.system().y], IsNear(Vec<2>(1, 2), 0));
+  EXPECT_EQ(rig.system().y.elements()[0].unit, "N");
+}
+
+TEST(ConstantSourceTest, GivesVectorsOfAnySize) {
+  TestRig<ConstantSource<std::vector<double>>> rig(ConstantParams<std::vector<double>>{.value = {1, 2, 3}});
+  EXPECT_EQ(rig[rig.system().y], (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(rig.system().y.elements().size(), 3u);
+}
+
+TEST(ConstantSourceTest, IsZeroByDefault) {
+  TestRig<ConstantSource<>> rig;
+  EXPECT_EQ(rig[rig.system().y], 0);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,36 @@
+#include "tenon/systems/primitives/gain.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tenon/tests/testing/expect_throws.h"
+#include "tenon/tests/testing/matchers.h"
+#include "tenon/tests/testing/test_rig.h"
+
+namespace tenon {
+namespace {
+
+TEST(GainTest, Multiplies) {
+  TestRig<Gain<>> rig(GainParams{.gain = -2.5});
+  EXPECT_EQ(rig.Fix(rig.system().u, 4)[rig.system().y], -10);
+}
+
+TEST(GainTest, MultipliesVectors) {
+  TestRig<Gain<Vec<3>>> rig(GainParams{.gain = 2});
+  EXPECT_THAT(rig.Fix(rig.system().u, {1, 2, 3})[rig.system().y], IsNear(Vec<3>(2, 4, 6), 0));
+}
+
+TEST(GainTest, CarriesItsUnits) {
+  TestRig<Gain<Vec<2>>> rig(GainParams{.u_unit = "A", .y_unit = "N, m"});
+  EXPECT_EQ(rig.system().u.elements()[1].unit, "A");
+  EXPECT_EQ(rig.system().y.elements()[1].unit, "m");
+}
+
+TEST(GainTest, RefusesAGainThatIsNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(Throws<ParameterError>([&] { Gain<> gain(GainParams{.gain = nan}); }, "gain must be finite"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "tenon/systems/diagram.h"
+#include "tenon/systems/simulator.h"
+
+namespace tenon {
+
+/// One block alone, with its inputs in the hands of the test:
+///
+///     TestRig<Pd> rig(PdParams{.kp = 3});
+///     rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
+///     EXPECT_EQ(rig[rig.system().u], 3);
+///
+/// Makes a diagram of the block, named "block", with open inputs, and integrates it to tight tolerances.
+template <class Block>
+class TestRig {
+ public:
+  /// The arguments are those of the block's constructor. Throws what the block throws.
+  template <class... Args>
+  explicit TestRig(Args&&... args) {
+    DiagramBuilder builder;
+    block_ = &builder.Add<Block>("block", std::forward<Args>(args)...);
+    diagram_ = builder.BuildWithOpenInputs();
+    simulator_ =
+        std::make_unique<Simulator>(*diagram_, SimulatorOptions{.order = 5, .rtol = 1e-10, .atol = 1e-12});
+  }
+
+  /// The block; writable, so that members can be named in `Fix`.
+  Block& system() { return *block_; }
+
+  /// Gives an input a value, from now on.
+  template <class T>
+  TestRig& Fix(const InputPort<T>& input, const std::type_identity_t<T>& value) {
+    context().Set(input, value);
+    return *this;
+  }
+  /// Sets a state, continuous or discrete, or a scratch value.
+  template <class S>
+  TestRig& Set(const S& state, const typename S::Value& value) {
+    context().Set(state, value);
+    return *this;
+  }
+
+  /// The first call does what is due at t = 0, every other one advances to the block's next tick and does
+  /// what is due there: sampled outputs, then updates. Throws RunError if the block has no sample times.
+  TestRig& Tick() {
+    if (!started_) return AdvanceTo(context().time());
+    const double next = simulator_->next_tick_time();
+    if (std::isinf(next)) {
+      throw RunError("the block has no tick after t = " + std::to_string(context().time()) +
+                     " s: nothing in it is sampled; use AdvanceTo");
+    }
+    return AdvanceTo(next);
+  }
+  /// Runs up to and including the tick at `time` [s].
+  TestRig& AdvanceTo(double time) {
+    simulator_->AdvanceTo(time);
+    started_ = true;
+    return *this;
+  }
+  double time() const { return simulator_->context().time(); }
+
+  /// The value of a port, state, derivative, shared value or witness.
+  template <class S>
+  const typename S::Value& operator[](const S& source) {
+    return context().Eval(source);
+  }
+  /// The time derivative of a state, at the present values.
+  template <class T>
+  const T& Derivative(const ContinuousState<T>& state) {
+    for (const Source* source : state.owner().sources()) {
+      if (source->kind() == SourceKind::kDerivative && source->name() == "d/dt " + state.name()) {
+        return context().Eval(static_cast<const TimeDerivative<T>&>(*source));
+      }
+    }
+    throw Error("'" + state.path() + "' has no time derivative");
+  }
+
+  Context& context() { return simulator_->context(); }
+  const Diagram& diagram() const { return *diagram_; }
+  Simulator& simulator() { return *simulator_; }
+
+ private:
+  Block* block_;
+  std::unique_ptr<Diagram> diagram_;
+  std::unique_ptr<Simulator> simulator_;
+  bool started_ = false;
+};
+
+}  // namespace tenon

@@ -1,0 +1,148 @@
+#include "tenon/tests/testing/test_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tenon/tests/testing/allocation_guard.h"
+#include "tenon/tests/testing/expect_throws.h"
+#include "tenon/tests/testing/matchers.h"
+
+namespace tenon {
+namespace {
+
+struct PdParams {
+  double kp = 10;  // N/m
+  double kd = 2;   // N s/m
+  Rate rate = Hz(1000);
+  void Validate() const { Demand(kp > 0, "kp must be positive"); }
+};
+class Pd final : public LeafSystem<PdParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
+  InputPort<double> ref{this, {"ref", "m"}};
+  OutputPort<double> u{this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), &Pd::CalcU};
+
+ private:
+  double CalcU(const Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd * x[1]; }
+};
+
+/// A mass on a spring, with a count of its ticks and a speed that only a shared value knows.
+class Oscillator final : public LeafSystem<void> {
+ public:
+  InputPort<double> force{this, {"force", "N"}};
+  ContinuousState<Vec<2>> x{this, {"x", "m, m/s"}, Vec<2>(1, 0)};
+  DiscreteState<int> ticks{this, "ticks"};
+  Shared<double> speed{this, "speed", Uses(x), [](const Vec<2>& x) { return std::abs(x[1]); }};
+  OutputPort<Vec<2>> state{this, x};
+  OutputPort<double> fast{this, "fast", Uses(speed), [](double speed) { return 2 * speed; }};
+  Update<int> next{ticks, Sampled{Hz(10)}, Uses(ticks), [](int ticks) { return ticks + 1; }};
+
+ private:
+  TimeDerivative<Vec<2>> dx_{x, Uses(x, force), [](const Vec<2>& x, double force) -> Vec<2> {
+                               return {x[1], force - x[0]};
+                             }};
+};
+
+/// Two blocks in one.
+class Pair final : public Subdiagram {
+ public:
+  Pair() {
+    auto& first = Add<Pd>("first");
+    Connect(x, first.x);
+    Connect(ref, first.ref);
+    Connect(first.u, u);
+  }
+  InputPort<Vec<2>> x{this, "x"};
+  InputPort<double> ref{this, "ref"};
+  OutputPort<double> u{this, "u"};
+};
+
+TEST(TestRigTest, StepsASampledBlock) {
+  TestRig<Pd> rig(PdParams{.kp = 3});
+  rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
+  EXPECT_EQ(rig[rig.system().u], 3);
+  EXPECT_EQ(rig.time(), 0);
+}
+
+TEST(TestRigTest, HoldsSamplesUntilTheNextTick) {
+  TestRig<Pd> rig(PdParams{.kp = 3});
+  rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
+  rig.Fix(rig.system().ref, 1);
+  EXPECT_EQ(rig[rig.system().u], 3);
+  rig.Tick();
+  EXPECT_EQ(rig.time(), 0.001);
+  EXPECT_EQ(rig[rig.system().u], 0);
+}
+
+TEST(TestRigTest, RefusesReadingBeforeTheFirstTick) {
+  TestRig<Pd> rig;
+  rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2);
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().u]; }, "block.u", "before it has run"));
+}
+
+TEST(TestRigTest, RefusesUnfixedInputs) {
+  TestRig<Pd> rig;
+  rig.Fix(rig.system().x, {1, 0});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "block.ref", "open"));
+}
+
+TEST(TestRigTest, PassesParameterErrorsOn) {
+  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<Pd> rig(PdParams{.kp = -1}); }, "block 'block'", "kp"));
+}
+
+TEST(TestRigTest, EvaluatesContinuousBlocksWithoutATick) {
+  TestRig<Oscillator> rig;
+  auto& block = rig.system();
+  rig.Fix(block.force, 3).Set(block.x, {0.5, -2}).Set(block.ticks, 7);
+  EXPECT_THAT(rig.Derivative(block.x), IsNear(Vec<2>(-2, 2.5), 1e-15));
+  EXPECT_EQ(rig[block.speed], 2);
+  EXPECT_EQ(rig[block.fast], 4);
+  EXPECT_EQ(rig[block.ticks], 7);
+  EXPECT_EQ(rig[block.force], 3);
+}
+
+TEST(TestRigTest, IntegratesBetweenTicks) {
+  TestRig<Oscillator> rig;
+  auto& block = rig.system();
+  rig.Fix(block.force, 0).Tick();
+  EXPECT_EQ(rig.time(), 0);
+  EXPECT_EQ(rig[block.ticks], 1);
+  rig.Tick();
+  EXPECT_EQ(rig.time(), 0.1);
+  EXPECT_EQ(rig[block.ticks], 2);
+  EXPECT_THAT(rig[block.state], IsNear(Vec<2>(std::cos(0.1), -std::sin(0.1)), 1e-9));
+  rig.AdvanceTo(1);
+  EXPECT_EQ(rig[block.ticks], 11);
+  EXPECT_THAT(rig[block.state], IsNear(Vec<2>(std::cos(1), -std::sin(1)), 1e-8));
+}
+
+TEST(TestRigTest, TakesSubdiagrams) {
+  TestRig<Pair> rig;
+  rig.Fix(rig.system().x, {0, 1}).Fix(rig.system().ref, 1).Tick();
+  EXPECT_EQ(rig[rig.system().u], 8);
+}
+
+TEST(TestRigTest, RefusesTicksWithoutSampleTimes) {
+  class Still final : public LeafSystem<void> {
+   public:
+    InputPort<double> u{this, "u"};
+    OutputPort<double> y{this, "y", Uses(u), [](double u) { return -u; }};
+  };
+  TestRig<Still> rig;
+  rig.Fix(rig.system().u, 1).Tick();
+  EXPECT_EQ(rig[rig.system().y], -1);
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "no tick", "use AdvanceTo"));
+}
+
+TEST(TestRigTest, TicksWithoutAllocating) {
+  TestRig<Pd> rig;
+  rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
+  const AllocationGuard guard;
+  for (int i = 0; i < 100; ++i) rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon
