@@ -40,6 +40,11 @@ void Widen(std::span<const double> row, const std::vector<std::size_t>& columns,
 
 }  // namespace
 
+std::vector<const Source*> CdprFigures::Signals(const CdprLoop& loop) {
+  return {&loop.plant.platform, &loop.plant.euler, &loop.plant.acceleration,
+          &loop.plant.cables,   &loop.pd.command,  &loop.reference.reference};
+}
+
 void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
   position_ = Columns(names, "loop.plant.platform.p_WB");
   euler_ = Columns(names, "loop.plant.euler");

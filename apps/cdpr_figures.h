@@ -1,18 +1,20 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tenon/diagrams/cdpr_loop.h"
 #include "tenon/systems/signal_log.h"
 
 namespace tenon::apps {
 
-/// The figures of a cable robot's run, gathered row by row from a log of these signals of a CdprLoop called
-/// `loop`: plant.platform, plant.euler, plant.acceleration, plant.cables, pd.command, reference.reference.
+/// The figures of a cable robot's run, gathered row by row from a log of the Signals of its CdprLoop.
 class CdprFigures final : public LogSink {
  public:
+  /// What has to be logged for it; the loop is called `loop` in its diagram.
+  static std::vector<const Source*> Signals(const CdprLoop& loop);
+
   /// `settle_from` [s]: the settling time counts from here.
   explicit CdprFigures(double settle_from) : settle_from_(settle_from) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;

@@ -84,7 +84,7 @@ struct NoiseScenario {
 };
 
 struct IntegratorScenario {
-  int order = 3;
+  int order = 2;
   double rtol = 1e-5;
   double atol = 1e-7;
 

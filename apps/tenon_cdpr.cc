@@ -31,8 +31,7 @@ int Run(const CommonArguments& arguments, const std::string& controller) {
   out.WriteGraph(*diagram);
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
-  const std::vector<const Source*> signals{&loop.plant.platform, &loop.plant.euler, &loop.plant.acceleration,
-                                           &loop.plant.cables,   &loop.pd.command,  &loop.reference.reference};
+  const std::vector<const Source*> signals = CdprFigures::Signals(loop);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
                    {figures, std::make_shared<ProgressSink>(scenario.duration_s)});

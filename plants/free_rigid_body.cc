@@ -14,13 +14,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-SimTK::Vec3 ToSimbody(const Vec<3>& v) {
-  return {v[0], v[1], v[2]};
-}
-Vec<3> FromSimbody(const SimTK::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
-
 SimTK::MassProperties MakeMassProperties(double mass, const Eigen::Matrix3d& I) {
   try {
     return {mass, SimTK::Vec3(0), SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2))};
@@ -46,16 +39,19 @@ Matrix6 SpatialInertia(double mass, const Vec<3>& r, const Eigen::Matrix3d& J) {
   return inertia;
 }
 
-Matrix6 PointInertia(double mass, const Vec<3>& r) {
-  return SpatialInertia(mass, r, -mass * Cross(r) * Cross(r));
-}
-
-Matrix6 BodyInertia(const SimTK::SpatialInertia& body) {
+Matrix6 ToEigen(const SimTK::SpatialInertia& body) {
   const SimTK::SymMat33 moments = body.calcInertia().asSymMat33();
   Eigen::Matrix3d J;
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) J(r, c) = r >= c ? moments(r, c) : moments(c, r);
-  return SpatialInertia(body.getMass(), FromSimbody(body.getMassCenter()), J);
+  const SimTK::Vec3& com = body.getMassCenter();
+  return SpatialInertia(body.getMass(), {com[0], com[1], com[2]}, J);
+}
+
+Vector6 ToEigen(const SimTK::SpatialVec& v) {
+  Vector6 out;
+  out << v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2];
+  return out;
 }
 
 }  // namespace
@@ -75,13 +71,8 @@ struct FreeRigidBody::Model {
 struct FreeRigidBody::Work {
   explicit Work(const Model& model) : state(model.system.getDefaultState()) {
     model.system.realizeModel(state);
-    forces.setToZero();
   }
   SimTK::State state;
-  SimTK::Vector mobility_forces{6, 0.0};
-  SimTK::Vector_<SimTK::SpatialVec> forces{2};  ///< on ground and body, at their origins, in W
-  SimTK::Vector u_dot{6};
-  SimTK::Vector_<SimTK::SpatialVec> accelerations{2};
 };
 
 FreeRigidBody::FreeRigidBody() = default;
@@ -110,41 +101,32 @@ FreeRigidBody& FreeRigidBody::operator=(const FreeRigidBody& other) {
 void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, const Payload& payload,
                          double gravity) {
   SimTK::State& state = work_->state;
-  SimTK::Vector& q = state.updQ();  // (w, x, y, z), position
-  SimTK::Vector& u = state.updU();  // angular before linear velocity, both in W
+  // Raw data, because Simbody as packaged checks every access to an element.
+  double* q = state.updQ().updContiguousScalarData();  // (w, x, y, z), position
+  double* u = state.updU().updContiguousScalarData();  // angular before linear velocity, both in W
+  Vector6 velocity;
+  velocity << x.w_W, x.v_W;
   for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
-  for (int i = 0; i < 3; ++i) {
-    q[4 + i] = x.p_WB[i];
-    u[i] = x.w_W[i];
-    u[3 + i] = x.v_W[i];
-  }
-  model_->system.realize(state, SimTK::Stage::Dynamics);
+  for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
+  for (int i = 0; i < 6; ++i) u[i] = velocity[i];
+  model_->system.realize(state, SimTK::Stage::Velocity);
   for (int i = 0; i < 4; ++i) quaternion_rate_[i] = state.getQDot()[i];
-  kinetic_energy_ = model_->matter.calcKineticEnergy(state);
 
-  const bool loaded = payload.mass != 0;
-  Vec<3> r, pull;
-  SimTK::SpatialVec force(ToSimbody(wrench.torque_W), ToSimbody(wrench.force_W));
-  if (loaded) {
-    r = RotationFromQuaternion(x.q_WB) * payload.p_B;
-    pull = -payload.mass * x.w_W.cross(x.w_W.cross(r));
-    force += SimTK::SpatialVec(ToSimbody(r.cross(pull)), ToSimbody(pull));
-    kinetic_energy_ += payload.mass / 2 * (x.v_W + x.w_W.cross(r)).squaredNorm();
+  Matrix6 inertia = ToEigen(model_->body.getBodySpatialInertiaInGround(state));
+  Vector6 force;
+  force << wrench.torque_W, wrench.force_W;
+  force -= ToEigen(model_->matter.getGyroscopicForce(state, model_->body.getMobilizedBodyIndex()));
+  if (payload.mass != 0) {
+    const Vec<3> r = RotationFromQuaternion(x.q_WB) * payload.p_B;
+    const Vec<3> centripetal = payload.mass * x.w_W.cross(x.w_W.cross(r));
+    inertia += SpatialInertia(payload.mass, r, -payload.mass * Cross(r) * Cross(r));
+    force.head<3>() -= r.cross(centripetal);
+    force.tail<3>() -= centripetal;
   }
-  work_->forces[1] = force;
-  model_->matter.calcAccelerationIgnoringConstraints(state, work_->mobility_forces, work_->forces,
-                                                     work_->u_dot, work_->accelerations);
-  acceleration_.alpha_W = FromSimbody(work_->accelerations[1][0]);
-  acceleration_.a_W = FromSimbody(work_->accelerations[1][1]);
-
-  if (loaded) {
-    const Matrix6 bare = BodyInertia(model_->body.getBodySpatialInertiaInGround(state));
-    Vector6 A;
-    A << acceleration_.alpha_W, acceleration_.a_W;
-    A = Matrix6(bare + PointInertia(payload.mass, r)).llt().solve(bare * A).eval();
-    acceleration_.alpha_W = A.head<3>();
-    acceleration_.a_W = A.tail<3>();
-  }
+  kinetic_energy_ = velocity.dot(inertia * velocity) / 2;
+  const Vector6 A = inertia.llt().solve(force);
+  acceleration_.alpha_W = A.head<3>();
+  acceleration_.a_W = A.tail<3>();
   acceleration_.a_W[2] -= gravity;
 }
 

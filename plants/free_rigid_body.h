@@ -10,20 +10,21 @@ namespace tenon {
 /// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), and perhaps a
 /// point mass fixed to it.
 ///
-/// Simbody gives the accelerations A0 = (alpha, a) of the bare body, whose mass properties belong to the
-/// model's topology and cannot change in a run. The point mass m at r = R_WB p_B adds to them what it takes
-/// of the forces: with w the angular velocity it pulls on the body by
+/// Simbody gives the spatial inertia M in W, the gyroscopic force b and the quaternion's rate. The mass
+/// properties of its bodies belong to the topology and cannot change in a run, so the point mass m at
+/// r = R_WB p_B adds its own share: with the spatial inertia M_m about the body's origin and w the angular
+/// velocity, all spatial vectors angular before linear,
 ///
-///     -m (a + alpha x r + w x (w x r))   at r,
+///     (M + M_m) [alpha; a] = [torque; force] - b - [r x c; c],   c = m w x (w x r),
 ///
-/// whose last term is applied as a force and whose first two are M_m A, with M_m the spatial inertia of the
-/// mass about the body's origin. So, exactly, (M + M_m) A = M A0, six equations. Gravity accelerates all
-/// masses alike: it is added to a last, as is exact.
+/// which is exact, with one Cholesky factorisation for both. It needs Simbody's Velocity stage alone: forward
+/// dynamics, which for one body solves the same six equations, would take three times as long and allocate.
+/// Gravity accelerates all masses alike: it is added to a last, as is exact.
 ///
 /// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
 /// one of them each. That needs a System without force subsystems, which is why forces are arguments here.
-/// Values depend on the arguments of the last Calc alone. Throws ParameterError if Simbody refuses the
-/// inertia.
+/// Values depend on the arguments of the last Calc alone. Calc does not allocate. Throws ParameterError if
+/// Simbody refuses the inertia.
 class FreeRigidBody {
  public:
   /// Not a body yet: good to be assigned to.

@@ -17,13 +17,12 @@ void Assembly::CheckName(const std::string& name) const {
   }
   const auto same = [&](const auto& block) { return block->name() == name; };
   if (std::any_of(blocks_.begin(), blocks_.end(), same)) {
-    throw BuildError(fmt::format("there are two blocks named '{}'{}: give one of them another name", name,
-                                 self_ == nullptr ? "" : " in '" + self_->path() + "'"));
+    throw BuildError(fmt::format("there are two blocks named '{}': give one of them another name", name));
   }
 }
 
-System& Assembly::Adopt(std::unique_ptr<System> block, std::string name) {
-  block->name_ = std::move(name);
+System& Assembly::Adopt(std::unique_ptr<System> block, const std::string& name) {
+  block->name_ = name;
   block->parent_ = self_;
   blocks_.push_back(std::move(block));
   return *blocks_.back();

@@ -29,7 +29,7 @@ class Assembly {
   Block& Add(std::string name, Args&&... args) {
     CheckName(name);
     try {
-      return static_cast<Block&>(Adopt(std::make_unique<Block>(std::forward<Args>(args)...), std::move(name)));
+      return static_cast<Block&>(Adopt(std::make_unique<Block>(std::forward<Args>(args)...), name));
     } catch (...) {
       RethrowWithName(name);
     }
@@ -71,7 +71,7 @@ class Assembly {
   template <class... S, class F, class... When>
   auto& AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& uses, F function, When... when);
   void CheckName(const std::string& name) const;
-  System& Adopt(std::unique_ptr<System> block, std::string name);
+  System& Adopt(std::unique_ptr<System> block, const std::string& name);
   void Join(const Source& from, Source& to);
   [[noreturn]] static void RethrowWithName(const std::string& name);
 

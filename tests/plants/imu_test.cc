@@ -1,0 +1,151 @@
+#include "tenon/plants/imu.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tenon/plants/cdpr_plant.h"
+#include "tenon/plants/description/euler.h"
+#include "tenon/tests/plants/cdpr_plant_test_robot.h"
+#include "tenon/tests/testing/allocation_guard.h"
+#include "tenon/tests/testing/expect_throws.h"
+#include "tenon/tests/testing/matchers.h"
+#include "tenon/tests/testing/test_rig.h"
+
+namespace tenon {
+namespace {
+
+using Rig = TestRig<Imu>;
+
+ImuParams Noiseless() {
+  ImuParams params;
+  params.angular_velocity_noise.setZero();
+  params.specific_force_noise.setZero();
+  return params;
+}
+
+PlatformState Tilted() {
+  return {{0, 0, 0}, QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})), {}, {0.4, 0.5, -0.6}};
+}
+
+TEST(ImuTest, AtRestReadsGravityUpwards) {
+  Rig rig(Noiseless());
+  rig.Fix(rig.system().platform, PlatformState{})
+      .Fix(rig.system().acceleration, PlatformAcceleration{})
+      .Tick();
+  EXPECT_EQ(rig[rig.system().measurement].specific_force_B, Vec<3>(0, 0, 9.81));
+  EXPECT_EQ(rig[rig.system().measurement].angular_velocity_B, Vec<3>::Zero());
+}
+
+TEST(ImuTest, ReadsInTheBodysAxes) {
+  Rig rig(Noiseless());
+  rig.Fix(rig.system().platform, Tilted())
+      .Fix(rig.system().acceleration, PlatformAcceleration{{1, 2, 3}, {7, 8, 9}})
+      .Tick();
+  const Eigen::Matrix3d R_WB = RotationFromEuler({0.3, -0.2, 1});
+  const ImuMeasurement& measurement = rig[rig.system().measurement];
+  EXPECT_THAT(R_WB * measurement.specific_force_B, IsNear(Vec<3>(1, 2, 12.81), 1e-14));
+  EXPECT_THAT(R_WB * measurement.angular_velocity_B, IsNear(Tilted().w_W, 1e-15));
+}
+
+TEST(ImuTest, InFreeFallReadsNothing) {
+  Rig rig(Noiseless());
+  rig.Fix(rig.system().platform, Tilted())
+      .Fix(rig.system().acceleration, PlatformAcceleration{{0, 0, -9.81}, {}})
+      .Tick();
+  EXPECT_EQ(rig[rig.system().measurement].specific_force_B, Vec<3>::Zero());
+}
+
+TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
+  // The bounds are 4 deviations of the mean and of the deviation of n normal numbers.
+  const int n = 20000;
+  ImuParams params;
+  params.angular_velocity_noise = {0.005, 0.01, 0.002};
+  params.angular_velocity_bias = {0.1, 0, -0.2};
+  params.specific_force_bias = {0, 0.3, -0.4};
+  Rig rig(params);
+  rig.Fix(rig.system().platform, PlatformState{}).Fix(rig.system().acceleration, PlatformAcceleration{});
+  Vec<6> expected, deviation;
+  expected << params.angular_velocity_bias, params.specific_force_bias + Vec<3>(0, 0, 9.81);
+  deviation << params.angular_velocity_noise, params.specific_force_noise;
+  Vec<6> sum = Vec<6>::Zero(), squares = Vec<6>::Zero(), last = Vec<6>::Zero(), products = Vec<6>::Zero();
+  for (int i = 0; i < n; ++i) {
+    const ImuMeasurement& measurement = rig.Tick()[rig.system().measurement];
+    Vec<6> error;
+    error << measurement.angular_velocity_B, measurement.specific_force_B;
+    error -= expected;
+    sum += error;
+    squares += error.cwiseAbs2();
+    products += error.cwiseProduct(last);
+    last = error;
+  }
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(sum[i] / n, 0, 4 * deviation[i] / std::sqrt(n));
+    EXPECT_NEAR(std::sqrt(squares[i] / n) / deviation[i], 1, 4 / std::sqrt(2 * n));
+    EXPECT_NEAR(products[i] / n, 0, 4 * deviation[i] * deviation[i] / std::sqrt(n));
+  }
+}
+
+TEST(ImuTest, SamplesAtItsRate) {
+  ImuParams params;
+  params.rate = Hz(400);
+  Rig rig(params);
+  rig.Fix(rig.system().platform, PlatformState{})
+      .Fix(rig.system().acceleration, PlatformAcceleration{})
+      .Tick();
+  EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 400);
+}
+
+TEST(ImuTest, OnAHangingPlatformFeedsASampledController) {
+  // No loop from the command through the acceleration back to the controller: the motors' lag is between.
+  const CdprPlantParams hanging = test::Hanging();
+  DiagramBuilder builder;
+  auto& plant = builder.Add<CdprPlant>("plant", hanging);
+  auto& imu = builder.Add<Imu>("imu", Noiseless());
+  builder.Connect(plant.platform, imu.platform);
+  builder.Connect(plant.acceleration, imu.acceleration);
+  auto& command =
+      builder.AddFunction("command", Sampled{Hz(1000)}, Uses(imu.measurement), [&](const ImuMeasurement& m) {
+        return CableVector(hanging.initial_tension * (m.specific_force_B[2] / 9.81));
+      });
+  builder.Connect(command, plant.command);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.5);
+  const ImuMeasurement& measurement = simulator.context().Eval(imu.measurement);
+  EXPECT_THAT(measurement.specific_force_B, IsNear(Vec<3>(0, 0, 9.81), 1e-6));
+  EXPECT_THAT(measurement.angular_velocity_B, IsNear(Vec<3>(0, 0, 0), 1e-6));
+}
+
+TEST(ImuTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Rig rig;
+  rig.Fix(rig.system().platform, Tilted())
+      .Fix(rig.system().acceleration, PlatformAcceleration{})
+      .AdvanceTo(0.1);
+  AllocationGuard guard;
+  rig.AdvanceTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(ImuTest, RefusesParametersThatMakeNoSense) {
+  const auto refuses = [](const ImuParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { Imu imu(params); }, parts...);
+  };
+  ImuParams params;
+  params.specific_force_noise = {0, 0, -1};
+  EXPECT_TRUE(refuses(params, "specific_force_noise is (0, 0, -1)", "not negative"));
+  params = {};
+  params.angular_velocity_noise[0] = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(refuses(params, "angular_velocity_noise is (inf", "finite"));
+  params = {};
+  params.angular_velocity_bias[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses(params, "bias", "rad/s"));
+  params = {};
+  params.gravity = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses(params, "gravity is nan"));
+}
+
+}  // namespace
+}  // namespace tenon
