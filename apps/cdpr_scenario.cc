@@ -44,7 +44,8 @@ void CdprScenario::Validate() const {
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   CdprLoopParams params;
   params.robot = LoadCdpr(FindResource("robots", scenario.robot));
-  params.path = std::make_shared<EquilibriumPath>(params.robot, scenario.path.Make());
+  params.path = std::make_shared<EquilibriumPath>(params.robot, scenario.path.Make(),
+                                                  StaticsOptions{.attitude = scenario.path.attitude_rad});
   params.control_rate = Hz(scenario.pd.rate_hz);
   params.pd_stiffness_N_per_m = scenario.pd.stiffness_N_per_m;
   params.pd_damping_N_s_per_m = scenario.pd.damping_N_s_per_m;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -28,12 +29,15 @@ struct PathScenario {
   double ramp_s = 5;                       ///< time in which the circle's speed is reached
   std::vector<Eigen::Vector3d> points_m;   ///< of hold (1), line (2) and spline
   std::vector<double> times_s;             ///< of the points; a line and a spline need them
+  /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
+  std::optional<Eigen::Vector3d> attitude_rad;
 
   static constexpr auto Fields() {
     return std::tuple{Required("kind", &PathScenario::kind),        Field{"center_m", &PathScenario::center_m},
                       Field{"radius_m", &PathScenario::radius_m},   Field{"period_s", &PathScenario::period_s},
                       Field{"ramp_s", &PathScenario::ramp_s},       Field{"points_m", &PathScenario::points_m},
-                      Field{"times_s", &PathScenario::times_s}};
+                      Field{"times_s", &PathScenario::times_s},
+                      Field{"attitude_rad", &PathScenario::attitude_rad}};
   }
   void Validate() const;  ///< throws ParameterError
   Path Make() const;

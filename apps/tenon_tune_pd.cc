@@ -9,6 +9,7 @@
 #include "tenon/apps/cdpr_scenario.h"
 #include "tenon/apps/common/command_line.h"
 #include "tenon/apps/common/progress.h"
+#include "tenon/plants/description/resources.h"
 
 namespace tenon::apps {
 namespace {
@@ -26,6 +27,7 @@ CdprScenario Base(const std::string& robot) {
   scenario.robot = robot;
   scenario.duration_s = 16;
   scenario.path.kind = PathKind::kSpline;
+  if (LoadCdpr(FindResource("robots", robot)).num_cables() >= 6) scenario.path.attitude_rad.emplace(0, 0, 0);
   return scenario;
 }
 

@@ -20,10 +20,10 @@ struct StaticEquilibrium {
 
 struct StaticsOptions {
   /// ZYX angles [rad] that the platform is to have; needs six cables or more. Free if empty.
-  std::optional<Eigen::Vector3d> attitude;
+  std::optional<Eigen::Vector3d> attitude = {};
   /// A neighbouring equilibrium; its branch is followed as far as it goes, instead of a search over
   /// attitudes.
-  std::optional<StaticEquilibrium> warm_start;
+  std::optional<StaticEquilibrium> warm_start = {};
 };
 
 /// The attitude and the tensions that hold the CoM of the platform at a point (Morlando 2023, eqs.

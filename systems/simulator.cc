@@ -19,6 +19,9 @@ namespace {
 /// between the two would be a step of 1e-17 s.
 double Rounding(double time) { return 1e-10 * (1 + std::abs(time)); }
 
+/// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
+constexpr double kInstant = 1e-7;
+
 }  // namespace
 
 Simulator::Simulator(const Diagram& diagram, SimulatorOptions options)
@@ -194,7 +197,7 @@ void Simulator::Fire(std::size_t witness) {
   const internal::WitnessPlan& plan = program_.witness_plans[witness];
   const double now = context_->time();
   Events& events = events_[witness];
-  events.count = std::abs(now - events.instant) <= 1e-9 * (1 + std::abs(now)) ? events.count + 1 : 1;
+  events.count = std::abs(now - events.instant) <= kInstant ? events.count + 1 : 1;
   events.instant = now;
   if (events.count > options_.max_events) {
     throw RunError(fmt::format(

@@ -51,7 +51,8 @@ struct SundialsIntegrator::Sundials {
   void Restart(double end);
   Stop Advance(bool one_step);
   [[noreturn]] void ThrowFailure(int flag);
-  std::string WorstState();
+  std::string DescribeWorstState(int flag, double h);
+  void FindWorstState();
   double FirstStep() const;
   void Count(double step);
   IntegratorStatistics Statistics() const;
@@ -83,6 +84,11 @@ struct SundialsIntegrator::Sundials {
   double end = 0;
   double step = 0;  // the first one after the restart; if fixed, all
   int refused = 0;  // evaluations since the restart that were not finite
+  struct {
+    int index = 0;
+    double error = 0;
+  } worst;
+  bool seeks_worst = false;
   bool first_evaluation = false;
   std::vector<int> roots;
   std::vector<int> directions;
@@ -199,6 +205,9 @@ void SundialsIntegrator::Sundials::CreateDirk() {
   matrix = SUNDenseMatrix(size, size, sun);
   solver = SUNLinSol_Dense(y, matrix, sun);
   ARKStepSetLinearSolver(memory, solver, matrix);
+  // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off, on the
+  // strength of how well earlier stages converged, and errs by a hundred tolerances.
+  ARKStepSetDeltaGammaMax(memory, 1e-3);
   if (options.fixed_step == 0) {
     ARKStepSetAdaptivityFn(memory, ChooseStep, this);
     ARKStepSetFixedStepBounds(memory, 1, 1);
@@ -206,6 +215,8 @@ void SundialsIntegrator::Sundials::CreateDirk() {
     ARKStepSetErrorBias(memory, 1);
     ARKStepSetMaxGrowth(memory, 1e6);
     ARKStepSetMaxFirstGrowth(memory, 1e6);
+  } else {
+    ARKStepSetMaxNonlinIters(memory, 10);  // a smaller step is no remedy here
   }
   if (!roots.empty()) {
     ARKStepRootInit(memory, static_cast<int>(roots.size()), Roots);
@@ -378,6 +389,7 @@ int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, doub
   if (accepted) {
     if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
     if (!cut) context.last_error_ = error;
+    if (self.seeks_worst) self.FindWorstState();
     self.Count(h1);
   } else {
     factor = std::min(kSafety, kSafety * std::pow(error, -1 / order));
@@ -392,21 +404,41 @@ int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, doub
   return 0;
 }
 
-std::string SundialsIntegrator::Sundials::WorstState() {
+/// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one that
+/// changes most in a step of `h`.
+std::string SundialsIntegrator::Sundials::DescribeWorstState(int flag, double h) {
   if (program.num_continuous == 0) return "none";
+  worst = {};
+  if (cvode() || flag == ARK_ERR_FAILURE) {
+    FindWorstState();
+  } else if (flag == ARK_TOO_MUCH_WORK && options.fixed_step == 0) {
+    // ARKODE keeps no estimate from step to step: ChooseStep looks at that of one step more.
+    seeks_worst = true;
+    erk() ? ERKStepEvolve(memory, end, y, &h, ARK_ONE_STEP) : ARKStepEvolve(memory, end, y, &h, ARK_ONE_STEP);
+    seeks_worst = false;
+  }
+  const std::vector<std::string> names = context.diagram().ContinuousStateNames();
+  if (worst.error > 0) return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
+  const double* derivatives = context.derivative_data();
+  for (int i = 0; i < program.num_continuous; ++i) {
+    const double tolerance = options.rtol * std::abs(context.continuous_data()[i]) + N_VGetArrayPointer(atol)[i];
+    const double change = std::abs(h * derivatives[i]) / tolerance;
+    if (change > worst.error) worst = {i, change};
+  }
+  return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst.index], worst.error);
+}
+
+void SundialsIntegrator::Sundials::FindWorstState() {
   N_Vector errors = N_VClone(y), weights = N_VClone(y);
   if (erk()) ERKStepGetEstLocalErrors(memory, errors), ERKStepGetErrWeights(memory, weights);
   if (dirk()) ARKStepGetEstLocalErrors(memory, errors), ARKStepGetErrWeights(memory, weights);
   if (cvode()) CVodeGetEstLocalErrors(memory, errors), CVodeGetErrWeights(memory, weights);
-  int worst = 0;
-  const auto size_of = [&](int i) { return std::abs(N_VGetArrayPointer(errors)[i] * N_VGetArrayPointer(weights)[i]); };
-  for (int i = 1; i < program.num_continuous; ++i) {
-    if (size_of(i) > size_of(worst)) worst = i;
+  for (int i = 0; i < program.num_continuous; ++i) {
+    const double error = std::abs(N_VGetArrayPointer(errors)[i] * N_VGetArrayPointer(weights)[i]);
+    if (error > worst.error) worst = {i, error};
   }
-  const double error = size_of(worst);
   N_VDestroy(errors);
   N_VDestroy(weights);
-  return fmt::format("'{}' (error {:.3g} times its tolerance)", context.diagram().ContinuousStateNames()[worst], error);
 }
 
 void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
@@ -417,7 +449,7 @@ void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
   }
   char* name = cvode() ? CVodeGetReturnFlagName(flag)
                        : (erk() ? ERKStepGetReturnFlagName(flag) : ARKStepGetReturnFlagName(flag));
-  const std::string flag_name = name;
+  const std::string flag_name = name, text = message;
   std::free(name);
   double t = 0, h = 0;
   if (erk()) ERKStepGetCurrentTime(memory, &t), ERKStepGetCurrentStep(memory, &h);
@@ -426,7 +458,7 @@ void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
   throw RunError(fmt::format(
       "the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: worst state {} [{}: {}]. Loosen the "
       "tolerance, or use Method::kBdf or kDirk if the system is stiff",
-      t, h, options.rtol, WorstState(), flag_name, message));
+      t, h, options.rtol, DescribeWorstState(flag, h), flag_name, text));
 }
 
 IntegratorStatistics SundialsIntegrator::Sundials::Statistics() const {

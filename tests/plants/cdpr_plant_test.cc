@@ -523,7 +523,7 @@ TEST(CdprPlantTest, SaysWhyItCannotGoOn) {
   rig.Fix(plant.command, Same(0, 5));
   EXPECT_TRUE(
       Throws<RunError>([&] { rig[plant.winch_rate]; }, "block", "the command has 5 entries", "4 cables"));
-  rig.Fix(plant.payload, Payload{-1, {}});
+  rig.Fix(plant.payload, Payload{.mass = -1});
   EXPECT_TRUE(Throws<RunError>([&] { rig[plant.acceleration]; }, "payload's mass is -1 kg"));
   rig.Fix(plant.payload, Payload{});
   SetRestLength(rig, 0);

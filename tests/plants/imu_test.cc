@@ -26,7 +26,8 @@ ImuParams Noiseless() {
 }
 
 PlatformState Tilted() {
-  return {{0, 0, 0}, QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})), {}, {0.4, 0.5, -0.6}};
+  return {
+      {0, 0, 0}, QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})), Vec<3>::Zero(), {0.4, 0.5, -0.6}};
 }
 
 TEST(ImuTest, AtRestReadsGravityUpwards) {
@@ -52,7 +53,7 @@ TEST(ImuTest, ReadsInTheBodysAxes) {
 TEST(ImuTest, InFreeFallReadsNothing) {
   Rig rig(Noiseless());
   rig.Fix(rig.system().platform, Tilted())
-      .Fix(rig.system().acceleration, PlatformAcceleration{{0, 0, -9.81}, {}})
+      .Fix(rig.system().acceleration, PlatformAcceleration{.a_W = {0, 0, -9.81}})
       .Tick();
   EXPECT_EQ(rig[rig.system().measurement].specific_force_B, Vec<3>::Zero());
 }

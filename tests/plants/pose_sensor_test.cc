@@ -18,7 +18,10 @@ namespace {
 using Rig = TestRig<PoseSensor>;
 
 PlatformState Somewhere() {
-  return {{0.5, -1, 2}, QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})), {}, {}};
+  return {{0.5, -1, 2},
+          QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})),
+          Vec<3>::Zero(),
+          Vec<3>::Zero()};
 }
 
 /// The rotation vector of a small rotation, to second order of its angle.
