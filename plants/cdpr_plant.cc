@@ -5,6 +5,7 @@
 #include <tenon/systems/errors.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace tenon {

@@ -6,6 +6,8 @@
 #include <tenon/systems/state.h>
 #include <tenon/systems/system.h>
 
+#include <tuple>
+
 namespace tenon {
 
 struct CdprPlantParams {

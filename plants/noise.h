@@ -1,9 +1,10 @@
 #pragma once
 
-#include <fmt/format.h>
 #include <tenon/systems/errors.h>
 #include <tenon/systems/random_stream.h>
 #include <tenon/systems/signal.h>
+
+#include <sstream>
 
 namespace tenon {
 
@@ -16,9 +17,11 @@ inline Vec<3> NormalVector(RandomStream& noise, const Vec<3>& deviation) {
 
 /// Throws ParameterError unless `deviation` can be one.
 inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
-  if (!(deviation.allFinite() && deviation.minCoeff() >= 0))
-    throw ParameterError(fmt::format("{} is ({}, {}, {}); a standard deviation is finite and not negative",
-                                     name, deviation[0], deviation[1], deviation[2]));
+  if (deviation.allFinite() && deviation.minCoeff() >= 0) return;
+  std::ostringstream text;
+  text << name << " is (" << deviation[0] << ", " << deviation[1] << ", " << deviation[2]
+       << "); a standard deviation is finite and not negative";
+  throw ParameterError(text.str());
 }
 
 }  // namespace tenon

@@ -58,7 +58,7 @@ void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std:
 
 void CsvLog::Row(std::span<const double> row) {
   char* end = line_.data();
-  for (const double value : row) {
+  for (const double& value : row) {
     // Nine digits: more than any sensor has, half the file of the full seventeen. Time is exact.
     end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
     *end++ = ',';

@@ -21,7 +21,7 @@ struct Result {
   std::string text;  // stdout and stderr
 };
 
-Result Run(const std::string& arguments) {
+Result RunApp(const std::string& arguments) {
   const std::string command = std::string(TENON_CDPR) + " " + arguments + " 2>&1";
   std::FILE* pipe = popen(command.c_str(), "r");
   std::string text;
@@ -49,7 +49,7 @@ class TenonCdprTest : public ::testing::Test {
 };
 
 TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
-  const Result result = Run("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
+  const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string summary = Read(out / "summary.json");
   for (const char* key :
@@ -69,30 +69,30 @@ TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
 }
 
 TEST_F(TenonCdprTest, WrittenScenarioRepeatsTheRun) {
-  ASSERT_EQ(Run("D1 --duration 0.3 --set path.radius_m=0.4" + Out()).exit_code, 0);
+  ASSERT_EQ(RunApp("D1 --duration 0.3 --set path.radius_m=0.4" + Out()).exit_code, 0);
   const std::string first = Read(out / "signals.csv");
-  const Result again = Run((out / "scenario.yaml").string() + Out() + "/again");
+  const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
   ASSERT_EQ(again.exit_code, 0) << again.text;
   EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
 }
 
 TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
   for (const char* scenario : {"circle_6", "circle_8"}) {
-    const Result result = Run(std::string(scenario) + " --duration 3" + Out());
+    const Result result = RunApp(std::string(scenario) + " --duration 3" + Out());
     EXPECT_EQ(result.exit_code, 0) << result.text;
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
   }
 }
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
-  const Result result = Run("D1 --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
+  const Result result = RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
   EXPECT_EQ(result.exit_code, 3) << result.text;
   EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr("is slack")));
 }
 
 TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
   const Result result =
-      Run("D1 --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set integrator.rtol=1e-300 "
+      RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set integrator.rtol=1e-300 "
           "--set integrator.atol=1e-300" +
           Out());
   EXPECT_EQ(result.exit_code, 4) << result.text;
@@ -108,7 +108,7 @@ class TenonCdprUsageTest : public ::testing::TestWithParam<BadUsage> {};
 
 TEST_P(TenonCdprUsageTest, IsExitCode2WithAMessage) {
   const fs::path out = fs::temp_directory_path() / "tenon_usage";
-  const Result result = Run(std::string(GetParam().arguments) + " --out " + out.string());
+  const Result result = RunApp(std::string(GetParam().arguments) + " --out " + out.string());
   EXPECT_EQ(result.exit_code, 2) << result.text;
   EXPECT_THAT(result.text, HasSubstr(GetParam().message));
 }
@@ -131,19 +131,19 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {
-  const Result result = Run("D1 --out /proc/nowhere");
+  const Result result = RunApp("D1 --out /proc/nowhere");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.text, HasSubstr("cannot make the output directory '/proc/nowhere'"));
 }
 
 TEST(TenonCdprListTest, ListsScenariosWithTheirDescriptions) {
-  const Result result = Run("--list");
+  const Result result = RunApp("--list");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.text, HasSubstr("circle of 0.5 m radius in 10 s, four cables"));
 }
 
 TEST(TenonCdprListTest, HelpSaysWhatThereIs) {
-  const Result result = Run("--help");
+  const Result result = RunApp("--help");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.text, AllOf(HasSubstr("--controller"), HasSubstr("--set"), HasSubstr("Exit codes")));
 }
