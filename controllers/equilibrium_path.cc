@@ -212,7 +212,7 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
   nodes_.resize(intervals + 1);
   for (int i = 0; i <= intervals; ++i) {
     const double parameter = first_ + i * step_;
-    const double time = path.TimeOf(parameter);
+    const double time = std::round(path.TimeOf(parameter) * 1e6) / 1e6;  // for messages
     StaticEquilibrium found;
     try {
       found = SolveInverseGeometricoStatic(robot, path.PositionOf(parameter), each);

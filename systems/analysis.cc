@@ -13,7 +13,8 @@ namespace {
 /// Continuous states and chosen inputs as one vector of doubles.
 class Variables {
  public:
-  Variables(Context& context, std::vector<const Source*> inputs) : context_(context), inputs_(std::move(inputs)) {
+  Variables(Context& context, std::vector<const Source*> inputs)
+      : context_(context), inputs_(std::move(inputs)) {
     for (const Source* input : inputs_) sizes_.push_back(context.EvalDoubles(*input).size());
   }
   Eigen::VectorXd Inputs() const {
@@ -49,7 +50,9 @@ class Variables {
   std::vector<std::size_t> sizes_;
 };
 
-double Step(double value) { return 1e-6 * (1 + std::abs(value)); }
+double Step(double value) {
+  return 1e-6 * (1 + std::abs(value));
+}
 
 std::vector<std::string> Names(Context& context, const std::vector<const Source*>& sources) {
   std::vector<std::string> names;
@@ -76,7 +79,8 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
       const std::vector<double> own = context->EvalDoubles(*output);
       values.insert(values.end(), own.begin(), own.end());
     }
-    return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+    return Eigen::VectorXd(
+        Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   };
   LinearModel model;
   model.states = context->diagram().ContinuousStateNames();
@@ -152,11 +156,12 @@ void FindEquilibrium(Context& context, const EquilibriumOptions& options) {
   if (derivatives.norm() <= options.tolerance) return;
   Eigen::Index worst = 0;
   derivatives.cwiseAbs().maxCoeff(&worst);
-  throw RunError(fmt::format(
-      "no equilibrium found near the given values: d/dt of '{}' stays at {:.3g}, |xdot| = {:.3g} is above {:g}. Start "
-      "nearer, or let inputs go free",
-      context.diagram().ContinuousStateNames()[static_cast<std::size_t>(worst)], derivatives[worst],
-      derivatives.norm(), options.tolerance));
+  throw RunError(
+      fmt::format("no equilibrium found near the given values: d/dt of '{}' stays at {:.3g}, |xdot| = {:.3g} "
+                  "is above {:g}. Start "
+                  "nearer, or let inputs go free",
+                  context.diagram().ContinuousStateNames()[static_cast<std::size_t>(worst)],
+                  derivatives[worst], derivatives.norm(), options.tolerance));
 }
 
 }  // namespace tenon

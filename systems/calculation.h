@@ -24,7 +24,9 @@ struct SourceHandle {
   Argument Load(std::byte* memory, const internal::Offset*& cursor) const {
     return *std::launder(reinterpret_cast<std::remove_reference_t<Argument>*>(memory + *cursor++));
   }
-  void Append(std::vector<Source::Slot>& slots) const { slots.push_back({Source::Slot::What::kSource, source}); }
+  void Append(std::vector<Source::Slot>& slots) const {
+    slots.push_back({Source::Slot::What::kSource, source});
+  }
 };
 
 template <>
@@ -132,7 +134,8 @@ constexpr bool Fits() {
 }
 
 template <class F, class... Values>
-using CallResult = decltype(Call(std::declval<const System*>(), std::declval<const F&>(), std::declval<Values>()...));
+using CallResult =
+    decltype(Call(std::declval<const System*>(), std::declval<const F&>(), std::declval<Values>()...));
 
 /// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
 /// large values, takes a `Target*` after its arguments and fills it in place.

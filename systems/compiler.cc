@@ -19,7 +19,9 @@ bool GivesValue(const Source& source) {
   return source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared;
 }
 
-bool IsSampled(const Source& source) { return source.trigger().when == Trigger::When::kSampled; }
+bool IsSampled(const Source& source) {
+  return source.trigger().when == Trigger::When::kSampled;
+}
 
 std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
@@ -91,7 +93,8 @@ void Compiler::CheckDeclarations() {
   for (const Source* source : sources_) {
     if (source->run_ != nullptr) CheckArguments(*source);
     if (source->kind() == SourceKind::kDerivative && !derivatives.emplace(source->target_, source).second) {
-      throw BuildError(fmt::format("state '{}' has two time derivatives: remove one", source->target_->path()));
+      throw BuildError(
+          fmt::format("state '{}' has two time derivatives: remove one", source->target_->path()));
     }
     if (source->kind() == SourceKind::kUpdate && IsSampled(*source) &&
         !sampled_updates.emplace(source->target_, source).second) {
@@ -114,8 +117,9 @@ void Compiler::CheckDeclarations() {
       const SourceKind kind = slot.source->kind();
       if ((kind == SourceKind::kScratch || kind == SourceKind::kWorkspace) &&
           !scratch_users.emplace(slot.source, source).second) {
-        throw BuildError(fmt::format("scratch '{}' is used by both '{}' and '{}': it belongs to one calculation",
-                                     slot.source->path(), scratch_users[slot.source]->name(), source->name()));
+        throw BuildError(
+            fmt::format("scratch '{}' is used by both '{}' and '{}': it belongs to one calculation",
+                        slot.source->path(), scratch_users[slot.source]->name(), source->name()));
       }
     }
   }
@@ -137,16 +141,17 @@ void Compiler::CheckArguments(const Source& calculation) {
   for (const Source::Slot& slot : calculation.arguments_) {
     if (slot.source == nullptr) continue;
     if (&slot.source->owner() != &calculation.owner()) {
-      throw BuildError(fmt::format(
-          "'{}' uses '{}', which belongs to another block: declare an input and connect it",
-          calculation.path(), slot.source->path()));
+      throw BuildError(
+          fmt::format("'{}' uses '{}', which belongs to another block: declare an input and connect it",
+                      calculation.path(), slot.source->path()));
     }
     if (slot.source->kind() == SourceKind::kRandom && !IsSampled(calculation) &&
         calculation.kind() != SourceKind::kUpdate) {
-      throw BuildError(fmt::format(
-          "'{}' uses the random stream '{}' but is no sampled output or update: the integrator evaluates it as "
-          "often as it likes; declare it Sampled",
-          calculation.path(), slot.source->name()));
+      throw BuildError(
+          fmt::format("'{}' uses the random stream '{}' but is no sampled output or update: the integrator "
+                      "evaluates it as "
+                      "often as it likes; declare it Sampled",
+                      calculation.path(), slot.source->name()));
     }
   }
 }
@@ -216,9 +221,10 @@ void Compiler::ThrowLoop(const std::vector<const Source*>& trail, const Source& 
   throw BuildError(fmt::format(
       "algebraic loop: {}'{}'. Every hop needs the value of the next at the same instant. Break it {}", hops,
       again.path(),
-      sampled ? "with a UnitDelay in front of one of the sampled inputs."
-              : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind a "
-                "UnitDelay."));
+      sampled
+          ? "with a UnitDelay in front of one of the sampled inputs."
+          : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind a "
+            "UnitDelay."));
 }
 
 void Compiler::Place(Source& source, std::size_t& end) {
@@ -247,8 +253,8 @@ void Compiler::LayOut() {
   // Everything else that is stored: first what is copied as bytes.
   std::vector<Source*> stored;
   for (Source* source : sources_) {
-    const bool passes_on =
-        source->kind() == SourceKind::kInput || (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
+    const bool passes_on = source->kind() == SourceKind::kInput ||
+                           (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
     if (source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative || passes_on) {
       continue;
     }
@@ -287,11 +293,11 @@ void Compiler::LayOut() {
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
                       source.kind() == SourceKind::kRandom;
     // Computed once more after a restore, what has a warm start would find another result.
-    const bool warm = GivesValue(source) && std::any_of(source.arguments_.begin(), source.arguments_.end(),
-                                                        [](const Source::Slot& slot) {
-                                                          return slot.source != nullptr &&
-                                                                 slot.source->kind() == SourceKind::kScratch;
-                                                        });
+    const bool warm =
+        GivesValue(source) &&
+        std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Source::Slot& slot) {
+          return slot.source != nullptr && slot.source->kind() == SourceKind::kScratch;
+        });
     if (held || kept || warm) program_.saved.push_back(cell);
   }
   program_.signature = hash;

@@ -47,8 +47,8 @@ class Compiler {
 
   bool open_inputs_;
   Program program_;
-  std::vector<Source*> sources_;       ///< of all leaves, in order
-  std::vector<Source*> ports_;         ///< of subdiagrams
+  std::vector<Source*> sources_;               ///< of all leaves, in order
+  std::vector<Source*> ports_;                 ///< of subdiagrams
   std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default
   /// Discrete state -> calculations, other than samples, that read it.
   std::unordered_map<const Source*, std::vector<int>> readers_;

@@ -13,7 +13,9 @@ namespace {
 constexpr std::size_t kMaxGroups = 64;
 constexpr std::int64_t kMaxInstants = 1'000'000;
 
-bool IsSampled(const Source& source) { return source.trigger().when == Trigger::When::kSampled; }
+bool IsSampled(const Source& source) {
+  return source.trigger().when == Trigger::When::kSampled;
+}
 
 }  // namespace
 
@@ -57,7 +59,8 @@ std::vector<std::uint32_t> Compiler::Downstream(std::vector<int> changed) const 
     const int i = changed.back();
     changed.pop_back();
     for (const int next : affects_[i]) {
-      if (program_.calculations[next].sampled || !found.insert(static_cast<std::uint32_t>(next)).second) continue;
+      if (program_.calculations[next].sampled || !found.insert(static_cast<std::uint32_t>(next)).second)
+        continue;
       changed.push_back(next);
     }
   }
@@ -89,7 +92,8 @@ void Compiler::MakePlans() {
     const Trigger::When when = source->trigger().when;
     if (source->kind() == SourceKind::kDerivative) derivatives.push_back(source);
     if (source->kind() == SourceKind::kWitness) witnesses.push_back(source);
-    if (source->kind() == SourceKind::kMonitor && when == Trigger::When::kEachStep) step_monitors.push_back(source);
+    if (source->kind() == SourceKind::kMonitor && when == Trigger::When::kEachStep)
+      step_monitors.push_back(source);
     if (source->kind() != SourceKind::kUpdate) continue;
     if (when == Trigger::When::kAtStart) at_start.push_back(source);
     if (when == Trigger::When::kEachStep) each_step.push_back(source);
@@ -110,7 +114,8 @@ void Compiler::MakePlans() {
   for (const Source* witness : witnesses) {
     std::vector<const Source*> updates;
     for (const Source* source : sources_) {
-      if (source->kind() == SourceKind::kUpdate && source->trigger().witness == witness) updates.push_back(source);
+      if (source->kind() == SourceKind::kUpdate && source->trigger().witness == witness)
+        updates.push_back(source);
     }
     program_.witness_plans.push_back({witness, MakeUpdates(updates)});
   }
@@ -126,10 +131,11 @@ void Compiler::MakeTicks() {
   std::set<std::uint64_t> masks;
   for (std::int64_t count = 0; schedule.next_tick() <= last; ++count) {
     if (count == kMaxInstants) {
-      throw BuildError(fmt::format(
-          "the sample times of '{}' and the others repeat only after more than {} instants: choose periods that "
-          "are multiples of one another",
-          groups.back().example, kMaxInstants));
+      throw BuildError(
+          fmt::format("the sample times of '{}' and the others repeat only after more than {} instants: "
+                      "choose periods that "
+                      "are multiples of one another",
+                      groups.back().example, kMaxInstants));
     }
     masks.insert(schedule.Take());
   }

@@ -33,7 +33,8 @@ Context::Context(const Diagram& diagram, std::uint64_t seed) : diagram_(diagram)
 
 Context::~Context() {
   if (!memory_) return;
-  for (const Cell& cell : diagram_.program().objects) cell.source->type_->destroy(memory_.get() + cell.offset);
+  for (const Cell& cell : diagram_.program().objects)
+    cell.source->type_->destroy(memory_.get() + cell.offset);
 }
 
 std::unique_ptr<Context> Context::Clone() const {
@@ -68,12 +69,15 @@ void Context::CheckOwned(const Source& source) const {
   for (const auto& block : diagram_.blocks()) {
     if (block.get() == top) return;
   }
-  throw RunError(fmt::format("'{}' is not part of this context's diagram: use ports of the blocks that were "
-                             "added to its builder",
-                             source.path()));
+  throw RunError(
+      fmt::format("'{}' is not part of this context's diagram: use ports of the blocks that were "
+                  "added to its builder",
+                  source.path()));
 }
 
-const std::byte* Context::Address(const Source& source) const { return memory_.get() + source.offset_; }
+const std::byte* Context::Address(const Source& source) const {
+  return memory_.get() + source.offset_;
+}
 
 const void* Context::EvalAddress(const Source& source) {
   CheckOwned(source);
@@ -98,8 +102,8 @@ void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();
   if (origin.calculation_ >= 0 && !diagram_.program().calculations[origin.calculation_].sampled) {
-    throw RunError(fmt::format("'{}' is computed: set the states and inputs that it depends on instead",
-                               source.path()));
+    throw RunError(
+        fmt::format("'{}' is computed: set the states and inputs that it depends on instead", source.path()));
   }
 }
 
@@ -120,8 +124,8 @@ void Context::SetDoubles(const Source& source, std::span<const double> values) {
   std::vector<Element> elements;
   source.type_->list_elements(Address(source), source.spec(), elements);
   if (elements.size() != values.size()) {
-    throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(), elements.size(),
-                               values.size()));
+    throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(),
+                               elements.size(), values.size()));
   }
   source.type_->from_doubles(MutableAddress(source), values.data());
 }
@@ -141,10 +145,11 @@ void Context::CheckAllFixed() const {
 
 void Context::CheckSample(const CalculationInfo& sampled) const {
   if (stamps_[sampled.op.calculation] != 0) return;
-  throw RunError(fmt::format(
-      "sampled output '{}' is read at t = {} s before it has run: initialise the simulator or step the block, "
-      "or declare an initial value",
-      sampled.source->path(), time()));
+  throw RunError(
+      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator or "
+                  "step the block, "
+                  "or declare an initial value",
+                  sampled.source->path(), time()));
 }
 
 void Context::CheckSamplesFor(const internal::OpList& ops) const {

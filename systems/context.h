@@ -37,8 +37,8 @@ class Context {
   double time() const { return *reinterpret_cast<const double*>(memory_.get()); }
   std::uint64_t seed() const { return seed_; }
 
-  /// The value of a port, state, shared value or witness, computed if need be. Throws RunError if that needs a
-  /// sampled output that has not run yet or an open input that was never fixed.
+  /// The value of a port, state, shared value or witness, computed if need be. Throws RunError if that needs
+  /// a sampled output that has not run yet or an open input that was never fixed.
   template <class S>
   const typename S::Value& Eval(const S& source) {
     return *static_cast<const typename S::Value*>(EvalAddress(source));
@@ -68,8 +68,8 @@ class Context {
   std::unique_ptr<Context> Clone() const;
   /// The whole context as bytes; throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
-  /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if it
-  /// is another or cut short.
+  /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if
+  /// it is another or cut short.
   void Restore(std::span<const std::byte> bytes);
   /// The same with a file; throws RunError that names the file if it cannot be written or read.
   void SaveFile(const std::filesystem::path& file) const;

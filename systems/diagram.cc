@@ -12,7 +12,8 @@ namespace tenon {
 
 Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks, bool open_inputs)
     : blocks_(std::move(blocks)),
-      program_(std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks_, open_inputs))) {}
+      program_(std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks_, open_inputs))) {
+}
 
 Diagram::~Diagram() = default;
 
@@ -20,7 +21,9 @@ std::unique_ptr<Context> Diagram::CreateContext(std::uint64_t seed) const {
   return std::unique_ptr<Context>(new Context(*this, seed));
 }
 
-int Diagram::num_continuous_states() const { return program_->num_continuous; }
+int Diagram::num_continuous_states() const {
+  return program_->num_continuous;
+}
 
 std::vector<std::string> Diagram::ContinuousStateNames() const {
   std::vector<std::string> names;
@@ -32,7 +35,9 @@ std::vector<std::string> Diagram::ContinuousStateNames() const {
   return names;
 }
 
-const std::vector<const Source*>& Diagram::open_inputs() const { return program_->open_inputs; }
+const std::vector<const Source*>& Diagram::open_inputs() const {
+  return program_->open_inputs;
+}
 
 namespace {
 
@@ -40,7 +45,8 @@ void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
                   const std::function<void(const System&)>& visit) {
   for (const auto& block : blocks) {
     visit(*block);
-    if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) ForEachBlock(nested->blocks(), visit);
+    if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
+      ForEachBlock(nested->blocks(), visit);
   }
 }
 

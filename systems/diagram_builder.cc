@@ -42,8 +42,8 @@ void Assembly::Join(const Source& from, Source& to) {
   const auto is_here = [&](const Source& port, SourceKind child, SourceKind own) {
     const System& owner = port.owner();
     if (&owner == self_ && self_ != nullptr) return port.kind() == own;
-    const bool child_of_this = std::any_of(blocks_.begin(), blocks_.end(),
-                                           [&](const auto& block) { return block.get() == &owner; });
+    const bool child_of_this =
+        std::any_of(blocks_.begin(), blocks_.end(), [&](const auto& block) { return block.get() == &owner; });
     return child_of_this && port.kind() == child;
   };
   const auto check = [&](const Source& port, SourceKind child, SourceKind own, const char* role) {

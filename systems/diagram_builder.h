@@ -35,8 +35,8 @@ class Assembly {
     }
   }
 
-  /// Connects an output to an input, an own input of a nested diagram to an inner input, or an inner output to
-  /// an own output. Throws BuildError if `to` has a connection already, or a port belongs elsewhere.
+  /// Connects an output to an input, an own input of a nested diagram to an inner input, or an inner output
+  /// to an own output. Throws BuildError if `to` has a connection already, or a port belongs elsewhere.
   template <class From, class To>
   void Connect(const From& from, To& to) {
     static_assert(std::is_same_v<typename From::Value, typename To::Value>,
@@ -118,7 +118,8 @@ class FunctionBlock final : public Leaf {
 };
 
 template <class... S, class F, class... When>
-auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& uses, F function, When... when) {
+auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& uses, F function,
+                                 When... when) {
   using R = std::remove_cvref_t<std::invoke_result_t<const F&, typename SourceHandle<S>::Argument...>>;
   auto& block = Add<FunctionBlock<R, F, S...>>(spec.name, spec, uses.handles, std::move(function), when...);
   const auto connect = [this]<class Port>(const SourceHandle<Port>& used, FunctionInput<Port>& input) {
@@ -126,7 +127,8 @@ auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& 
   };
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (connect(std::get<I>(uses.handles), std::get<I>(block.inputs)), ...);
-  }(std::index_sequence_for<S...>{});
+  }
+  (std::index_sequence_for<S...>{});
   return block.output;
 }
 

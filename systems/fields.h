@@ -14,7 +14,8 @@ namespace tenon {
 ///       double tension = 0;
 ///       Vec<3> p_W;
 ///       static constexpr auto Fields() {
-///         return std::tuple{Field{"tension", &CableState::tension, "N"}, Field{"p_W", &CableState::p_W, "m"}};
+///         return std::tuple{Field{"tension", &CableState::tension, "N"}, Field{"p_W", &CableState::p_W,
+///         "m"}};
 ///       }
 ///     };
 ///
@@ -40,7 +41,9 @@ constexpr Field<Struct, Member> Required(const char* name, Member Struct::*membe
 
 /// True for structs with a static `Fields()`.
 template <class T>
-concept HasFields = requires { std::remove_cvref_t<T>::Fields(); };
+concept HasFields = requires {
+  std::remove_cvref_t<T>::Fields();
+};
 
 /// Calls `visit(field, value.*field.member)` for every field of `value` in order.
 template <HasFields T, class Visit>

@@ -8,15 +8,17 @@ namespace tenon {
 namespace {
 
 /// Colours of sample times, fastest first; what is not sampled is white.
-constexpr const char* kColours[] = {"#f4b6b6", "#f7d9a8", "#f5f1a6", "#c5e6b4", "#b5e0e6", "#bcc9f0", "#dcc3ec"};
+constexpr const char* kColours[] = {"#f4b6b6", "#f7d9a8", "#f5f1a6", "#c5e6b4",
+                                    "#b5e0e6", "#bcc9f0", "#dcc3ec"};
 
 class Drawing {
  public:
   std::string Draw(const std::vector<std::unique_ptr<System>>& blocks) {
     FindPeriods(blocks);
-    out_ = "digraph diagram {\n  rankdir=LR; fontname=\"Helvetica\";\n"
-           "  node [shape=plain, fontname=\"Helvetica\", fontsize=11];\n"
-           "  edge [fontname=\"Helvetica\", fontsize=9, arrowsize=0.7];\n";
+    out_ =
+        "digraph diagram {\n  rankdir=LR; fontname=\"Helvetica\";\n"
+        "  node [shape=plain, fontname=\"Helvetica\", fontsize=11];\n"
+        "  edge [fontname=\"Helvetica\", fontsize=9, arrowsize=0.7];\n";
     DrawBlocks(blocks, "  ");
     DrawConnections(blocks);
     DrawLegend();
@@ -42,15 +44,17 @@ class Drawing {
 
   std::string Cell(const Source& port, const char* align) const {
     const std::string colour =
-        IsSampled(port) ? fmt::format(" bgcolor=\"{}\"", periods_.at(port.trigger().sampled.rate.period())) : "";
+        IsSampled(port) ? fmt::format(" bgcolor=\"{}\"", periods_.at(port.trigger().sampled.rate.period()))
+                        : "";
     return fmt::format("<tr><td port=\"{0}\" align=\"{1}\"{2}>{0}</td></tr>", port.name(), align, colour);
   }
 
   void DrawBlocks(const std::vector<std::unique_ptr<System>>& blocks, const std::string& indent) {
     for (const auto& block : blocks) {
       if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) {
-        out_ += fmt::format("{0}subgraph \"cluster_{1}\" {{\n{0}  label=\"{2}\"; style=rounded; color=\"#888888\";\n",
-                            indent, block->path(), block->name());
+        out_ += fmt::format(
+            "{0}subgraph \"cluster_{1}\" {{\n{0}  label=\"{2}\"; style=rounded; color=\"#888888\";\n", indent,
+            block->path(), block->name());
         // Ports of a nested diagram are nodes on its border.
         for (const Source* port : block->sources()) {
           out_ += fmt::format("{}  \"{}\" [shape=cds, label=\"{}\", fontsize=9];\n", indent, port->path(),
@@ -66,8 +70,9 @@ class Drawing {
         if (source->kind() == SourceKind::kOutput) outputs += Cell(*source, "right");
       }
       const auto column = [](const std::string& cells) {
-        return cells.empty() ? std::string()
-                             : "<td><table border=\"0\" cellborder=\"0\" cellspacing=\"1\">" + cells + "</table></td>";
+        return cells.empty()
+                   ? std::string()
+                   : "<td><table border=\"0\" cellborder=\"0\" cellspacing=\"1\">" + cells + "</table></td>";
       };
       out_ += fmt::format(
           "{}\"{}\" [label=<<table border=\"1\" cellborder=\"0\" cellspacing=\"0\" style=\"rounded\"><tr><td "
@@ -99,7 +104,8 @@ class Drawing {
     for (const auto& [period, colour] : periods_) {
       rows += fmt::format("<tr><td bgcolor=\"{}\">{:g} ms</td></tr>", colour, period * 1000);
     }
-    out_ += fmt::format("  legend [label=<<table border=\"0\" cellborder=\"1\" cellspacing=\"0\">{}</table>>];\n", rows);
+    out_ += fmt::format(
+        "  legend [label=<<table border=\"0\" cellborder=\"1\" cellspacing=\"0\">{}</table>>];\n", rows);
   }
 
   std::map<double, std::string> periods_;
@@ -108,6 +114,8 @@ class Drawing {
 
 }  // namespace
 
-std::string Diagram::Graphviz() const { return Drawing().Draw(blocks_); }
+std::string Diagram::Graphviz() const {
+  return Drawing().Draw(blocks_);
+}
 
 }  // namespace tenon

@@ -58,8 +58,8 @@ class Calculated : public Source {
 ///
 /// Without Sampled it is a function of time, states and inputs, computed when somebody needs it. With
 /// Sampled{rate} it is computed at its ticks and held between; at a tick all due outputs run in dataflow
-/// order, so a chain of sampled blocks has no hidden delay. `initial` is the value before the first tick, needed
-/// if there is an offset; it also gives the size of values whose size is known at run time only.
+/// order, so a chain of sampled blocks has no hidden delay. `initial` is the value before the first tick,
+/// needed if there is an offset; it also gives the size of values whose size is known at run time only.
 template <class T>
 class OutputPort : public Calculated<T> {
  public:
@@ -144,7 +144,8 @@ struct SourceHandle<InputPorts<T>> {
   }
   void Append(std::vector<Source::Slot>& slots) const {
     slots.push_back({Source::Slot::What::kCount, nullptr, static_cast<std::uint32_t>(source->size())});
-    for (std::size_t i = 0; i < source->size(); ++i) slots.push_back({Source::Slot::What::kSource, &(*source)[i]});
+    for (std::size_t i = 0; i < source->size(); ++i)
+      slots.push_back({Source::Slot::What::kSource, &(*source)[i]});
   }
 };
 

@@ -24,7 +24,8 @@ OpList Program::Needed(const std::vector<const Source*>& sinks, Which which, std
   OpList ops;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const CalculationInfo& info = calculations[i];
-    if (!wanted[i] || (which == Which::kVarying && !info.varies) || (which == Which::kHeld && info.varies)) continue;
+    if (!wanted[i] || (which == Which::kVarying && !info.varies) || (which == Which::kHeld && info.varies))
+      continue;
     ops.push_back(info.op);
     ops.back().always = info.sampled;
   }

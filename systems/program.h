@@ -93,9 +93,9 @@ struct Program {
   int num_continuous = 0;
   std::size_t bitwise_end = 0;  ///< bytes up to here are copied by memcpy
   std::size_t memory_size = 0;
-  std::vector<Cell> cells;        ///< every stored value
-  std::vector<Cell> objects;      ///< those of them that have to be copied by their type
-  std::vector<Cell> saved;        ///< those of them that a snapshot holds
+  std::vector<Cell> cells;    ///< every stored value
+  std::vector<Cell> objects;  ///< those of them that have to be copied by their type
+  std::vector<Cell> saved;    ///< those of them that a snapshot holds
 
   OpList derivatives;  ///< what varies and derivatives need, then the derivatives
   OpList held;         ///< what does not vary and derivatives or witnesses need

@@ -41,9 +41,13 @@ std::uint64_t RandomStream::Next() {
   return result;
 }
 
-double RandomStream::Uniform() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
+double RandomStream::Uniform() {
+  return static_cast<double>(Next() >> 11) * 0x1.0p-53;
+}
 
-double RandomStream::Uniform(double low, double high) { return low + (high - low) * Uniform(); }
+double RandomStream::Uniform(double low, double high) {
+  return low + (high - low) * Uniform();
+}
 
 double RandomStream::Normal() {
   if (has_spare_) {

@@ -18,10 +18,10 @@ class RandomStream {
   /// The stream of the block at `path` in a run with `seed`: independent of all other blocks' streams.
   RandomStream(std::uint64_t seed, std::string_view path);
 
-  std::uint64_t Next();                    ///< 64 random bits
-  double Uniform();                        ///< uniform in [0, 1)
-  double Uniform(double low, double high); ///< uniform in [low, high)
-  double Normal();                         ///< mean 0, standard deviation 1
+  std::uint64_t Next();                     ///< 64 random bits
+  double Uniform();                         ///< uniform in [0, 1)
+  double Uniform(double low, double high);  ///< uniform in [low, high)
+  double Normal();                          ///< mean 0, standard deviation 1
 
  private:
   std::array<std::uint64_t, 4> state_;

@@ -16,7 +16,8 @@ Rational ToRational(double value, const char* what, const char* unit) {
   constexpr double kTolerance = 1e-12;
   constexpr std::int64_t kMaxDenominator = 1'000'000;
   if (!(value >= 0) || value > 1e9) {
-    throw ParameterError(fmt::format("{} of {} {} is out of range: give a number from 0 to 1e9", what, value, unit));
+    throw ParameterError(
+        fmt::format("{} of {} {} is out of range: give a number from 0 to 1e9", what, value, unit));
   }
   // Continued fraction: the convergents p/q are the best approximations for their size.
   std::int64_t p0 = 0, q0 = 1, p1 = 1, q1 = 0;
@@ -32,17 +33,19 @@ Rational ToRational(double value, const char* what, const char* unit) {
     }
     rest = 1 / (rest - whole);
   }
-  throw ParameterError(fmt::format(
-      "{} of {} {} is no fraction with a denominator up to {}: ticks are exact fractions of a second, so round it",
-      what, value, unit, kMaxDenominator));
+  throw ParameterError(
+      fmt::format("{} of {} {} is no fraction with a denominator up to {}: ticks are exact fractions of a "
+                  "second, so round it",
+                  what, value, unit, kMaxDenominator));
 }
 
 }  // namespace internal
 
-Rate::Rate(std::int64_t numerator, std::int64_t denominator) : numerator_(numerator), denominator_(denominator) {
+Rate::Rate(std::int64_t numerator, std::int64_t denominator)
+    : numerator_(numerator), denominator_(denominator) {
   if (numerator <= 0 || denominator <= 0) {
-    throw ParameterError(
-        fmt::format("a sample period of {}/{} s is not positive: give a rate above 0 Hz", numerator, denominator));
+    throw ParameterError(fmt::format("a sample period of {}/{} s is not positive: give a rate above 0 Hz",
+                                     numerator, denominator));
   }
   const std::int64_t divisor = std::gcd(numerator_, denominator_);
   numerator_ /= divisor;
@@ -51,7 +54,8 @@ Rate::Rate(std::int64_t numerator, std::int64_t denominator) : numerator_(numera
 
 Rate Hz(double hz) {
   if (!(hz > 0) || !std::isfinite(hz)) {
-    throw ParameterError(fmt::format("a rate of {} Hz is not positive and finite: give a rate above 0 Hz", hz));
+    throw ParameterError(
+        fmt::format("a rate of {} Hz is not positive and finite: give a rate above 0 Hz", hz));
   }
   const internal::Rational ratio = internal::ToRational(hz, "a rate", "Hz");
   return Rate(ratio.denominator, ratio.numerator);
@@ -66,8 +70,12 @@ Rate Seconds(double seconds) {
   return Rate(ratio.numerator, ratio.denominator);
 }
 
-Rate Milliseconds(double milliseconds) { return Seconds(milliseconds / 1000); }
+Rate Milliseconds(double milliseconds) {
+  return Seconds(milliseconds / 1000);
+}
 
-std::string ToString(const Rate& rate) { return fmt::format("{:g} Hz", rate.hz()); }
+std::string ToString(const Rate& rate) {
+  return fmt::format("{:g} Hz", rate.hz());
+}
 
 }  // namespace tenon

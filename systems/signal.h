@@ -55,7 +55,8 @@ concept Range = requires(T& t) {
   t.begin();
   t.end();
   t.size();
-} && !EigenMatrix<T> && !std::same_as<T, std::string>;
+}
+&&!EigenMatrix<T> && !std::same_as<T, std::string>;
 
 /// A matrix whose numbers lie inside the object.
 template <class T>
@@ -63,8 +64,8 @@ concept InlineMatrix = EigenMatrix<T> && T::MaxSizeAtCompileTime != Eigen::Dynam
 
 /// Copying the bytes copies the value.
 template <class T>
-inline constexpr bool kBitwise =
-    std::is_trivially_copyable_v<T> || InlineMatrix<T> || (HasFields<T> && std::is_trivially_destructible_v<T>);
+inline constexpr bool kBitwise = std::is_trivially_copyable_v<T> || InlineMatrix<T> ||
+                                 (HasFields<T> && std::is_trivially_destructible_v<T>);
 
 /// Calls `visit(scalar)` for every double, integer, bool and enumeration inside `value`, in order.
 /// What is none of these and does not describe itself has no scalars.
@@ -123,7 +124,7 @@ class Archive {
 
 template <class T>
 void Save(const T& value, Archive& archive) {
-  if constexpr (kBitwise<T>) {
+  if constexpr (std::is_trivially_copyable_v<T>) {
     archive.Write(&value, sizeof(T));
   } else if constexpr (HasFields<T>) {
     ForEachField(value, [&](const auto&, const auto& member) { Save(member, archive); });
@@ -142,8 +143,8 @@ void Save(const T& value, Archive& archive) {
 
 template <class T>
 void Load(T& value, Archive& archive) {
-  if constexpr (kBitwise<T>) {
-    archive.Read(static_cast<void*>(&value), sizeof(T));
+  if constexpr (std::is_trivially_copyable_v<T>) {
+    archive.Read(&value, sizeof(T));
   } else if constexpr (HasFields<T>) {
     ForEachField(value, [&](const auto&, auto& member) { Load(member, archive); });
   } else if constexpr (EigenMatrix<T>) {
@@ -172,7 +173,7 @@ struct TypeInfo {
   void (*destroy)(void* value);
   void (*assign)(void* to, const void* from);
   void (*list_elements)(const void* model, const Spec& spec, std::vector<Element>& out);
-  std::size_t (*count)(const void* value);               ///< of its elements
+  std::size_t (*count)(const void* value);                ///< of its elements
   double* (*to_doubles)(const void* value, double* out);  ///< returns the end of what it wrote
   void (*from_doubles)(void* value, const double* in);
   Finiteness (*finiteness)(const void* value);

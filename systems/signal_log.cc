@@ -24,7 +24,9 @@ void MemoryLog::Reserve(std::size_t rows) {
   data_.reserve(data_.size() + rows * names_.size());
 }
 
-void MemoryLog::Row(std::span<const double> row) { data_.insert(data_.end(), row.begin(), row.end()); }
+void MemoryLog::Row(std::span<const double> row) {
+  data_.insert(data_.end(), row.begin(), row.end());
+}
 
 std::vector<double> MemoryLog::column(const std::string& name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
@@ -44,7 +46,9 @@ CsvLog::CsvLog(const std::filesystem::path& file) : path_(file), file_(std::fope
   if (file_ == nullptr) throw RunError(fmt::format("cannot write the log '{}'", file.string()));
 }
 
-CsvLog::~CsvLog() { std::fclose(file_); }
+CsvLog::~CsvLog() {
+  std::fclose(file_);
+}
 
 void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   std::string header;
@@ -70,7 +74,9 @@ void CsvLog::Row(std::span<const double> row) {
   }
 }
 
-void CsvLog::Flush() { std::fflush(file_); }
+void CsvLog::Flush() {
+  std::fflush(file_);
+}
 
 SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
                      std::vector<std::shared_ptr<LogSink>> sinks)
@@ -105,9 +111,10 @@ void SignalLog::Sample() {
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const void* value = context_.Address(*signals_[i]);
     if (const std::size_t size = signals_[i]->type_->count(value); size != sizes_[i]) {
-      throw RunError(fmt::format(
-          "'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals of constant size",
-          signals_[i]->path(), sizes_[i], size, context_.time()));
+      throw RunError(
+          fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals "
+                      "of constant size",
+                      signals_[i]->path(), sizes_[i], size, context_.time()));
     }
     out = signals_[i]->type_->to_doubles(value, out);
   }

@@ -68,10 +68,11 @@ class CsvLog final : public LogSink {
 /// what the signals are at the tick after all due sampled outputs have run and before updates take effect.
 class SignalLog {
  public:
-  SignalLog(Context& context, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
+  SignalLog(Context& context, std::vector<const Source*> signals,
+            std::vector<std::shared_ptr<LogSink>> sinks);
   ~SignalLog();
-  /// Computes what is stale and hands a row to the sinks. Throws RunError if a signal has another size than in
-  /// the first row.
+  /// Computes what is stale and hands a row to the sinks. Throws RunError if a signal has another size than
+  /// in the first row.
   void Sample();
   void Flush();
 

@@ -17,7 +17,9 @@ namespace {
 
 /// Times that differ by less are the same: sums of periods round differently than ticks do, and an interval
 /// between the two would be a step of 1e-17 s.
-double Rounding(double time) { return 1e-10 * (1 + std::abs(time)); }
+double Rounding(double time) {
+  return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
+}
 
 /// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
 constexpr double kInstant = 1e-7;
@@ -40,12 +42,18 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
 
 Simulator::~Simulator() = default;
 
-IntegratorStatistics Simulator::statistics() const { return integrator_.statistics(); }
+IntegratorStatistics Simulator::statistics() const {
+  return integrator_.statistics();
+}
 
-double Simulator::next_tick_time() const { return schedule_->next_time(); }
+double Simulator::next_tick_time() const {
+  return schedule_->next_time();
+}
 
-void Simulator::AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks) {
-  logs_.push_back(std::make_unique<RatedLog>(RatedLog{rate, SignalLog(*context_, std::move(signals), std::move(sinks))}));
+void Simulator::AddLog(Rate rate, std::vector<const Source*> signals,
+                       std::vector<std::shared_ptr<LogSink>> sinks) {
+  logs_.push_back(
+      std::make_unique<RatedLog>(RatedLog{rate, SignalLog(*context_, std::move(signals), std::move(sinks))}));
   RebuildSchedule();
 }
 
@@ -60,7 +68,8 @@ void Simulator::RebuildSchedule() {
   for (const auto& log : logs_) {
     entries.push_back({{log->rate.numerator(), log->rate.denominator()}, {0, 1}, "log"});
   }
-  if (entries.size() > 64) throw BuildError("more than 64 different sample times and logs: give logs the same rate");
+  if (entries.size() > 64)
+    throw BuildError("more than 64 different sample times and logs: give logs the same rate");
   schedule_ = std::make_unique<internal::Schedule>(std::move(entries));
   schedule_->MoveTo(context_->time(), !context_->started_);
 }
@@ -73,12 +82,17 @@ void Simulator::Synchronize() {
   pace_start_ = {};
 }
 
-RunStatus Simulator::Initialize() { return AdvanceTo(context_->time()); }
+RunStatus Simulator::Initialize() {
+  return AdvanceTo(context_->time());
+}
 
 RunStatus Simulator::AdvanceTo(double time) {
   const double rounding = Rounding(time);
-  if (std::isnan(time) || time < context_->time() - rounding) {
-    throw RunError(fmt::format("cannot advance to t = {} s: the run is at t = {} s already", time, context_->time()));
+  if (!std::isfinite(time))
+    throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
+  if (time < context_->time() - rounding) {
+    throw RunError(
+        fmt::format("cannot advance to t = {} s: the run is at t = {} s already", time, context_->time()));
   }
   try {
     context_->CheckAllFixed();
@@ -140,7 +154,8 @@ void Simulator::IntegrateTo(double end) {
 /// The first tick of a run gives samples the values that witnesses may read; the others may change them.
 void Simulator::Tick(bool first) {
   const std::uint64_t due = schedule_->Take();
-  const std::uint64_t own = program_.groups.empty() ? 0 : due & (~std::uint64_t{0} >> (64 - program_.groups.size()));
+  const std::uint64_t own =
+      program_.groups.empty() ? 0 : due & (~std::uint64_t{0} >> (64 - program_.groups.size()));
   if (!first) EvaluateWitnesses(witness_values_);
   const TickPlan* plan = nullptr;
   if (own != 0) {
@@ -200,9 +215,10 @@ void Simulator::Fire(std::size_t witness) {
   events.count = std::abs(now - events.instant) <= kInstant ? events.count + 1 : 1;
   events.instant = now;
   if (events.count > options_.max_events) {
-    throw RunError(fmt::format(
-        "witness '{}' fires for the {}th time at t = {} s: its updates must move the state away from the crossing",
-        plan.witness->path(), events.count, now));
+    throw RunError(
+        fmt::format("witness '{}' fires for the {}th time at t = {} s: its updates must move the state away "
+                    "from the crossing",
+                    plan.witness->path(), events.count, now));
   }
   context_->Apply(plan.updates);
 }

@@ -8,9 +8,9 @@
 
 #include "tenon/systems/context.h"
 #include "tenon/systems/diagram.h"
-#include "tenon/systems/sundials_integrator.h"
 #include "tenon/systems/signal_log.h"
 #include "tenon/systems/simulator_options.h"
+#include "tenon/systems/sundials_integrator.h"
 
 namespace tenon {
 
@@ -20,9 +20,9 @@ class Schedule;
 
 /// How an advance ended.
 struct RunStatus {
-  double time = 0;         ///< [s]
-  bool ended = false;      ///< a monitor ended the run
-  std::string reason;      ///< what the monitor said, with its path in front
+  double time = 0;     ///< [s]
+  bool ended = false;  ///< a monitor ended the run
+  std::string reason;  ///< what the monitor said, with its path in front
 };
 
 /// Runs a diagram: integrates between ticks, and at each tick computes all due sampled outputs in dataflow
@@ -50,8 +50,9 @@ class Simulator {
   /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
   RunStatus Initialize();
   /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors. A time
-  /// that is no tick cuts a step in two and so changes the last digits of what follows. Throws RunError: what a block threw, the first value that is not
-  /// finite, the integrator's failure with its worst state, or events without end.
+  /// that is no tick cuts a step in two and so changes the last digits of what follows. Throws RunError: what
+  /// a block threw, the first value that is not finite, the integrator's failure with its worst state, or
+  /// events without end.
   RunStatus AdvanceTo(double time);
   /// Time of the next tick [s], infinity if there is none.
   double next_tick_time() const;

@@ -14,8 +14,8 @@ enum class Method {
   kAdams,  ///< CVODE, Adams-Moulton up to `order` (12), for smooth systems
 };
 
-/// An absolute tolerance of its own for the states whose path begins with `prefix`. The integrator's norm is a
-/// mean over all states, in which one bad component hides: give small quantities small tolerances.
+/// An absolute tolerance of its own for the states whose path begins with `prefix`. The integrator's norm is
+/// a mean over all states, in which one bad component hides: give small quantities small tolerances.
 struct StateTolerance {
   std::string prefix;
   double atol;
@@ -40,8 +40,8 @@ struct SimulatorOptions {
 struct IntegratorStatistics {
   long steps = 0;
   long failed_steps = 0;
-  long evaluations = 0;   ///< of the time derivatives
-  double last_step = 0;   ///< [s]
+  long evaluations = 0;  ///< of the time derivatives
+  double last_step = 0;  ///< [s]
   double smallest_step = 0;
   double largest_step = 0;
   int last_order = 0;

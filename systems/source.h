@@ -56,7 +56,8 @@ struct Trigger {
 };
 
 /// A value inside a block: a port, a state, a shared value, a next value. Sources register with their block
-/// and are never copied or moved. Users meet the typed classes derived from this one; this is what they share.
+/// and are never copied or moved. Users meet the typed classes derived from this one; this is what they
+/// share.
 class Source {
  public:
   /// One entry of a calculation's declared arguments.

@@ -58,7 +58,7 @@ class DiscreteState : public Source {
 
 /// A discrete state with few values, by name: an enumeration.
 template <class E>
-  requires std::is_enum_v<E>
+requires std::is_enum_v<E>
 using Mode = DiscreteState<E>;
 
 /// Trigger of an Update: after every accepted step of the integrator.
@@ -93,7 +93,8 @@ class Update : public Calculated<T> {
   using Value = T;
   template <class State, class... H, class F>
   Update(const State& state, Sampled sampled, UsesList<H...> uses, F function)
-      : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses), std::move(function)) {}
+      : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
+               std::move(function)) {}
   template <class State, class... H, class F>
   Update(const State& state, EachStep, UsesList<H...> uses, F function)
       : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function)) {}
@@ -173,7 +174,8 @@ class Random : public Source {
   using Value = RandomStream;
   using Argument = RandomStream&;
   Random(Leaf* owner, std::string name)
-      : Source(owner, SourceKind::kRandom, Spec{std::move(name)}, internal::kTypeInfo<RandomStream>, &initial_) {}
+      : Source(owner, SourceKind::kRandom, Spec{std::move(name)}, internal::kTypeInfo<RandomStream>,
+               &initial_) {}
 
  private:
   RandomStream initial_;

@@ -26,8 +26,8 @@ constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
 constexpr int kMaxRefused = 50;
 
-/// Explicit midpoint with Euler embedded. SUNDIALS's own table of order 2 (Heun-Euler) ends at abscissa 1, and
-/// ERKStep 6.4 then takes the last stage for the next step's first, which it is not.
+/// Explicit midpoint with Euler embedded. SUNDIALS's own table of order 2 (Heun-Euler) ends at abscissa 1,
+/// and ERKStep 6.4 then takes the last stage for the next step's first, which it is not.
 ARKodeButcherTable MidpointTable() {
   ARKodeButcherTable table = ARKodeButcherTable_Alloc(2, SUNTRUE);
   table->q = 2;
@@ -48,6 +48,7 @@ struct SundialsIntegrator::Sundials {
   void CreateDirk();
   void CreateCvode();
   void CheckOptions() const;
+  std::vector<double> AbsoluteTolerances() const;
   void Restart(double end);
   Stop Advance(bool one_step);
   [[noreturn]] void ThrowFailure(int flag);
@@ -59,8 +60,8 @@ struct SundialsIntegrator::Sundials {
 
   static int Rhs(double t, N_Vector y, N_Vector ydot, void* self);
   static int Roots(double t, N_Vector y, double* g, void* self);
-  static int ChooseStep(N_Vector y, double t, double h1, double h2, double h3, double e1, double e2, double e3, int q,
-                        int p, double* next, void* self);
+  static int ChooseStep(N_Vector y, double t, double h1, double h2, double h3, double e1, double e2,
+                        double e3, int q, int p, double* next, void* self);
   static void Silent(int, const char*, const char*, char* message, void* self) {
     static_cast<Sundials*>(self)->message = message;
   }
@@ -103,22 +104,11 @@ struct SundialsIntegrator::Sundials {
 SundialsIntegrator::Sundials::Sundials(Context& c, const SimulatorOptions& o)
     : context(c), program(c.diagram().program()), options(o), size(std::max(1, program.num_continuous)) {
   CheckOptions();
+  const std::vector<double> tolerances = AbsoluteTolerances();  // throws, so before anything is there to free
   SUNContext_Create(nullptr, &sun);
   y = N_VMake_Serial(size, program.num_continuous > 0 ? context.continuous_data() : &dummy, sun);
   atol = N_VNew_Serial(size, sun);
-  N_VConst(options.atol, atol);
-  const std::vector<std::string> names = context.diagram().ContinuousStateNames();
-  for (const StateTolerance& own : options.state_atol) {
-    bool found = false;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (!names[i].starts_with(own.prefix)) continue;
-      N_VGetArrayPointer(atol)[i] = own.atol;
-      found = true;
-    }
-    if (!found) {
-      throw ParameterError(fmt::format("state_atol: no continuous state's path begins with '{}'", own.prefix));
-    }
-  }
+  std::copy(tolerances.begin(), tolerances.end(), N_VGetArrayPointer(atol));
   roots.assign(program.witness_plans.size(), 0);
   for (const internal::WitnessPlan& plan : program.witness_plans) {
     const Crossing crossing = static_cast<const Witness*>(plan.witness)->crossing();
@@ -150,7 +140,8 @@ void SundialsIntegrator::Sundials::CheckOptions() const {
   const int lowest = cvode() ? 1 : 2;
   const int highest = options.method == Method::kAdams ? 12 : 5;
   demand(options.order >= lowest && options.order <= highest,
-         fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest, highest));
+         fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest,
+                     highest));
   demand(options.rtol > 0, fmt::format("rtol = {} must be positive", options.rtol));
   demand(options.atol > 0, fmt::format("atol = {} must be positive", options.atol));
   for (const StateTolerance& own : options.state_atol) {
@@ -158,7 +149,26 @@ void SundialsIntegrator::Sundials::CheckOptions() const {
   }
   demand(options.fixed_step >= 0, fmt::format("fixed_step = {} s must not be negative", options.fixed_step));
   demand(options.max_step >= 0, fmt::format("max_step = {} s must not be negative", options.max_step));
-  demand(options.fixed_step == 0 || !cvode(), "fixed_step is for Runge-Kutta methods: CVODE chooses its steps");
+  demand(options.fixed_step == 0 || !cvode(),
+         "fixed_step is for Runge-Kutta methods: CVODE chooses its steps");
+}
+
+std::vector<double> SundialsIntegrator::Sundials::AbsoluteTolerances() const {
+  std::vector<double> tolerances(static_cast<std::size_t>(size), options.atol);
+  const std::vector<std::string> names = context.diagram().ContinuousStateNames();
+  for (const StateTolerance& own : options.state_atol) {
+    bool found = false;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!names[i].starts_with(own.prefix)) continue;
+      tolerances[i] = own.atol;
+      found = true;
+    }
+    if (!found) {
+      throw ParameterError(
+          fmt::format("state_atol: no continuous state's path begins with '{}'", own.prefix));
+    }
+  }
+  return tolerances;
 }
 
 void SundialsIntegrator::Sundials::CreateErk() {
@@ -205,8 +215,8 @@ void SundialsIntegrator::Sundials::CreateDirk() {
   matrix = SUNDenseMatrix(size, size, sun);
   solver = SUNLinSol_Dense(y, matrix, sun);
   ARKStepSetLinearSolver(memory, solver, matrix);
-  // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off, on the
-  // strength of how well earlier stages converged, and errs by a hundred tolerances.
+  // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off, on
+  // the strength of how well earlier stages converged, and errs by a hundred tolerances.
   ARKStepSetDeltaGammaMax(memory, 1e-3);
   if (options.fixed_step == 0) {
     ARKStepSetAdaptivityFn(memory, ChooseStep, this);
@@ -376,8 +386,8 @@ int SundialsIntegrator::Sundials::Roots(double t, N_Vector y, double* g, void* s
 
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
-int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double, double, int q,
-                                     int p, double* next, void* self_pointer) {
+int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double,
+                                             double, int q, int p, double* next, void* self_pointer) {
   auto& self = *static_cast<Sundials*>(self_pointer);
   Context& context = self.context;
   const double order = std::min(p, q) + 1;
@@ -404,8 +414,8 @@ int SundialsIntegrator::Sundials::ChooseStep(N_Vector, double t, double h1, doub
   return 0;
 }
 
-/// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one that
-/// changes most in a step of `h`.
+/// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one
+/// that changes most in a step of `h`.
 std::string SundialsIntegrator::Sundials::DescribeWorstState(int flag, double h) {
   if (program.num_continuous == 0) return "none";
   worst = {};
@@ -418,14 +428,17 @@ std::string SundialsIntegrator::Sundials::DescribeWorstState(int flag, double h)
     seeks_worst = false;
   }
   const std::vector<std::string> names = context.diagram().ContinuousStateNames();
-  if (worst.error > 0) return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
+  if (worst.error > 0)
+    return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
   const double* derivatives = context.derivative_data();
   for (int i = 0; i < program.num_continuous; ++i) {
-    const double tolerance = options.rtol * std::abs(context.continuous_data()[i]) + N_VGetArrayPointer(atol)[i];
+    const double tolerance =
+        options.rtol * std::abs(context.continuous_data()[i]) + N_VGetArrayPointer(atol)[i];
     const double change = std::abs(h * derivatives[i]) / tolerance;
     if (change > worst.error) worst = {i, change};
   }
-  return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst.index], worst.error);
+  return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst.index],
+                     worst.error);
 }
 
 void SundialsIntegrator::Sundials::FindWorstState() {
@@ -455,10 +468,11 @@ void SundialsIntegrator::Sundials::ThrowFailure(int flag) {
   if (erk()) ERKStepGetCurrentTime(memory, &t), ERKStepGetCurrentStep(memory, &h);
   if (dirk()) ARKStepGetCurrentTime(memory, &t), ARKStepGetCurrentStep(memory, &h);
   if (cvode()) CVodeGetCurrentTime(memory, &t), CVodeGetCurrentStep(memory, &h);
-  throw RunError(fmt::format(
-      "the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: worst state {} [{}: {}]. Loosen the "
-      "tolerance, or use Method::kBdf or kDirk if the system is stiff",
-      t, h, options.rtol, DescribeWorstState(flag, h), flag_name, text));
+  throw RunError(
+      fmt::format("the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: worst state {} [{}: "
+                  "{}]. Loosen the "
+                  "tolerance, or use Method::kBdf or kDirk if the system is stiff",
+                  t, h, options.rtol, DescribeWorstState(flag, h), flag_name, text));
 }
 
 IntegratorStatistics SundialsIntegrator::Sundials::Statistics() const {
@@ -467,8 +481,10 @@ IntegratorStatistics SundialsIntegrator::Sundials::Statistics() const {
                               .smallest_step = smallest_step,
                               .largest_step = largest_step,
                               .last_order = options.order};
-  if (erk()) ERKStepGetNumSteps(memory, &result.steps), ERKStepGetNumErrTestFails(memory, &result.failed_steps);
-  if (dirk()) ARKStepGetNumSteps(memory, &result.steps), ARKStepGetNumErrTestFails(memory, &result.failed_steps);
+  if (erk())
+    ERKStepGetNumSteps(memory, &result.steps), ERKStepGetNumErrTestFails(memory, &result.failed_steps);
+  if (dirk())
+    ARKStepGetNumSteps(memory, &result.steps), ARKStepGetNumErrTestFails(memory, &result.failed_steps);
   if (cvode()) {
     CVodeGetNumSteps(memory, &result.steps);
     CVodeGetNumErrTestFails(memory, &result.failed_steps);
@@ -482,9 +498,17 @@ IntegratorStatistics SundialsIntegrator::Sundials::Statistics() const {
 SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
     : sundials_(std::make_unique<Sundials>(context, options)) {}
 SundialsIntegrator::~SundialsIntegrator() = default;
-void SundialsIntegrator::Restart(double end) { sundials_->Restart(end); }
-SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) { return sundials_->Advance(one_step); }
-const std::vector<int>& SundialsIntegrator::roots() const { return sundials_->roots; }
-IntegratorStatistics SundialsIntegrator::statistics() const { return sundials_->Statistics(); }
+void SundialsIntegrator::Restart(double end) {
+  sundials_->Restart(end);
+}
+SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) {
+  return sundials_->Advance(one_step);
+}
+const std::vector<int>& SundialsIntegrator::roots() const {
+  return sundials_->roots;
+}
+IntegratorStatistics SundialsIntegrator::statistics() const {
+  return sundials_->Statistics();
+}
 
 }  // namespace tenon

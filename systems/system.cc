@@ -6,14 +6,18 @@
 
 namespace tenon {
 
-std::string System::path() const { return parent_ == nullptr ? name_ : parent_->path() + "." + name_; }
+std::string System::path() const {
+  return parent_ == nullptr ? name_ : parent_->path() + "." + name_;
+}
 
 Source::Source(System* owner, SourceKind kind, Spec spec, const internal::TypeInfo& type, const void* model)
     : owner_(owner), kind_(kind), spec_(std::move(spec)), type_(&type), model_(model) {
   owner_->sources_.push_back(this);
 }
 
-std::string Source::path() const { return owner_->path() + "." + spec_.name; }
+std::string Source::path() const {
+  return owner_->path() + "." + spec_.name;
+}
 
 std::vector<Element> Source::elements() const {
   std::vector<Element> elements;
@@ -27,7 +31,8 @@ const Source& Source::Resolve() const {
   return *source;
 }
 
-void Source::SetCalculation(internal::Thunk run, std::shared_ptr<const void> closure, std::vector<Slot> arguments) {
+void Source::SetCalculation(internal::Thunk run, std::shared_ptr<const void> closure,
+                            std::vector<Slot> arguments) {
   run_ = run;
   closure_ = std::move(closure);
   arguments_ = std::move(arguments);

@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set path.kind=hold", "a path that holds needs one entry in points_m, found 0"},
         BadUsage{"D1 --set path.kind=line", "a line needs two entries in points_m, found 0"},
         BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'", "give one time per point"},
-        BadUsage{"D1 --set path.center_m=[0,0,5]", "above"}, BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
+        BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"}, BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {

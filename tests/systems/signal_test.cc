@@ -75,19 +75,21 @@ TEST(SignalTest, ScalarHasOneElementWithoutName) {
 }
 
 TEST(SignalTest, VectorElementsAreNamedByTheSpecOrAxesOrIndices) {
-  EXPECT_THAT(Elements(Vec<2>(), {"x", "m, m/s", "position, velocity"}),
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"x", "m, m/s", "position, velocity"}),
               ElementsAre(Element{"position", "m"}, Element{"velocity", "m/s"}));
-  EXPECT_THAT(Elements(Vec<3>(), {"p", "m"}),
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<3>>(), {"p", "m"}),
               ElementsAre(Element{"x", "m"}, Element{"y", "m"}, Element{"z", "m"}));
-  EXPECT_THAT(Elements(Vec<2>(), {"f", "N"}), ElementsAre(Element{"0", "N"}, Element{"1", "N"}));
-  EXPECT_THAT(Elements(Vec<2>(), {"f", "N", "left"}), ElementsAre(Element{"left", "N"}, Element{"1", "N"}));
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"f", "N"}),
+              ElementsAre(Element{"0", "N"}, Element{"1", "N"}));
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"f", "N", "left"}),
+              ElementsAre(Element{"left", "N"}, Element{"1", "N"}));
   EXPECT_THAT(Elements(Eigen::VectorXd(Eigen::VectorXd::Zero(2)), {"f", "N"}),
               ElementsAre(Element{"0", "N"}, Element{"1", "N"}));
 }
 
 TEST(SignalTest, MatrixElementsAreNamedByRowAndColumn) {
   EXPECT_THAT(
-      Elements(Eigen::Matrix2d(), {"M", "kg"}),
+      Elements(internal::Zeroed<Eigen::Matrix2d>(), {"M", "kg"}),
       ElementsAre(Element{"0_0", "kg"}, Element{"1_0", "kg"}, Element{"0_1", "kg"}, Element{"1_1", "kg"}));
 }
 

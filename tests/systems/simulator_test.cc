@@ -275,7 +275,9 @@ TEST(SimulatorTest, BackwardsIsRefused) {
   EXPECT_THAT([&] { simulator.AdvanceTo(0.5); },
               ThrowsMessage<RunError>(
                   AllOf(HasSubstr("cannot advance to t = 0.5 s"), HasSubstr("at t = 1 s already"))));
-  EXPECT_THROW(simulator.AdvanceTo(kNan), RunError);
+  for (const double t : {kNan, HUGE_VAL}) {
+    EXPECT_THAT([&] { simulator.AdvanceTo(t); }, ThrowsMessage<RunError>(HasSubstr("give a finite time")));
+  }
 }
 
 // ---- What is computed when ----
