@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/random_stream.h>
 
+#include <array>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
 namespace tenon {
