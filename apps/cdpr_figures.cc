@@ -29,7 +29,9 @@ double SquaredDistance(std::span<const double> row, const std::vector<std::size_
   return sum;
 }
 
-double Rms(double squares, long count) { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0; }
+double Rms(double squares, long count) {
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
+}
 
 void Widen(std::span<const double> row, const std::vector<std::size_t>& columns, double& low, double& high) {
   for (const std::size_t column : columns) {
@@ -83,10 +85,18 @@ void CdprFigures::Row(std::span<const double> row) {
   settled_ = inside;
 }
 
-double CdprFigures::tension_rate_rms() const { return Rms(rate_square_, rate_rows_); }
-double CdprFigures::euler_oscillation_rms() const { return Rms(euler_square_, rows_); }
-double CdprFigures::acceleration_rms() const { return Rms(acceleration_square_, rows_); }
-double CdprFigures::tracking_error_rms() const { return Rms(error_square_, rows_); }
+double CdprFigures::tension_rate_rms() const {
+  return Rms(rate_square_, rate_rows_);
+}
+double CdprFigures::euler_oscillation_rms() const {
+  return Rms(euler_square_, rows_);
+}
+double CdprFigures::acceleration_rms() const {
+  return Rms(acceleration_square_, rows_);
+}
+double CdprFigures::tracking_error_rms() const {
+  return Rms(error_square_, rows_);
+}
 
 std::optional<double> CdprFigures::settling_time() const {
   if (!settled_) return std::nullopt;

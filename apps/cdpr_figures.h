@@ -20,14 +20,14 @@ class CdprFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  double tension_min() const { return tension_min_; }          ///< of the plant [N]
+  double tension_min() const { return tension_min_; }  ///< of the plant [N]
   double tension_max() const { return tension_max_; }
-  double command_min() const { return command_min_; }          ///< [N]
+  double command_min() const { return command_min_; }  ///< [N]
   double command_max() const { return command_max_; }
-  double tension_rate_rms() const;                             ///< of the plant, all cables [N/s]
-  double euler_oscillation_rms() const;                        ///< attitude minus that of the equilibrium [rad]
-  double acceleration_rms() const;                             ///< [m/s^2]
-  double tracking_error_rms() const;                           ///< [m]
+  double tension_rate_rms() const;       ///< of the plant, all cables [N/s]
+  double euler_oscillation_rms() const;  ///< attitude minus that of the equilibrium [rad]
+  double acceleration_rms() const;       ///< [m/s^2]
+  double tracking_error_rms() const;     ///< [m]
   /// Since `settle_from`, until x and y stay within 0.02 m of the reference [s]; empty if they never do.
   std::optional<double> settling_time() const;
 

@@ -16,7 +16,8 @@ void PathScenario::Validate() const {
   Demand(kind != PathKind::kLine || points == 2,
          fmt::format("a line needs two entries in points_m, found {}", points));
   Demand(times_s.size() == points,
-         fmt::format("points_m has {} entries and times_s has {}: give one time per point", points, times_s.size()));
+         fmt::format("points_m has {} entries and times_s has {}: give one time per point", points,
+                     times_s.size()));
 }
 
 Path PathScenario::Make() const {
@@ -34,11 +35,13 @@ Path PathScenario::Make() const {
 }
 
 void CdprScenario::Validate() const {
-  Demand(app == "tenon-cdpr", fmt::format("app is '{}': this is a scenario of another app, not of tenon-cdpr", app));
+  Demand(app == "tenon-cdpr",
+         fmt::format("app is '{}': this is a scenario of another app, not of tenon-cdpr", app));
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(payload.mass_kg >= 0, fmt::format("payload.mass_kg = {} must not be negative", payload.mass_kg));
-  Demand(payload.release_s >= payload.attach_s,
-         fmt::format("payload.release_s = {} lies before attach_s = {}", payload.release_s, payload.attach_s));
+  Demand(
+      payload.release_s >= payload.attach_s,
+      fmt::format("payload.release_s = {} lies before attach_s = {}", payload.release_s, payload.attach_s));
 }
 
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {

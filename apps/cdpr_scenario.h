@@ -26,18 +26,18 @@ struct PathScenario {
   Eigen::Vector3d center_m{0, 0, 2};  ///< of the circle
   double radius_m = 0.5;
   double period_s = 10;
-  double ramp_s = 5;                       ///< time in which the circle's speed is reached
-  std::vector<Eigen::Vector3d> points_m;   ///< of hold (1), line (2) and spline
-  std::vector<double> times_s;             ///< of the points; a line and a spline need them
+  double ramp_s = 5;                      ///< time in which the circle's speed is reached
+  std::vector<Eigen::Vector3d> points_m;  ///< of hold (1), line (2) and spline
+  std::vector<double> times_s;            ///< of the points; a line and a spline need them
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
 
   static constexpr auto Fields() {
-    return std::tuple{Required("kind", &PathScenario::kind),        Field{"center_m", &PathScenario::center_m},
-                      Field{"radius_m", &PathScenario::radius_m},   Field{"period_s", &PathScenario::period_s},
-                      Field{"ramp_s", &PathScenario::ramp_s},       Field{"points_m", &PathScenario::points_m},
-                      Field{"times_s", &PathScenario::times_s},
-                      Field{"attitude_rad", &PathScenario::attitude_rad}};
+    return std::tuple{
+        Required("kind", &PathScenario::kind),      Field{"center_m", &PathScenario::center_m},
+        Field{"radius_m", &PathScenario::radius_m}, Field{"period_s", &PathScenario::period_s},
+        Field{"ramp_s", &PathScenario::ramp_s},     Field{"points_m", &PathScenario::points_m},
+        Field{"times_s", &PathScenario::times_s},   Field{"attitude_rad", &PathScenario::attitude_rad}};
   }
   void Validate() const;  ///< throws ParameterError
   Path Make() const;
@@ -63,9 +63,9 @@ struct PayloadScenario {
   double release_s = 0;
 
   static constexpr auto Fields() {
-    return std::tuple{Field{"mass_kg", &PayloadScenario::mass_kg}, Field{"position_m", &PayloadScenario::position_m},
-                      Field{"attach_s", &PayloadScenario::attach_s},
-                      Field{"release_s", &PayloadScenario::release_s}};
+    return std::tuple{
+        Field{"mass_kg", &PayloadScenario::mass_kg}, Field{"position_m", &PayloadScenario::position_m},
+        Field{"attach_s", &PayloadScenario::attach_s}, Field{"release_s", &PayloadScenario::release_s}};
   }
 };
 
@@ -99,7 +99,9 @@ struct IntegratorScenario {
 };
 
 enum class CdprController { kPd };
-constexpr auto EnumNames(CdprController) { return std::array{std::pair{CdprController::kPd, "pd"}}; }
+constexpr auto EnumNames(CdprController) {
+  return std::array{std::pair{CdprController::kPd, "pd"}};
+}
 
 /// A run of tenon-cdpr, as its YAML file says it.
 struct CdprScenario {

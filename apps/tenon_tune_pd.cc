@@ -1,4 +1,5 @@
-// tenon-tune-pd: finds the gains of the cable robot's length controller by optimisation, see docs/pd_gains.md.
+// tenon-tune-pd: finds the gains of the cable robot's length controller by optimisation, see
+// docs/pd_gains.md.
 
 #include <fmt/core.h>
 
@@ -32,7 +33,8 @@ CdprScenario Base(const std::string& robot) {
   return scenario;
 }
 
-/// A fast straight move, a bent one, and the release of a weight. None is a reference that results are shown on.
+/// A fast straight move, a bent one, and the release of a weight. None is a reference that results are shown
+/// on.
 std::vector<Trial> MakeTrials(const std::string& robot) {
   std::vector<Trial> trials(3, {Base(robot), 4});
   trials[0].scenario.path.points_m = {{-0.6, -0.8, 1.5}, {0.7, 0.6, 2.2}};
@@ -71,7 +73,8 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
     const bool failed = outcome.status.ended || !outcome.failure.empty();
     judgement.tracking_error_rms += (failed ? 1.0 : figures->tracking_error_rms()) / trials.size();
     judgement.tension_rate_rms += (failed ? 1000 : figures->tension_rate_rms()) / trials.size();
-    judgement.settling_time += (failed ? missing : figures->settling_time().value_or(missing)) / trials.size();
+    judgement.settling_time +=
+        (failed ? missing : figures->settling_time().value_or(missing)) / trials.size();
   }
   return judgement;
 }
@@ -79,16 +82,17 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
 double Cost(const std::vector<double>& log_gains, std::vector<double>&, void* trials) {
   const double stiffness = std::exp(log_gains[0]), damping = std::exp(log_gains[1]);
   const Judgement judgement = Judge(*static_cast<const std::vector<Trial>*>(trials), stiffness, damping);
-  fmt::print("{:10.1f} {:10.1f} {:12.4f} {:12.3f} {:10.1f} {:8.3f}\n", stiffness, damping, judgement.tracking_error_rms,
-             judgement.settling_time, judgement.tension_rate_rms, judgement.cost());
+  fmt::print("{:10.1f} {:10.1f} {:12.4f} {:12.3f} {:10.1f} {:8.3f}\n", stiffness, damping,
+             judgement.tracking_error_rms, judgement.settling_time, judgement.tension_rate_rms,
+             judgement.cost());
   std::fflush(stdout);
   return judgement.cost();
 }
 
 int Tune(const std::string& robot, int evaluations) {
   std::vector<Trial> trials = MakeTrials(robot);
-  fmt::print("{:>10} {:>10} {:>12} {:>12} {:>10} {:>8}\n", "K_p N/m", "K_d N s/m", "error rms m", "settling s", "rate N/s",
-             "cost");
+  fmt::print("{:>10} {:>10} {:>12} {:>12} {:>10} {:>8}\n", "K_p N/m", "K_d N s/m", "error rms m",
+             "settling s", "rate N/s", "cost");
   nlopt::opt search(nlopt::LN_BOBYQA, 2);
   search.set_lower_bounds({std::log(50), std::log(5)});
   search.set_upper_bounds({std::log(8000), std::log(1500)});

@@ -13,13 +13,15 @@ CdprPlantParams AtRest(const CdprDescription& robot, const CdprReference& start)
 }
 
 CablePdParams PdOf(const CdprLoopParams& params) {
-  return {params.path->robot(), params.pd_stiffness_N_per_m, params.pd_damping_N_s_per_m, params.control_rate};
+  return {params.path->robot(), params.pd_stiffness_N_per_m, params.pd_damping_N_s_per_m,
+          params.control_rate};
 }
 
 }  // namespace
 
 CdprLoop::CdprLoop(const CdprLoopParams& params)
-    : reference(Add<ReferenceGenerator>("reference", ReferenceGeneratorParams{params.path, params.control_rate})),
+    : reference(
+          Add<ReferenceGenerator>("reference", ReferenceGeneratorParams{params.path, params.control_rate})),
       pd(Add<CablePd>("pd", PdOf(params))),
       payload(Add<PayloadSchedule>("payload", params.payload)),
       plant(Add<CdprPlant>("plant", AtRest(params.robot, params.path->At(0)))),

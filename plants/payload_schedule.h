@@ -7,10 +7,10 @@
 namespace tenon {
 
 struct PayloadScheduleParams {
-  Payload payload;       ///< none by default
-  double attach_s = 0;   ///< [s]
-  double release_s = 0;  ///< [s]
-  Rate rate = Hz(1000);  ///< the instants are rounded up to its ticks
+  Payload payload;        ///< none by default
+  double attach_s = 0;    ///< [s]
+  double release_s = 0;   ///< [s]
+  Rate rate = Hz(1000);   ///< the instants are rounded up to its ticks
   void Validate() const;  ///< throws ParameterError
 };
 
@@ -23,7 +23,8 @@ struct PayloadScheduleParams {
 class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
-  OutputPort<Payload> payload{this, {"payload"}, Sampled{params.rate}, Uses(time), &PayloadSchedule::CalcPayload};
+  OutputPort<Payload> payload{
+      this, {"payload"}, Sampled{params.rate}, Uses(time), &PayloadSchedule::CalcPayload};
 
  private:
   Payload CalcPayload(const double& time) const;

@@ -14,8 +14,8 @@ namespace tenon::apps {
 /// What every app returns to the shell.
 enum ExitCode {
   kRan = 0,
-  kBadUsage = 2,       ///< command line, scenario or robot file
-  kLimitBroken = 3,    ///< the robot fell, or broke a limit that the scenario forbids to break
+  kBadUsage = 2,     ///< command line, scenario or robot file
+  kLimitBroken = 3,  ///< the robot fell, or broke a limit that the scenario forbids to break
   kNumericalFailure = 4,
 };
 

@@ -18,13 +18,15 @@ void WriteText(const fs::path& file, const std::string& text) {
   std::ofstream out(file);
   out << text;
   out.close();
-  if (!out) throw ParameterError(fmt::format("cannot write '{}': choose another --out or --graph", file.string()));
+  if (!out)
+    throw ParameterError(fmt::format("cannot write '{}': choose another --out or --graph", file.string()));
 }
 
 }  // namespace
 
 OutputDirectory::OutputDirectory(const CommonArguments& arguments, const std::string& scenario_yaml)
-    : path_(arguments.out.empty() ? fs::path("out") / fs::path(arguments.scenario).stem() : fs::path(arguments.out)),
+    : path_(arguments.out.empty() ? fs::path("out") / fs::path(arguments.scenario).stem()
+                                  : fs::path(arguments.out)),
       graph_(arguments.graph) {
   std::error_code error;
   fs::create_directories(path_, error);
@@ -47,8 +49,8 @@ void OutputDirectory::WriteGraph(const Diagram& diagram) const {
   const std::string text = diagram.Graphviz();
   if (dot != nullptr) std::fwrite(text.data(), 1, text.size(), dot);
   if (dot == nullptr || pclose(dot) != 0) {
-    throw ParameterError(fmt::format("--graph {}: Graphviz's `dot` failed; install graphviz, or write a .dot file",
-                                     graph_.string()));
+    throw ParameterError(fmt::format(
+        "--graph {}: Graphviz's `dot` failed; install graphviz, or write a .dot file", graph_.string()));
   }
 }
 
@@ -65,7 +67,9 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["seed"] = seed;
   values["finished"] = exit_code_ == kRan;
   values["fell"] = outcome.status.ended;
-  values["end_reason"] = failed ? outcome.failure : outcome.status.ended ? outcome.status.reason : "end of the run";
+  values["end_reason"] = failed                 ? outcome.failure
+                         : outcome.status.ended ? outcome.status.reason
+                                                : "end of the run";
   values["simulated_s"] = outcome.status.time;
   values["wall_s"] = outcome.wall_s;
   values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
@@ -73,8 +77,12 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
 
 Summary::~Summary() = default;
 
-void Summary::Set(const std::string& key, double value) { json_->values[key] = value; }
-void Summary::Set(const std::string& key, const std::string& value) { json_->values[key] = value; }
+void Summary::Set(const std::string& key, double value) {
+  json_->values[key] = value;
+}
+void Summary::Set(const std::string& key, const std::string& value) {
+  json_->values[key] = value;
+}
 void Summary::Set(const std::string& key, const std::optional<double>& value) {
   json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
@@ -88,9 +96,10 @@ void Summary::Write(const fs::path& file) const {
 
 void Summary::Print() const {
   for (const auto& [key, value] : json_->values.items()) {
-    fmt::print("{:<28} {}\n", key, value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
-                                   : value.is_string()     ? value.get<std::string>()
-                                                           : value.dump());
+    fmt::print("{:<28} {}\n", key,
+               value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
+               : value.is_string()     ? value.get<std::string>()
+                                       : value.dump());
   }
 }
 

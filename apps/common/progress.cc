@@ -30,11 +30,11 @@ void ProgressSink::Show() {
   if (terminal_) {
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(kWidth * time_ / duration_);
-    fmt::print(stderr, "\r[{:<{}}] {:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left ", std::string(filled, '#'),
-               kWidth, time_, duration_, rate, left);
+    fmt::print(stderr, "\r[{:<{}}] {:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left ",
+               std::string(filled, '#'), kWidth, time_, duration_, rate, left);
   } else {
-    fmt::print(stderr, "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left\n", time_, duration_, rate,
-               left);
+    fmt::print(stderr, "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left\n", time_,
+               duration_, rate, left);
   }
   std::fflush(stderr);
 }

@@ -28,8 +28,9 @@ std::vector<std::string> ListResources(const std::string& kind) {
   std::vector<std::string> names;
   const fs::path directory = DataDirectory() / kind;
   if (!fs::is_directory(directory)) {
-    throw ParameterError(fmt::format(
-        "there is no directory '{}': set TENON_DATA_DIR to the share/tenon of the installation", directory.string()));
+    throw ParameterError(
+        fmt::format("there is no directory '{}': set TENON_DATA_DIR to the share/tenon of the installation",
+                    directory.string()));
   }
   for (const auto& entry : fs::directory_iterator(directory)) {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
@@ -41,9 +42,11 @@ std::vector<std::string> ListResources(const std::string& kind) {
 fs::path FindResource(const std::string& kind, const std::string& name) {
   if (name.ends_with(".yaml") || name.find('/') != std::string::npos) return name;
   const std::vector<std::string> names = ListResources(kind);
-  if (std::find(names.begin(), names.end(), name) != names.end()) return DataDirectory() / kind / (name + ".yaml");
-  throw ParameterError(fmt::format("there is no '{}' in {}; did you mean '{}'? There are: {}. Or give a .yaml file",
-                                   name, kind, internal::NearestName(name, names), fmt::join(names, ", ")));
+  if (std::find(names.begin(), names.end(), name) != names.end())
+    return DataDirectory() / kind / (name + ".yaml");
+  throw ParameterError(
+      fmt::format("there is no '{}' in {}; did you mean '{}'? There are: {}. Or give a .yaml file", name,
+                  kind, internal::NearestName(name, names), fmt::join(names, ", ")));
 }
 
 }  // namespace tenon

@@ -6,8 +6,8 @@
 
 namespace tenon {
 
-/// The file of a robot or a scenario: `FindResource("robots", "cdpr_4")` is the file that ships with Tenon under
-/// that name; a name that ends in .yaml or holds a slash is a path and is returned as it is. Throws
+/// The file of a robot or a scenario: `FindResource("robots", "cdpr_4")` is the file that ships with Tenon
+/// under that name; a name that ends in .yaml or holds a slash is a path and is returned as it is. Throws
 /// ParameterError with the names that there are, the nearest first.
 std::filesystem::path FindResource(const std::string& kind, const std::string& name);
 

@@ -52,16 +52,17 @@ TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
   const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string summary = Read(out / "summary.json");
-  for (const char* key :
-       {"case", "seed", "controller", "finished", "fell", "end_reason", "simulated_s", "wall_s", "real_time_factor",
-        "tension_min_N", "tension_max_N", "command_min_N", "command_max_N", "tension_rate_rms_N_per_s",
-        "euler_oscillation_rms_rad", "acceleration_rms_m_per_s2", "tracking_error_rms_m", "settling_time_s"}) {
+  for (const char* key : {"case", "seed", "controller", "finished", "fell", "end_reason", "simulated_s",
+                          "wall_s", "real_time_factor", "tension_min_N", "tension_max_N", "command_min_N",
+                          "command_max_N", "tension_rate_rms_N_per_s", "euler_oscillation_rms_rad",
+                          "acceleration_rms_m_per_s2", "tracking_error_rms_m", "settling_time_s"}) {
     EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
   }
-  EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"), HasSubstr("\"fell\": false"),
-                             HasSubstr("\"simulated_s\": 0.5")));
+  EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),
+                             HasSubstr("\"fell\": false"), HasSubstr("\"simulated_s\": 0.5")));
   const std::string signals = Read(out / "signals.csv");
-  EXPECT_THAT(signals, AllOf(HasSubstr("time [s],"), HasSubstr("loop.plant.cables.tension.0 [N]"), HasSubstr("\n0.5,")));
+  EXPECT_THAT(signals, AllOf(HasSubstr("time [s],"), HasSubstr("loop.plant.cables.tension.0 [N]"),
+                             HasSubstr("\n0.5,")));
   EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: D1"), HasSubstr("pose_rate_hz: 200")));
   const std::string graph = Read(out.string() + ".dot");
   EXPECT_THAT(graph, AllOf(HasSubstr("cluster_loop"), HasSubstr("pd")));
@@ -85,18 +86,21 @@ TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
 }
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
-  const Result result = RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
+  const Result result =
+      RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
   EXPECT_EQ(result.exit_code, 3) << result.text;
   EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr("is slack")));
 }
 
 TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
-  const Result result =
-      RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set integrator.rtol=1e-300 "
-          "--set integrator.atol=1e-300" +
-          Out());
+  const Result result = RunApp(
+      "D1 --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set "
+      "integrator.rtol=1e-300 "
+      "--set integrator.atol=1e-300" +
+      Out());
   EXPECT_EQ(result.exit_code, 4) << result.text;
-  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr("the integrator fails")));
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"finished\": false"), HasSubstr("the integrator fails")));
   EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("\n0,"));
 }
 
@@ -116,18 +120,22 @@ TEST_P(TenonCdprUsageTest, IsExitCode2WithAMessage) {
 INSTANTIATE_TEST_SUITE_P(
     All, TenonCdprUsageTest,
     ::testing::Values(
-        BadUsage{"", "no scenario given"}, BadUsage{"D11", "did you mean 'D1'?"}, BadUsage{"missing.yaml", "no such file"},
-        BadUsage{"D1 --frobnicate", "--frobnicate"}, BadUsage{"D1 --duration -1", "--duration"},
-        BadUsage{"D1 --set pd", "give it as key=value"}, BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
-        BadUsage{"D1 --controller mpc", "--set controller=mpc"}, BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"},
+        BadUsage{"", "no scenario given"}, BadUsage{"D11", "did you mean 'D1'?"},
+        BadUsage{"missing.yaml", "no such file"}, BadUsage{"D1 --frobnicate", "--frobnicate"},
+        BadUsage{"D1 --duration -1", "--duration"}, BadUsage{"D1 --set pd", "give it as key=value"},
+        BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
+        BadUsage{"D1 --controller mpc", "--set controller=mpc"},
+        BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"},
         BadUsage{"D1 --set duration_s=-3", "duration_s = -3 must be positive"},
         BadUsage{"D1 --set app=tenon-walk", "a scenario of another app"},
         BadUsage{"D1 --set payload.mass_kg=-1", "payload.mass_kg = -1"},
         BadUsage{"D1 --set 'payload={attach_s: 2, release_s: 1}'", "release_s = 1 lies before attach_s = 2"},
         BadUsage{"D1 --set path.kind=hold", "a path that holds needs one entry in points_m, found 0"},
         BadUsage{"D1 --set path.kind=line", "a line needs two entries in points_m, found 0"},
-        BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'", "give one time per point"},
-        BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"}, BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
+        BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'",
+                 "give one time per point"},
+        BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"},
+        BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {

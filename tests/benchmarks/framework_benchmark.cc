@@ -1,6 +1,7 @@
 // What the framework itself costs, beside a bare list of virtual calls that computes the same.
 //
-//   ring/N, ring_bare/N     time derivatives of a ring of N blocks (integrator, gain, adder in turn); the state
+//   ring/N, ring_bare/N     time derivatives of a ring of N blocks (integrator, gain, adder in turn); the
+//   state
 //                           changes at every call, and both give the same numbers
 //   gain_chain/100          an output behind 100 gains, after a change of the input
 //   pd_loop                 one tick of a 1 kHz PD controller on a double integrator, order 3 adaptive

@@ -34,8 +34,8 @@ TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
 }
 
 TEST_F(CablePdTest, PullsACableThatIsTooLongOrGrowsTooFast) {
-  cables.length[1] += 0.02;        // + 1000 N/m * 0.02 m
-  cables.length_rate[2] += 0.3;    // + 50 N s/m * 0.3 m/s
+  cables.length[1] += 0.02;      // + 1000 N/m * 0.02 m
+  cables.length_rate[2] += 0.3;  // + 50 N s/m * 0.3 m/s
   CableVector expected = CableVector::Constant(4, 110);
   expected[1] = 130;
   expected[2] = 125;
@@ -52,10 +52,16 @@ TEST_F(CablePdTest, StaysInsideTheBounds) {
 
 TEST(CablePdParamsTest, GainsThatMakeNoSenseAreRefused) {
   const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { CablePd(CablePdParams{robot, 0, 50}); },
-                                     "stiffness_N_per_m = 0", "must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { CablePd(CablePdParams{robot, 100, -1}); },
-                                     "damping_N_s_per_m = -1", "must not be negative"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        CablePd(CablePdParams{robot, 0, 50});
+      },
+      "stiffness_N_per_m = 0", "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        CablePd(CablePdParams{robot, 100, -1});
+      },
+      "damping_N_s_per_m = -1", "must not be negative"));
 }
 
 }  // namespace

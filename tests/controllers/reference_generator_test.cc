@@ -22,7 +22,8 @@ TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
 }
 
 TEST(ReferenceGeneratorTest, NeedsAPath) {
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "no path given", "EquilibriumPath"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "no path given", "EquilibriumPath"));
 }
 
 }  // namespace

@@ -25,8 +25,11 @@ constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-5, .atol = 1e-7};
 
 /// The loop in a diagram of its own.
 struct Cell {
-  explicit Cell(const CdprLoopParams& params) : loop(builder.Add<CdprLoop>("loop", params)), diagram(builder.Build()) {}
-  Eigen::Vector3d Position(Simulator& simulator) const { return simulator.context().Eval(loop.plant.platform).p_WB; }
+  explicit Cell(const CdprLoopParams& params)
+      : loop(builder.Add<CdprLoop>("loop", params)), diagram(builder.Build()) {}
+  Eigen::Vector3d Position(Simulator& simulator) const {
+    return simulator.context().Eval(loop.plant.platform).p_WB;
+  }
   DiagramBuilder builder;
   CdprLoop& loop;
   std::unique_ptr<Diagram> diagram;
@@ -41,12 +44,14 @@ TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
   for (const char* axis : {"x", "y", "z"}) {
     const std::vector<double> is = log->column(std::string("loop.plant.platform.p_WB.") + axis);
     const std::vector<double> should = log->column(std::string("loop.reference.reference.position.") + axis);
-    for (std::size_t i = 0; i < is.size(); ++i) ASSERT_NEAR(is[i], should[i], 0.05) << axis << " in row " << i;
+    for (std::size_t i = 0; i < is.size(); ++i)
+      ASSERT_NEAR(is[i], should[i], 0.05) << axis << " in row " << i;
   }
   for (const char* cable : {"0", "1", "2", "3"}) {
-    EXPECT_THAT(log->column(std::string("loop.pd.command.") + cable), ::testing::Each(::testing::AllOf(
-                                                                          ::testing::Ge(0), ::testing::Le(800))));
-    EXPECT_THAT(log->column(std::string("loop.plant.cables.tension.") + cable), ::testing::Each(::testing::Gt(0)));
+    EXPECT_THAT(log->column(std::string("loop.pd.command.") + cable),
+                ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Le(800))));
+    EXPECT_THAT(log->column(std::string("loop.plant.cables.tension.") + cable),
+                ::testing::Each(::testing::Gt(0)));
   }
 }
 
@@ -70,7 +75,8 @@ TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
     Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-12});
     for (int second = 1; second <= 10; ++second) {
       simulator.AdvanceTo(second);
-      ASSERT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(p, 1e-6)) << "at t = " << second << " s";
+      ASSERT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(p, 1e-6))
+          << "at t = " << second << " s";
     }
   }
 }

@@ -23,8 +23,8 @@ class Cart final : public tenon::LeafSystem<CartParams> {
 };
 
 struct PdParams {
-  double kp = 10;                         // N/m
-  double kd = 6;                          // N s/m
+  double kp = 10;  // N/m
+  double kd = 6;   // N s/m
   tenon::Rate rate = tenon::Hz(1000);
 };
 

@@ -11,7 +11,8 @@ int main() {
   tenon::DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart", CartParams{.mass = 2});
   auto& pd = builder.Add<Pd>("pd");
-  auto& ref = builder.AddFunction({"ref", "m"}, tenon::Uses(builder.time), [](double t) { return t < 1 ? 0.0 : 0.2; });
+  auto& ref = builder.AddFunction({"ref", "m"}, tenon::Uses(builder.time),
+                                  [](double t) { return t < 1 ? 0.0 : 0.2; });
   builder.Connect(cart.state, pd.x);
   builder.Connect(ref, pd.ref);
   builder.Connect(pd.u, cart.force);
