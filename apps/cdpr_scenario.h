@@ -87,10 +87,12 @@ struct NoiseScenario {
   }
 };
 
+/// The defaults take one step per millisecond on D1; the platform is then 3 micrometres off a run with order
+/// 5 and rtol 1e-9 after 20 s.
 struct IntegratorScenario {
   int order = 2;
-  double rtol = 1e-5;
-  double atol = 1e-7;
+  double rtol = 1e-3;
+  double atol = 1e-5;
 
   static constexpr auto Fields() {
     return std::tuple{Field{"order", &IntegratorScenario::order}, Field{"rtol", &IntegratorScenario::rtol},

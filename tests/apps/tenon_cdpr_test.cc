@@ -107,6 +107,7 @@ TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
 struct BadUsage {
   const char* arguments;
   const char* message;
+  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
 };
 class TenonCdprUsageTest : public ::testing::TestWithParam<BadUsage> {};
 
