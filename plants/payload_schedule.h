@@ -10,7 +10,7 @@ struct PayloadScheduleParams {
   Payload payload;        ///< none by default
   double attach_s = 0;    ///< [s]
   double release_s = 0;   ///< [s]
-  Rate rate = Hz(1000);   ///< the instants are rounded up to its ticks
+  Rate rate = Hz(100);    ///< the instants are rounded up to its ticks
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -51,6 +51,8 @@ struct SundialsIntegrator::Sundials {
   std::vector<double> AbsoluteTolerances() const;
   void Restart(double end);
   Stop Advance(bool one_step);
+  void LoadState();
+  void StoreState(double t);
   [[noreturn]] void ThrowFailure(int flag);
   std::string DescribeWorstState(int flag, double h);
   void FindWorstState();
@@ -74,13 +76,12 @@ struct SundialsIntegrator::Sundials {
   SimulatorOptions options;
   int size;  // of the SUNDIALS vector: at least 1
   SUNContext sun = nullptr;
-  N_Vector y = nullptr;
+  N_Vector y = nullptr;  // of a diagram without states, but with witnesses of time, one entry that is 0
   N_Vector atol = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver solver = nullptr;
   ARKodeButcherTable table = nullptr;
   void* memory = nullptr;
-  double dummy = 0;  // the state of a diagram that has none, but witnesses of time
 
   double end = 0;
   double step = 0;  // the first one after the restart; if fixed, all
@@ -91,6 +92,7 @@ struct SundialsIntegrator::Sundials {
   } worst;
   bool seeks_worst = false;
   bool first_evaluation = false;
+  bool at_end = false;  // the last evaluation was for the end of the interval
   std::vector<int> roots;
   std::vector<int> directions;
   std::exception_ptr thrown;
@@ -106,7 +108,9 @@ SundialsIntegrator::Sundials::Sundials(Context& c, const SimulatorOptions& o)
   CheckOptions();
   const std::vector<double> tolerances = AbsoluteTolerances();  // throws, so before anything is there to free
   SUNContext_Create(nullptr, &sun);
-  y = N_VMake_Serial(size, program.num_continuous > 0 ? context.continuous_data() : &dummy, sun);
+  y = N_VNew_Serial(size, sun);
+  N_VConst(0, y);
+  LoadState();
   atol = N_VNew_Serial(size, sun);
   std::copy(tolerances.begin(), tolerances.end(), N_VGetArrayPointer(atol));
   roots.assign(program.witness_plans.size(), 0);
@@ -270,6 +274,7 @@ void SundialsIntegrator::Sundials::Restart(double to) {
   end = to;
   step = FirstStep();
   first_evaluation = true;
+  LoadState();
   const double t = context.time();
   refused = 0;
   if (erk()) {
@@ -291,6 +296,21 @@ void SundialsIntegrator::Sundials::Restart(double to) {
   }
 }
 
+void SundialsIntegrator::Sundials::LoadState() {
+  std::copy_n(context.continuous_data(), program.num_continuous, N_VGetArrayPointer(y));
+}
+
+/// Moves the context to `t` and y. If that is where the last derivatives were evaluated, as it is with most
+/// Runge-Kutta methods at the end of an interval, then what they took to compute stays fresh for the tick.
+void SundialsIntegrator::Sundials::StoreState(double t) {
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+  const bool there = at_end && t == context.time() &&
+                     std::memcmp(context.continuous_data(), N_VGetArrayPointer(y), bytes) == 0;
+  if (there) return;
+  std::copy_n(N_VGetArrayPointer(y), program.num_continuous, context.continuous_data());
+  context.SetRunTime(t);
+}
+
 SundialsIntegrator::Stop SundialsIntegrator::Sundials::Advance(bool one_step) {
   double t = context.time();
   thrown = nullptr;
@@ -306,7 +326,7 @@ SundialsIntegrator::Stop SundialsIntegrator::Sundials::Advance(bool one_step) {
   if (flag < 0) ThrowFailure(flag);
   const bool root = flag == ARK_ROOT_RETURN;  // the same number in CVODE
   const bool arrived = !root && (flag == ARK_TSTOP_RETURN || t >= end);
-  context.SetRunTime(arrived ? end : t);
+  StoreState(arrived ? end : t);
   if (cvode()) {
     double h = 0;
     CVodeGetLastStep(memory, &h);
@@ -336,13 +356,16 @@ int SundialsIntegrator::Sundials::Rhs(double t, N_Vector y, N_Vector ydot, void*
     N_VGetArrayPointer(ydot)[0] = 0;
     return 0;
   }
-  // At the start of an interval, what the tick has just computed is not computed again.
+  // At the start of an interval, what the tick has just computed is not computed again; what is computed at
+  // its end is kept for the next tick. Sums of steps miss the end by their rounding.
   const bool first = self.first_evaluation && t == context.time();
   self.first_evaluation = false;
+  self.at_end = !first && std::abs(t - self.end) <= 1e-14 * (1 + std::abs(self.end));
   double* derivatives = N_VGetArrayPointer(ydot);
   try {
-    if (first) {
+    if (first || self.at_end) {
       std::copy_n(N_VGetArrayPointer(y), size, context.continuous_data());
+      if (self.at_end) context.SetRunTime(self.end);
       context.RunStale(self.program.derivatives);
       std::copy_n(context.derivative_data(), size, derivatives);
     } else {

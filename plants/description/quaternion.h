@@ -35,4 +35,9 @@ inline Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
+/// dq/dt = (0, w) q / 2 for a body that turns with the angular velocity `w_W` [rad/s]; leaves |q| as it is.
+inline Vec<4> QuaternionRate(const Vec<4>& q_WB, const Vec<3>& w_W) {
+  return QuaternionProduct({0, w_W[0] / 2, w_W[1] / 2, w_W[2] / 2}, q_WB);
+}
+
 }  // namespace tenon
