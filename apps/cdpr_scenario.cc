@@ -25,7 +25,6 @@ Path PathScenario::Make() const {
     case PathKind::kHold:
       return Path::Hold(points_m[0]);
     case PathKind::kLine:
-      return Path::Spline(points_m, times_s);
     case PathKind::kSpline:
       return Path::Spline(points_m, times_s);
     case PathKind::kCircle:

@@ -10,6 +10,7 @@ install(FILES ${PROJECT_BINARY_DIR}/tenon-config.cmake ${PROJECT_BINARY_DIR}/ten
   DESTINATION ${cmake_dir})
 
 install(DIRECTORY systems plants controllers diagrams DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon
-  FILES_MATCHING PATTERN "*.h")
+  FILES_MATCHING PATTERN "*.h"
+  PATTERN simbody.h EXCLUDE PATTERN sundials_solver.h EXCLUDE)  # they include what no public header may
 install(DIRECTORY tests/testing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/tests FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY plants/robots apps/scenarios docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon)

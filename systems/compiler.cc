@@ -19,10 +19,6 @@ bool GivesValue(const Source& source) {
   return source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared;
 }
 
-bool IsSampled(const Source& source) {
-  return source.trigger().when == Trigger::When::kSampled;
-}
-
 std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
 }
@@ -96,7 +92,7 @@ void Compiler::CheckDeclarations() {
       throw BuildError(
           fmt::format("state '{}' has two time derivatives: remove one", source->target_->path()));
     }
-    if (source->kind() == SourceKind::kUpdate && IsSampled(*source) &&
+    if (source->kind() == SourceKind::kUpdate && source->is_sampled() &&
         !sampled_updates.emplace(source->target_, source).second) {
       throw BuildError(
           fmt::format("state '{}' has two sampled updates: merge them into one", source->target_->path()));
@@ -106,7 +102,7 @@ void Compiler::CheckDeclarations() {
       throw BuildError(fmt::format("state '{}' has two updates with the same trigger: merge them into one",
                                    source->target_->path()));
     }
-    if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && IsSampled(*source) &&
+    if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && source->is_sampled() &&
         source->trigger().sampled.offset > 0 && !source->has_initial_value_) {
       throw BuildError(fmt::format(
           "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
@@ -145,7 +141,7 @@ void Compiler::CheckArguments(const Source& calculation) {
           fmt::format("'{}' uses '{}', which belongs to another block: declare an input and connect it",
                       calculation.path(), slot.source->path()));
     }
-    if (slot.source->kind() == SourceKind::kRandom && !IsSampled(calculation) &&
+    if (slot.source->kind() == SourceKind::kRandom && !calculation.is_sampled() &&
         calculation.kind() != SourceKind::kUpdate) {
       throw BuildError(
           fmt::format("'{}' uses the random stream '{}' but is no sampled output or update: the integrator "
@@ -189,7 +185,7 @@ void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
 }
 
 void Compiler::AddCalculation(Source& source) {
-  CalculationInfo info{&source, {}, {}, false, IsSampled(source) && GivesValue(source), 0};
+  CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source), 0};
   for (const Source::Slot& slot : source.arguments_) {
     if (slot.what == Source::Slot::What::kTime) info.varies = true;
     if (slot.source == nullptr) continue;
@@ -215,7 +211,7 @@ void Compiler::ThrowLoop(const std::vector<const Source*>& trail, const Source& 
   for (const Source* source : trail) {
     in_loop |= source == &again;
     if (!in_loop) continue;
-    sampled |= IsSampled(*source);
+    sampled |= source->is_sampled();
     hops += fmt::format("'{}' uses ", source->path());
   }
   throw BuildError(fmt::format(
@@ -288,7 +284,7 @@ void Compiler::LayOut() {
     mix(cell.offset);
     mix(source.type_->size);
     for (const char c : source.name()) mix(static_cast<unsigned char>(c));
-    const bool held = source.kind() == SourceKind::kOutput && IsSampled(source);
+    const bool held = source.kind() == SourceKind::kOutput && source.is_sampled();
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
                       source.kind() == SourceKind::kRandom;

@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t kMaxGroups = 64;
 constexpr std::int64_t kMaxInstants = 1'000'000;
 
-bool IsSampled(const Source& source) {
-  return source.trigger().when == Trigger::When::kSampled;
-}
-
 }  // namespace
 
 std::uint64_t Compiler::GroupMask(const Source& source) const {
@@ -26,7 +22,7 @@ std::uint64_t Compiler::GroupMask(const Source& source) const {
 void Compiler::FindGroups() {
   std::vector<SampleGroup>& groups = program_.groups;
   for (const Source* source : sources_) {
-    if (!IsSampled(*source) || source->run_ == nullptr) continue;
+    if (!source->is_sampled() || source->run_ == nullptr) continue;
     const Rate& rate = source->trigger().sampled.rate;
     const Rational offset = ToRational(source->trigger().sampled.offset, "a sample offset");
     const auto same = [&](const SampleGroup& group) {

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 #include "tenon/systems/diagram.h"
 
 namespace tenon {
@@ -15,8 +13,7 @@ void Assembly::CheckName(const std::string& name) const {
     throw BuildError(fmt::format(
         "a block cannot be named '{}': names are not empty and hold no dot, comma or blank", name));
   }
-  const auto same = [&](const auto& block) { return block->name() == name; };
-  if (std::any_of(blocks_.begin(), blocks_.end(), same)) {
+  if (by_name_.contains(name)) {
     throw BuildError(fmt::format("there are two blocks named '{}': give one of them another name", name));
   }
 }
@@ -24,6 +21,7 @@ void Assembly::CheckName(const std::string& name) const {
 System& Assembly::Adopt(std::unique_ptr<System> block, const std::string& name) {
   block->name_ = name;
   block->parent_ = self_;
+  by_name_.emplace(name, block.get());
   blocks_.push_back(std::move(block));
   return *blocks_.back();
 }
@@ -42,9 +40,8 @@ void Assembly::Join(const Source& from, Source& to) {
   const auto is_here = [&](const Source& port, SourceKind child, SourceKind own) {
     const System& owner = port.owner();
     if (&owner == self_ && self_ != nullptr) return port.kind() == own;
-    const bool child_of_this =
-        std::any_of(blocks_.begin(), blocks_.end(), [&](const auto& block) { return block.get() == &owner; });
-    return child_of_this && port.kind() == child;
+    const auto namesake = by_name_.find(owner.name());
+    return namesake != by_name_.end() && namesake->second == &owner && port.kind() == child;
   };
   const auto check = [&](const Source& port, SourceKind child, SourceKind own, const char* role) {
     if (is_here(port, child, own)) return;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -63,7 +64,10 @@ class Assembly {
  protected:
   explicit Assembly(System* self) : self_(self) {}
   ~Assembly() = default;
-  std::vector<std::unique_ptr<System>> TakeBlocks() { return std::move(blocks_); }
+  std::vector<std::unique_ptr<System>> TakeBlocks() {
+    by_name_.clear();
+    return std::move(blocks_);
+  }
 
  private:
   friend class Compiler;
@@ -77,6 +81,7 @@ class Assembly {
 
   System* self_;  ///< the subdiagram, or null at top level
   std::vector<std::unique_ptr<System>> blocks_;
+  std::unordered_map<std::string, const System*> by_name_;  ///< the same
 };
 
 /// The input of a function block that stands for one used port; `time` needs none.

@@ -29,12 +29,11 @@ class Drawing {
   static bool IsPort(const Source& source) {
     return source.kind() == SourceKind::kInput || source.kind() == SourceKind::kOutput;
   }
-  static bool IsSampled(const Source& source) { return source.trigger().when == Trigger::When::kSampled; }
 
   void FindPeriods(const std::vector<std::unique_ptr<System>>& blocks) {
     for (const auto& block : blocks) {
       for (const Source* source : block->sources()) {
-        if (IsSampled(*source)) periods_.try_emplace(source->trigger().sampled.rate.period(), "");
+        if (source->is_sampled()) periods_.try_emplace(source->trigger().sampled.rate.period(), "");
       }
       if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) FindPeriods(nested->blocks());
     }
@@ -44,8 +43,8 @@ class Drawing {
 
   std::string Cell(const Source& port, const char* align) const {
     const std::string colour =
-        IsSampled(port) ? fmt::format(" bgcolor=\"{}\"", periods_.at(port.trigger().sampled.rate.period()))
-                        : "";
+        port.is_sampled() ? fmt::format(" bgcolor=\"{}\"", periods_.at(port.trigger().sampled.rate.period()))
+                          : "";
     return fmt::format("<tr><td port=\"{0}\" align=\"{1}\"{2}>{0}</td></tr>", port.name(), align, colour);
   }
 

@@ -79,6 +79,7 @@ class Source {
   /// Names and units of the elements of the value; sizes known at run time are those of the model value.
   std::vector<Element> elements() const;
   const Trigger& trigger() const { return trigger_; }
+  bool is_sampled() const { return trigger_.when == Trigger::When::kSampled; }
   /// What this port is connected to, one hop up; null if nothing.
   const Source* driver() const { return driver_; }
   /// What provides this port's value: through connections up to a state, a calculation or an open input.

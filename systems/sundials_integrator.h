@@ -10,7 +10,7 @@
 
 namespace tenon {
 
-/// Moves a context's continuous states in time with SUNDIALS, all of whose handles live here. A Simulator
+/// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. A Simulator
 /// uses it between ticks.
 class SundialsIntegrator {
  public:
@@ -31,8 +31,8 @@ class SundialsIntegrator {
   IntegratorStatistics statistics() const;
 
  private:
-  struct Sundials;
-  std::unique_ptr<Sundials> sundials_;
+  struct Run;
+  std::unique_ptr<Run> run_;
 };
 
 }  // namespace tenon

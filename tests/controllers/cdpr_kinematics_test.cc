@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "cdpr_test_robots.h"
+#include "tenon/tests/cdpr_test_robots.h"
 
 namespace tenon {
 namespace {

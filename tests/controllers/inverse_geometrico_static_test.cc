@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cdpr_test_robots.h"
+#include "tenon/tests/cdpr_test_robots.h"
 
 namespace tenon {
 namespace {

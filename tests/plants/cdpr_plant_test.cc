@@ -17,7 +17,7 @@
 namespace tenon {
 namespace {
 
-using test::FourCables;
+using test::FourCableRobot;
 using test::Hanging;
 using test::RandomPlatform;
 using Rig = TestRig<CdprPlant>;
@@ -45,7 +45,7 @@ double Total(Rig& rig) {
 // --- Cables ---------------------------------------------------------------------------------------------
 
 /// One vertical cable of length 2 whose end moves down with `rate`; the others are slack.
-double VerticalTension(double rest_length, double rate, CdprDescription robot = FourCables()) {
+double VerticalTension(double rest_length, double rate, CdprDescription robot = FourCableRobot()) {
   robot.cables[0] = {{0, 0, 4}, {0, 0, 0.5}};
   CdprPlantParams params = Locked(Hanging(robot));
   params.initial_tension = Same(0);
@@ -186,7 +186,7 @@ TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
 }
 
 TEST(CdprPlantTest, UndampedCablesKeepEnergy) {
-  CdprDescription robot = FourCables();
+  CdprDescription robot = FourCableRobot();
   robot.cable.axial_damping = 0;
   for (const double payload : {0.0, 5.0}) {
     CdprPlantParams params = Locked(Hanging(robot));
@@ -274,7 +274,7 @@ TEST(CdprPlantTest, StartsWhereItIsTold) {
 TEST(CdprPlantTest, APayloadIsHungAndReleased) {
   // Below the CoM in the middle: all stays symmetric. Hung at rest, the platform sinks until the cables carry
   // it; released there, it starts upwards with the payload's weight over its mass.
-  CdprDescription robot = FourCables();
+  CdprDescription robot = FourCableRobot();
   robot.cable.axial_damping = 2000;
   const CdprPlantParams params = Locked(Hanging(robot));
   DiagramBuilder builder;
@@ -425,7 +425,7 @@ TEST(CdprPlantTest, LockedWinchesHoldTheirRestLength) {
 // --- As a block -----------------------------------------------------------------------------------------
 
 TEST(CdprPlantTest, HasOneEntryPerCable) {
-  CdprDescription robot = FourCables();
+  CdprDescription robot = FourCableRobot();
   for (int i = 0; i < 4; ++i) {
     robot.cables.push_back(robot.cables[i]);
     robot.cables.back().anchor_W[2] = 0;
@@ -529,7 +529,7 @@ TEST(CdprPlantTest, SaysWhyItCannotGoOn) {
   SetRestLength(rig, 0);
   EXPECT_TRUE(Throws<RunError>([&] { rig[plant.acceleration]; }, "cable 0 is reeled in completely"));
 
-  CdprDescription robot = FourCables();
+  CdprDescription robot = FourCableRobot();
   robot.cables[3].attachment_B = {0, 0, 0};
   Rig reached(Hanging(robot));
   PlatformState x = reached[reached.system().platform_state];

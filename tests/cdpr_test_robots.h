@@ -7,19 +7,20 @@
 
 namespace tenon::test {
 
-/// Four cables from the corners of a ceiling of 7 x 9 m to the top of a box of 15 kg.
+/// Four cables from the corners of a ceiling of 7 x 9 m to the top of a box of 15 kg, each on its anchor's
+/// side.
 inline CdprDescription FourCableRobot() {
   CdprDescription robot;
   robot.name = "four";
   robot.mass = 15;
-  robot.inertia_B = Eigen::Vector3d(0.21, 0.13, 0.21).asDiagonal();
+  robot.inertia_B = Eigen::Vector3d(0.213, 0.133, 0.215).asDiagonal();
   for (const double x : {1, -1}) {
     for (const double y : {1, -1}) {
       robot.cables.push_back({{3.5 * x, 4.5 * y, 4}, {0.075 * x, 0.075 * y, 0.093}});
     }
   }
-  robot.cable.axial_stiffness = 27e3;
-  robot.cable.tension_max = 800;
+  robot.cable = {.axial_stiffness = 27e3, .axial_damping = 135, .tension_min = 0, .tension_max = 800};
+  robot.winch = {.mode = WinchMode::kTension, .time_constant = 0.02, .reel_damping = 90, .effective_mass = 8};
   return robot;
 }
 
