@@ -15,17 +15,17 @@ namespace tenon {
 
 /// Pose and velocity of the trunk, joint angles and speeds.
 struct LeggedState {
-  Vec<3> p_WB = Vec<3>::Zero();    ///< B's origin [m]
-  Vec<4> q_WB{1, 0, 0, 0};         ///< attitude, (w, x, y, z)
-  Vec<12> q = Vec<12>::Zero();     ///< joint angles [rad]
-  Vec<3> v_W = Vec<3>::Zero();     ///< velocity of B's origin [m/s]
-  Vec<3> w_W = Vec<3>::Zero();     ///< angular velocity of B [rad/s]
-  Vec<12> qd = Vec<12>::Zero();    ///< joint speeds [rad/s]
+  Vec<3> p_WB = Vec<3>::Zero();  ///< B's origin [m]
+  Vec<4> q_WB{1, 0, 0, 0};       ///< attitude, (w, x, y, z)
+  Vec<12> q = Vec<12>::Zero();   ///< joint angles [rad]
+  Vec<3> v_W = Vec<3>::Zero();   ///< velocity of B's origin [m/s]
+  Vec<3> w_W = Vec<3>::Zero();   ///< angular velocity of B [rad/s]
+  Vec<12> qd = Vec<12>::Zero();  ///< joint speeds [rad/s]
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
   static constexpr auto Fields() {
-    return std::tuple{Field{"p_WB", &LeggedState::p_WB, "m"},    Field{"q_WB", &LeggedState::q_WB},
-                      Field{"q", &LeggedState::q, "rad"},        Field{"v_W", &LeggedState::v_W, "m/s"},
+    return std::tuple{Field{"p_WB", &LeggedState::p_WB, "m"},   Field{"q_WB", &LeggedState::q_WB},
+                      Field{"q", &LeggedState::q, "rad"},       Field{"v_W", &LeggedState::v_W, "m/s"},
                       Field{"w_W", &LeggedState::w_W, "rad/s"}, Field{"qd", &LeggedState::qd, "rad/s"}};
   }
 };
@@ -53,9 +53,10 @@ struct FootForces {
   Vec<3>& operator[](int leg) { return this->*kMembers[static_cast<std::size_t>(leg)]; }
   const Vec<3>& operator[](int leg) const { return this->*kMembers[static_cast<std::size_t>(leg)]; }
   static constexpr auto Fields() {
-    return std::tuple{
-        Field{"front_left", &FootForces::front_left, "N"}, Field{"front_right", &FootForces::front_right, "N"},
-        Field{"rear_left", &FootForces::rear_left, "N"}, Field{"rear_right", &FootForces::rear_right, "N"}};
+    return std::tuple{Field{"front_left", &FootForces::front_left, "N"},
+                      Field{"front_right", &FootForces::front_right, "N"},
+                      Field{"rear_left", &FootForces::rear_left, "N"},
+                      Field{"rear_right", &FootForces::rear_right, "N"}};
   }
 
  private:

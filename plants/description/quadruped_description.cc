@@ -16,8 +16,9 @@ struct PerLeg {
   T front_left{}, front_right{}, rear_left{}, rear_right{};
   std::array<T, kNumLegs> InOrder() const { return {front_left, front_right, rear_left, rear_right}; }
   static constexpr auto Fields() {
-    return std::tuple{Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
-                      Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
+    return std::tuple{
+        Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
+        Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
   }
 };
 
@@ -42,9 +43,10 @@ struct RobotFile {
   }
   void Validate() const {
     if (!(foot_radius > 0))
-      throw ParameterError(fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
-                                       "sphere that touches the ground",
-                                       foot_radius));
+      throw ParameterError(
+          fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
+                      "sphere that touches the ground",
+                      foot_radius));
   }
 };
 
@@ -55,27 +57,31 @@ void CheckPositive(const char* key, double value, const char* remedy) {
 
 void CheckNotNegative(const char* key, double value) {
   if (!(value >= 0))
-    throw ParameterError(fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
+    throw ParameterError(
+        fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
 }
 
 /// Refuses legs in another order and a stance out of reach.
-void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet, const std::string& file) {
+void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
+                 const std::string& file) {
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto at = static_cast<std::size_t>(leg);
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const JointDescription& joint = robot.legs[at].joints[static_cast<std::size_t>(i)];
       const double q = robot.stance[kJointsPerLeg * leg + i];
       if (q < joint.lower || q > joint.upper)
-        throw ParameterError(fmt::format(
-            "{}: nominal_stance.{}.{}: the angle {} rad is outside the range {} to {} rad of the joint '{}' in "
-            "the URDF; change one of them",
-            file, kLegNames[at], i, q, joint.lower, joint.upper, joint.name));
+        throw ParameterError(
+            fmt::format("{}: nominal_stance.{}.{}: the angle {} rad is outside the range {} to {} rad of the "
+                        "joint '{}' in "
+                        "the URDF; change one of them",
+                        file, kLegNames[at], i, q, joint.lower, joint.upper, joint.name));
     }
     const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
     const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
     if ((p[0] > 0) != front || (p[1] > 0) != left)
       throw ParameterError(fmt::format(
-          "{}: feet.{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is "
+          "{}: feet.{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, "
+          "which is "
           "{} {} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
           file, kLegNames[at], feet.InOrder()[at], p[0], p[1], p[2], p[0] > 0 ? "front" : "rear",
           p[1] > 0 ? "left" : "right"));
@@ -89,10 +95,11 @@ void DriveProperties::Validate() const {
   CheckNotNegative("damping_N_m_s_per_rad", damping);
   CheckNotNegative("friction_N_m", friction);
   if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
-    throw ParameterError(fmt::format(
-        "full_torque_speed_ratio is {} but must be at least 0 and below 1; it is the part of the speed limit up "
-        "to which the motor has its full torque",
-        full_torque_speed_ratio));
+    throw ParameterError(
+        fmt::format("full_torque_speed_ratio is {} but must be at least 0 and below 1; it is the part of the "
+                    "speed limit up "
+                    "to which the motor has its full torque",
+                    full_torque_speed_ratio));
   CheckNotNegative("stop_stiffness_N_m_per_rad", stop_stiffness);
   CheckNotNegative("stop_damping_N_m_s_per_rad", stop_damping);
 }

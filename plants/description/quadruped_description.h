@@ -35,7 +35,7 @@ struct JointDescription {
 /// Abduction (about x), hip pitch (about y), knee pitch (about y), and the bodies that they move.
 struct LegDescription {
   std::array<JointDescription, kJointsPerLeg> joints;
-  std::array<RigidInertia, kJointsPerLeg> bodies;     ///< in the joint's frame J
+  std::array<RigidInertia, kJointsPerLeg> bodies;    ///< in the joint's frame J
   Eigen::Vector3d foot_J = Eigen::Vector3d::Zero();  ///< centre of the foot's sphere in the last J [m]
 };
 
@@ -88,14 +88,15 @@ struct QuadrupedDescription {
   std::string name;
   RigidInertia trunk;  ///< in B
   std::array<LegDescription, kNumLegs> legs;
-  double foot_radius = 0;                     ///< [m]
+  double foot_radius = 0;                    ///< [m]
   Vec<kNumJoints> stance = Vec<12>::Zero();  ///< joint angles at which it stands [rad]
   DriveProperties drive;
   ContactProperties contact;
 
   double mass() const;
   const JointDescription& joint(int j) const {
-    return legs[static_cast<std::size_t>(j / kJointsPerLeg)].joints[static_cast<std::size_t>(j % kJointsPerLeg)];
+    return legs[static_cast<std::size_t>(j / kJointsPerLeg)]
+        .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
   }
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;

@@ -105,9 +105,11 @@ class Reader {
       std::string names;
       for (auto joint = chain.rbegin(); joint != chain.rend(); ++joint)
         names += (names.empty() ? "'" : ", '") + (*joint)->name + "'";
-      Fail("leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
-           "abduction, hip pitch and knee pitch; add what is missing, make fixed what is too much",
-           leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names, kJointsPerLeg);
+      Fail(
+          "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
+          "abduction, hip pitch and knee pitch; add what is missing, make fixed what is too much",
+          leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names,
+          kJointsPerLeg);
     }
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const std::string& name = chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)]->name;
@@ -144,7 +146,8 @@ class Reader {
       if (Turns(*joint)) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != urdf::Joint::FIXED) {
-        Fail("joint '{}' is neither revolute nor fixed; a quadruped has no others, make it fixed", joint->name);
+        Fail("joint '{}' is neither revolute nor fixed; a quadruped has no others, make it fixed",
+             joint->name);
       }
       Add(*model_->getLink(joint->child_link_name), child, T_BJ);
     }
@@ -155,9 +158,10 @@ class Reader {
     const auto at = joints_.find(joint.name);
     if (at == joints_.end()) Fail("joint '{}' turns but belongs to no leg; make it fixed", joint.name);
     if (joint.limits == nullptr || !(joint.limits->effort > 0 && joint.limits->velocity > 0))
-      Fail("joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
-           "with positive values",
-           joint.name);
+      Fail(
+          "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
+          "with positive values",
+          joint.name);
     const bool bounded = joint.type == urdf::Joint::REVOLUTE;
     if (bounded && !(joint.limits->lower < joint.limits->upper))
       Fail("joint '{}' has the range {} to {} rad; the lower limit must be below the upper", joint.name,
@@ -205,10 +209,10 @@ class Reader {
   const std::string file_;
   QuadrupedDescription& robot_;
   urdf::ModelInterfaceSharedPtr model_;
-  std::map<std::string, int> joints_;                         // of the legs, by name
-  std::map<std::string, Eigen::Isometry3d> poses_;            // of the links in B
-  std::array<RigidInertia, 1 + kNumJoints> bodies_;           // in B, with all joints at 0
-  std::array<std::string, 1 + kNumJoints> names_;             // of the links that make them up
+  std::map<std::string, int> joints_;                // of the legs, by name
+  std::map<std::string, Eigen::Isometry3d> poses_;   // of the links in B
+  std::array<RigidInertia, 1 + kNumJoints> bodies_;  // in B, with all joints at 0
+  std::array<std::string, 1 + kNumJoints> names_;    // of the links that make them up
 };
 
 }  // namespace

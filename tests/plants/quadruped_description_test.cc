@@ -66,9 +66,9 @@ TEST(QuadrupedDescriptionTest, ReadsDogBot) {
   // Its stance: trunk 0.43 m high; hip, thigh and shank of 0.315 m and (0.035, -0.3) m by hand.
   EXPECT_NEAR(robot.StanceHeight(), 0.43, 1e-3);
   const double hip = 0.886, shank = 0.886 - 1.604;
-  const Eigen::Vector3d foot(-0.2875 - 0.315 * std::sin(hip) + 0.035 * std::cos(shank) - 0.3 * std::sin(shank),
-                             -0.088 - 0.09875,
-                             -0.315 * std::cos(hip) - 0.035 * std::sin(shank) - 0.3 * std::cos(shank));
+  const Eigen::Vector3d foot(
+      -0.2875 - 0.315 * std::sin(hip) + 0.035 * std::cos(shank) - 0.3 * std::sin(shank), -0.088 - 0.09875,
+      -0.315 * std::cos(hip) - 0.035 * std::sin(shank) - 0.3 * std::cos(shank));
   EXPECT_THAT(robot.FootPosition(kRearRight, robot.stance), IsNear(foot, 1e-14));
   for (int j = 0; j < kNumJoints; ++j) {
     EXPECT_EQ(robot.joint(j).torque_limit, 60);
@@ -101,16 +101,18 @@ TEST(QuadrupedDescriptionTest, ReadsA1AndMergesItsFeetIntoItsCalves) {
 TEST(QuadrupedDescriptionTest, TurnedLinksAndJointsAreTheSameRobot) {
   // The front-left calf as before, but with its frame turned by 90 degrees about x, and its axis with it.
   RobotFiles files("dogbot");
-  files.Change(&RobotFiles::urdf,
-               "<child link=\"front_left_lower_leg\"/>\n    <origin xyz=\"0 0 -0.315\"/>\n    <axis xyz=\"0 1 0\"/>",
-               "<child link=\"front_left_lower_leg\"/>\n    <origin xyz=\"0 0 -0.315\" rpy=\"1.5707963267948966 0 0\"/>\n"
-               "    <axis xyz=\"0 0 -1\"/>");
-  files.Change(&RobotFiles::urdf,
-               "<link name=\"front_left_lower_leg\">\n    <inertial>\n      <origin xyz=\"0.029 0 -0.1439\"/>",
-               "<link name=\"front_left_lower_leg\">\n    <inertial>\n      <origin xyz=\"0.029 -0.1439 0\" "
-               "rpy=\"-1.5707963267948966 0 0\"/>");
-  files.Change(&RobotFiles::urdf,
-               "<child link=\"front_left_foot\"/>\n    <origin xyz=\"0.035 0 -0.3\"/>",
+  files.Change(
+      &RobotFiles::urdf,
+      "<child link=\"front_left_lower_leg\"/>\n    <origin xyz=\"0 0 -0.315\"/>\n    <axis xyz=\"0 1 0\"/>",
+      "<child link=\"front_left_lower_leg\"/>\n    <origin xyz=\"0 0 -0.315\" rpy=\"1.5707963267948966 0 "
+      "0\"/>\n"
+      "    <axis xyz=\"0 0 -1\"/>");
+  files.Change(
+      &RobotFiles::urdf,
+      "<link name=\"front_left_lower_leg\">\n    <inertial>\n      <origin xyz=\"0.029 0 -0.1439\"/>",
+      "<link name=\"front_left_lower_leg\">\n    <inertial>\n      <origin xyz=\"0.029 -0.1439 0\" "
+      "rpy=\"-1.5707963267948966 0 0\"/>");
+  files.Change(&RobotFiles::urdf, "<child link=\"front_left_foot\"/>\n    <origin xyz=\"0.035 0 -0.3\"/>",
                "<child link=\"front_left_foot\"/>\n    <origin xyz=\"0.035 -0.3 0\"/>");
   const QuadrupedDescription turned = files.Load(), plain = LoadQuadruped(kRobots + "/dogbot.yaml");
   const LegDescription &a = turned.legs[kFrontLeft], &b = plain.legs[kFrontLeft];
@@ -124,14 +126,15 @@ TEST(QuadrupedDescriptionTest, TurnedLinksAndJointsAreTheSameRobot) {
 TEST(QuadrupedDescriptionTest, RefusesFeetThatTheUrdfLacks) {
   RobotFiles files("dogbot");
   files.Change(&RobotFiles::yaml, "front_left: front_left_foot", "front_left: front_left_fot");
-  EXPECT_TRUE(Refused(files, "dogbot.urdf", "no link 'front_left_fot'", "did you mean 'front_left_foot'", "'feet'"));
+  EXPECT_TRUE(
+      Refused(files, "dogbot.urdf", "no link 'front_left_fot'", "did you mean 'front_left_foot'", "'feet'"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesAMissingJoint) {
   RobotFiles files("a1");
   files.Change(&RobotFiles::urdf, "\"RR_calf_joint\" type=\"revolute\"", "\"RR_calf_joint\" type=\"fixed\"");
-  EXPECT_TRUE(Refused(files, "a1.urdf", "leg rear_right has 2 revolute joints", "'RR_hip_joint', 'RR_thigh_joint'",
-                      "must have 3", "add what is missing"));
+  EXPECT_TRUE(Refused(files, "a1.urdf", "leg rear_right has 2 revolute joints",
+                      "'RR_hip_joint', 'RR_thigh_joint'", "must have 3", "add what is missing"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesJointsThatItCannotUse) {
@@ -160,9 +163,11 @@ TEST(QuadrupedDescriptionTest, RefusesJointsThatItCannotUse) {
 
 TEST(QuadrupedDescriptionTest, RefusesBodiesThatCannotBe) {
   RobotFiles zero("dogbot");
-  zero.Change(&RobotFiles::urdf, "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
+  zero.Change(&RobotFiles::urdf,
+              "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
               "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"");
-  EXPECT_TRUE(Refused(zero, "dogbot.urdf", "link 'front_left_lower_leg'", "not positive definite", "check signs"));
+  EXPECT_TRUE(
+      Refused(zero, "dogbot.urdf", "link 'front_left_lower_leg'", "not positive definite", "check signs"));
 
   RobotFiles impossible("dogbot");
   impossible.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"0.91\"");
@@ -207,10 +212,10 @@ TEST(QuadrupedDescriptionTest, RefusesAStanceThatCannotBe) {
 }
 
 TEST(QuadrupedDescriptionTest, RefusesDrivesAndContactsThatCannotBe) {
-  for (const std::string key : {"rotor_inertia_kg_m2", "damping_N_m_s_per_rad", "friction_N_m",
-                                "stop_stiffness_N_m_per_rad", "stop_damping_N_m_s_per_rad",
-                                "stiffness_N_per_m", "dissipation_s_per_m", "blend_m", "bristle_stiffness_per_m",
-                                "bristle_damping_s_per_m", "full_friction_N", "release_time_s"}) {
+  for (const std::string key :
+       {"rotor_inertia_kg_m2", "damping_N_m_s_per_rad", "friction_N_m", "stop_stiffness_N_m_per_rad",
+        "stop_damping_N_m_s_per_rad", "stiffness_N_per_m", "dissipation_s_per_m", "blend_m",
+        "bristle_stiffness_per_m", "bristle_damping_s_per_m", "full_friction_N", "release_time_s"}) {
     RobotFiles files("dogbot");
     files.Change(&RobotFiles::yaml, "  " + key + ": ", "  " + key + ": -1  # ");
     EXPECT_TRUE(Refused(files, "dogbot.yaml", key + " is -", "must"));
