@@ -101,7 +101,7 @@ void DriveProperties::Validate() const {
                     "to which the motor has its full torque",
                     full_torque_speed_ratio));
   CheckNotNegative("stop_stiffness_N_m_per_rad", stop_stiffness);
-  CheckNotNegative("stop_damping_N_m_s_per_rad", stop_damping);
+  CheckNotNegative("stop_dissipation_s_per_rad", stop_dissipation);
 }
 
 void ContactProperties::Validate() const {

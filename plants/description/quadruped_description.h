@@ -46,7 +46,7 @@ struct DriveProperties {
   double friction = 0;                 ///< Coulomb's [N m]
   double full_torque_speed_ratio = 0;  ///< full torque up to this part of the speed limit, see QuadrupedPlant
   double stop_stiffness = 0;           ///< of the end stops [N m/rad]
-  double stop_damping = 0;             ///< [N m s/rad]
+  double stop_dissipation = 0;         ///< [N m s/rad]
 
   static constexpr auto Fields() {
     return std::tuple{Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia),
@@ -54,7 +54,7 @@ struct DriveProperties {
                       Required("friction_N_m", &DriveProperties::friction),
                       Required("full_torque_speed_ratio", &DriveProperties::full_torque_speed_ratio),
                       Required("stop_stiffness_N_m_per_rad", &DriveProperties::stop_stiffness),
-                      Required("stop_damping_N_m_s_per_rad", &DriveProperties::stop_damping)};
+                      Required("stop_dissipation_s_per_rad", &DriveProperties::stop_dissipation)};
   }
   void Validate() const;  ///< throws ParameterError
 };
