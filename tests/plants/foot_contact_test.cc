@@ -135,7 +135,7 @@ TEST(FootContactTest, ABlockSlidesDownASteepSlope) {
 }
 
 TEST(FootContactTest, ABlockStaysBelowTheFrictionAngle) {
-  const auto [early, late] = SlideFor(8, 1e-4, 30 * M_PI / 180, 0.6);  // tan 30 deg = 0.577
+  const auto [early, late] = SlideFor(9, 1e-4, 30 * M_PI / 180, 0.6);  // tan 30 deg = 0.577
   EXPECT_LT((late.p - early.p).norm(), 1e-8);
   EXPECT_LT(late.v.norm(), 1e-8);
 }
