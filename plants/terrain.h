@@ -73,8 +73,9 @@ struct TerrainParams {
 /// The ground under feet: a plane and boxes on it, all solid downwards without end.
 ///
 /// A foot is a sphere. It may touch several faces and edges at once (the plane and the side of a box, say),
-/// each at the nearest point of the plane or of a box, so that it rolls over edges without a jump. Boxes are
-/// kept in a grid: a query takes the same time however many there are.
+/// each at the nearest point of the plane or of a box, so that it rolls over edges without a jump; boxes that
+/// adjoin, or overlap, count each, so that the seam between them is stiffer than a single box. Boxes are kept
+/// in a grid: a query takes the same time however many there are.
 class Terrain {
  public:
   /// Where a sphere touches a solid.
