@@ -71,10 +71,12 @@ struct QuadrupedBody::Work {
         mobility_forces(kNumVelocities, 0.0),
         body_forces(kNumBodies + 1, SimTK::SpatialVec(SimTK::Vec3(0), SimTK::Vec3(0))) {
     model.system.realizeModel(state);
+    model.system.realize(state, SimTK::Stage::Instance);
   }
   SimTK::State state;
-  SimTK::Vector mobility_forces, udot;
-  SimTK::Vector_<SimTK::SpatialVec> body_forces, A_GB;
+  SimTK::Vector mobility_forces, residual, udot;
+  const SimTK::Vector at_rest;  // empty: accelerations are 0
+  SimTK::Vector_<SimTK::SpatialVec> body_forces;
   SimTK::Matrix M;
 };
 
@@ -109,7 +111,9 @@ void QuadrupedBody::SetState(const LeggedState& x) {
     q[model_->q_index[j]] = x.q[static_cast<Eigen::Index>(j)];
     u[model_->u_index[j]] = x.qd[static_cast<Eigen::Index>(j)];
   }
-  model_->system.realize(state, SimTK::Stage::Velocity);
+  // No more than what is read below: whole stages of the System take longer.
+  model_->matter.realizePositionKinematics(state);
+  model_->matter.realizeVelocityKinematics(state);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
@@ -124,11 +128,6 @@ FootMotion QuadrupedBody::Foot(int leg) const {
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
   return ToEigen(model_->bodies[static_cast<std::size_t>(body)].getBodyTransform(work_->state) *
                  ToSimbody(p_B));
-}
-
-Vec<4> QuadrupedBody::QuaternionRate() const {
-  const double* rate = work_->state.getQDot().getContiguousScalarData();
-  return {rate[0], rate[1], rate[2], rate[3]};
 }
 
 double QuadrupedBody::KineticEnergy() const {
@@ -155,10 +154,13 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
     work.body_forces[body.getMobilizedBodyIndex()] +=
         SimTK::SpatialVec(ToSimbody(arm.cross(at.force_W)), ToSimbody(at.force_W));
   }
-  model_->system.realize(work.state, SimTK::Stage::Dynamics);
-  model_->matter.calcAccelerationIgnoringConstraints(work.state, work.mobility_forces, work.body_forces,
-                                                     work.udot, work.A_GB);
+  // What is left of the forces at u' = 0, and what accelerations take it: M u' = -residual.
+  model_->matter.calcResidualForceIgnoringConstraints(work.state, work.mobility_forces, work.body_forces,
+                                                      work.at_rest, work.residual);
+  model_->matter.realizeArticulatedBodyInertias(work.state);
+  model_->matter.multiplyByMInv(work.state, work.residual, work.udot);
   double* udot = work.udot.updContiguousScalarData();
+  for (int i = 0; i < kNumVelocities; ++i) udot[i] = -udot[i];
   if (model_->rotor_inertia > 0) {
     using Matrix18 = Eigen::Matrix<double, kNumVelocities, kNumVelocities>;
     model_->matter.calcM(work.state, work.M);

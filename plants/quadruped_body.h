@@ -41,8 +41,6 @@ class QuadrupedBody {
   FootMotion Foot(int leg) const;
   /// A point in a body's frame, in W [m].
   Vec<3> Position(int body, const Vec<3>& p_B) const;
-  /// d q_WB / dt, which leaves the length of the quaternion as it is.
-  Vec<4> QuaternionRate() const;
   double KineticEnergy() const;  ///< rotors included [J]
   Vec<3> Com() const;            ///< [m]
 

@@ -119,10 +119,10 @@ LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
   return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
 }
 
-LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x, const QuadrupedBody& body,
+LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,
                                            const LeggedAcceleration& acceleration) const {
   return {x.v_W,
-          body.QuaternionRate() + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
+          QuaternionRate(x.q_WB, x.w_W) + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
           x.qd,
           acceleration.a_W,
           acceleration.alpha_W,

@@ -98,7 +98,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m"}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
   OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
 
-  TimeDerivative<LeggedState> motion_rate{motion, Uses(motion, body, acceleration),
+  TimeDerivative<LeggedState> motion_rate{motion, Uses(motion, acceleration),
                                           &QuadrupedPlant::CalcMotionRate};
   TimeDerivative<FootBristles> bristle_rate{bristles, Uses(contacts), &QuadrupedPlant::CalcBristleRate};
 
@@ -113,8 +113,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   LeggedEnergy CalcEnergy(const QuadrupedBody& body) const;
-  LeggedState CalcMotionRate(const LeggedState& x, const QuadrupedBody& body,
-                             const LeggedAcceleration& acceleration) const;
+  LeggedState CalcMotionRate(const LeggedState& x, const LeggedAcceleration& acceleration) const;
   FootBristles CalcBristleRate(const FootContacts& contacts) const;
 };
 
