@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/matchers.h"
 
 namespace tenon {
@@ -94,6 +95,15 @@ TEST(FootContactTest, TouchesFloorAndWallAtOnce) {
       Terrain(params), Properties(), kRadius,
       {Vec<3>(0.8 - kRadius + 5e-4, 0, kRadius - 1e-3), Vec<3>::Zero(), Vec<3>::Zero()}, Vec<2>::Zero());
   EXPECT_THAT(foot.force_W, IsNear(Vec<3>(-5e4 * 4e-4, 0, 45), 1e-9));
+}
+
+TEST(FootContactTest, DoesNotAllocate) {
+  const Terrain terrain = Ground(0.5);
+  const AllocationGuard guard;
+  const FootContact foot = CalcFootContact(terrain, Properties(), kRadius,
+                                           {Vec<3>(0, 0, 0.029), Vec<3>(1, 0, 0), Vec<3>::Zero()}, {0, 0});
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(foot.normal_force, 0);
 }
 
 /// A block of 5 kg that does not turn, on a slope; where it is 1 s before the end, and at the end.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -24,6 +25,16 @@ std::string ReadFile(const fs::path& path) {
   return text.str();
 }
 
+/// A new directory, for as long as it lives.
+struct Directory {
+  Directory() {
+    std::string name = (fs::temp_directory_path() / "tenon_quadruped_XXXXXX").string();
+    path = ::mkdtemp(name.data());
+  }
+  ~Directory() { fs::remove_all(path); }
+  fs::path path;
+};
+
 /// A copy of a robot's two files with one change each, in a directory of its own.
 class RobotFiles {
  public:
@@ -40,13 +51,10 @@ class RobotFiles {
     return *this;
   }
   QuadrupedDescription Load() const {
-    const fs::path directory =
-        fs::temp_directory_path() /
-        (std::string("tenon_quadruped_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(directory);
-    std::ofstream(directory / (robot_ + ".yaml")) << yaml;
-    std::ofstream(directory / (robot_ + ".urdf")) << urdf;
-    return LoadQuadruped(directory / (robot_ + ".yaml"));
+    const Directory directory;
+    std::ofstream(directory.path / (robot_ + ".yaml")) << yaml;
+    std::ofstream(directory.path / (robot_ + ".urdf")) << urdf;
+    return LoadQuadruped(directory.path / (robot_ + ".yaml"));
   }
 
  private:
@@ -121,6 +129,16 @@ TEST(QuadrupedDescriptionTest, TurnedLinksAndJointsAreTheSameRobot) {
   EXPECT_THAT(a.bodies[2].com, IsNear(b.bodies[2].com, 1e-15));
   EXPECT_THAT(a.bodies[2].inertia, IsNear(b.bodies[2].inertia, 1e-15));
   EXPECT_THAT(a.foot_J, IsNear(b.foot_J, 1e-15));
+}
+
+TEST(QuadrupedDescriptionTest, ContinuousJointsHaveNoEnd) {
+  RobotFiles files("a1");
+  files.Change(&RobotFiles::urdf, "\"FL_thigh_joint\" type=\"revolute\"",
+               "\"FL_thigh_joint\" type=\"continuous\"");
+  const QuadrupedDescription robot = files.Load();
+  EXPECT_EQ(robot.joint(1).lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(robot.joint(1).upper, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(robot.joint(4).upper, 4.1888);
 }
 
 TEST(QuadrupedDescriptionTest, RefusesFeetThatTheUrdfLacks) {

@@ -114,6 +114,20 @@ TEST(QuadrupedPlantTest, AgreesWithTheModel) {
   }
 }
 
+TEST(QuadrupedPlantTest, TheLengthOfTheQuaternionMeansNothingAndReturnsToOne) {
+  RandomStream random(33);
+  LeggedState x = High(RandomState(random));
+  Rig rig(Params(DogBot()));
+  const QuadrupedPlant& plant = rig.system();
+  rig.Fix(plant.torque, Vec<12>::Zero()).Set(plant.motion, x);
+  const LeggedAcceleration before = rig[plant.acceleration];
+  x.q_WB *= 1.3;
+  rig.Set(plant.motion, x);
+  EXPECT_THAT(rig[plant.state].q_WB, IsNear(x.q_WB / 1.3, 1e-15));
+  EXPECT_THAT(rig[plant.acceleration].qdd, IsNear(before.qdd, 1e-9));
+  EXPECT_LT(rig[plant.motion_rate].q_WB.dot(x.q_WB), 0);
+}
+
 // --- In the air -----------------------------------------------------------------------------------------
 
 TEST(QuadrupedPlantTest, FallsFreely) {
