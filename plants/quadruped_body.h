@@ -18,10 +18,11 @@ struct PointForce {
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.
 ///
-/// Simbody gives kinematics and the accelerations that torques and forces cause. Gravity accelerates all
-/// masses alike, so it is added to the trunk's acceleration at the end, as is exact. Rotors of inertia D at
-/// the joints are a diagonal addition to the mass matrix: from the accelerations u0' without them follow
-/// those with them, u' = u0' - (M + D)^-1 D u0'.
+/// Simbody gives kinematics, the forces that remain at zero acceleration, and the accelerations that take
+/// them; stages of its System are not used. Gravity accelerates all masses alike, so it is added to the
+/// trunk's acceleration at the end, as is exact. Rotors of inertia D at the joints are a diagonal addition to
+/// the mass matrix: from the accelerations u0' without them follow those with them,
+/// u' = u0' - (M + D)^-1 D u0', at the price of the whole M, half as much again.
 ///
 /// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
 /// one of them each; hence forces are arguments and no force subsystem is in the System. What is returned
