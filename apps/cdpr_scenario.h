@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tenon/apps/common/outputs.h"
 #include "tenon/controllers/equilibrium_path.h"
 #include "tenon/diagrams/cdpr_loop.h"
 #include "tenon/systems/fields.h"
@@ -121,6 +122,7 @@ struct CdprScenario {
   IntegratorScenario integrator;
   double log_rate_hz = 200;
   bool forbid_slack = true;  ///< a slack cable ends the run, exit code 3
+  ReportScenario report;
 
   static constexpr auto Fields() {
     return std::tuple{Required("app", &CdprScenario::app),
@@ -136,7 +138,8 @@ struct CdprScenario {
                       Field{"noise", &CdprScenario::noise},
                       Field{"integrator", &CdprScenario::integrator},
                       Field{"log_rate_hz", &CdprScenario::log_rate_hz},
-                      Field{"forbid_slack", &CdprScenario::forbid_slack}};
+                      Field{"forbid_slack", &CdprScenario::forbid_slack},
+                      Field{"report", &CdprScenario::report}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -27,11 +27,19 @@ int Run(const CommonArguments& arguments, const std::string& controller) {
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
   const auto diagram = builder.Build();
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
+  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+                 .description = fmt::format("{} with controller {}, {} s, seed {}", scenario.robot,
+                                            EnumName(scenario.controller), scenario.duration_s, scenario.seed),
+                 .plots = scenario.report.plots,
+                 .events = scenario.report.events,
+                 .signal_rate = Hz(scenario.log_rate_hz)});
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = CdprFigures::Signals(loop);
+  report.Log(simulator, signals, {&loop.plant.geometry, &loop.reference.geometry});
+
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(*diagram);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
                    {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
@@ -50,6 +58,8 @@ int Run(const CommonArguments& arguments, const std::string& controller) {
   summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
   summary.Set("settling_time_s", figures->settling_time());
   summary.Write(out.path() / "summary.json");
+  summary.AddTo(report);
+  report.Write(out.path() / "report.html");
   summary.Print();
   return summary.exit_code();
 }

@@ -42,10 +42,10 @@ constexpr auto EnumNames(ShapeRole) {
 struct Shape {
   ShapeKind kind = ShapeKind::kSphere;
   ShapeRole role = ShapeRole::kRobot;
-  std::string name;
+  std::string name{};
   Vec<3> size = Vec<3>::Zero();  ///< see ShapeKind [m]
   double scale = 1;              ///< of an arrow: its length [m] per unit of vector_W, say m/N
-  std::string unit;              ///< of `value`; if given, the value decides the colour (a cable's tension)
+  std::string unit{};            ///< of `value`; if given, the value decides the colour (a cable's tension)
 
   Vec<3> p_W = Vec<3>::Zero();       ///< [m]
   Vec<4> q_W{1, 0, 0, 0};            ///< attitude (w, x, y, z)

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -92,6 +93,27 @@ void Summary::Write(const fs::path& file) const {
   out << json_->values.dump(2) << '\n';
   out.close();
   if (!out) throw RunError(fmt::format("cannot write '{}'", file.string()));
+}
+
+void Summary::AddTo(Report& report) const {
+  const auto& values = json_->values;
+  const bool finished = values["finished"];
+  const double end = values["simulated_s"];
+  const std::string reason = values["end_reason"];
+  report.Conclude(finished, finished ? fmt::format("finished after {:.4g} s", end)
+                                     : fmt::format("ended at {:.4g} s: {}", end, reason));
+  if (!finished) report.AddEvent(end, reason);
+  const auto flat = values.flatten();
+  for (const auto& [key, value] : flat.items()) {
+    std::string name = key.substr(1);  // of "/foot_error_max_m/front_left"
+    std::replace(name.begin(), name.end(), '/', '.');
+    if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
+    if (value.is_number() || value.is_null()) {
+      report.AddFigure(name, value.is_null() ? std::nullopt : std::optional<double>(value));
+    } else {
+      report.AddFigure(name, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
 }
 
 void Summary::Print() const {

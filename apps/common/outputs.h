@@ -8,6 +8,7 @@
 #include "tenon/apps/common/command_line.h"
 #include "tenon/apps/common/progress.h"
 #include "tenon/systems/diagram.h"
+#include "tenon/systems/report/report.h"
 
 namespace tenon::apps {
 
@@ -27,6 +28,16 @@ class OutputDirectory {
   std::filesystem::path graph_;
 };
 
+/// The part of a scenario that says what its report shows.
+struct ReportScenario {
+  std::vector<Plot> plots;          ///< with names of signals as in signals.csv
+  std::vector<std::string> events;  ///< signals of which every change is marked
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"plots", &ReportScenario::plots}, Field{"events", &ReportScenario::events}};
+  }
+};
+
 /// summary.json: the figures of a run, SI units in the keys. Starts with those that all apps have.
 class Summary {
  public:
@@ -39,6 +50,7 @@ class Summary {
 
   void Write(const std::filesystem::path& file) const;  ///< throws RunError
   void Print() const;                                   ///< on stdout, one figure a line
+  void AddTo(Report& report) const;                     ///< the figures and the verdict
   ExitCode exit_code() const { return exit_code_; }
 
  private:

@@ -1,0 +1,377 @@
+// The 3-D replay: draws the shapes of each run at any time. Knows shapes, no robots.
+
+const ROLE_COLORS = {
+  robot: 0x3d5a80, cables: 0x777777, payload: 0xb5651d, person: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
+  forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
+};
+// From low to high values: viridis, which also reads in grey and by the colour-blind.
+const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 200, 37]];
+
+// Columns of a shape in a frame, as Shape::Fields() lists them.
+const WIDTH = 12, P = 0, Q = 3, VECTOR = 7, VALUE = 10, VISIBLE = 11;
+
+function scaleColor(fraction) {
+  const at = Math.min(Math.max(fraction, 0), 1) * (SCALE.length - 1);
+  const i = Math.min(Math.floor(at), SCALE.length - 2);
+  return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
+}
+
+// The frames of one run: value(column, t) between them, and whole columns.
+class Frames {
+  constructor(json) {
+    this.shapes = json.shapes;
+    this.time = decode(json.time, Float64Array);
+    this.first = decode(json.first, Float32Array);
+    this.data = decode(json.data, Float32Array);
+    this.row = new Map(json.moving.map((column, i) => [column, i]));
+  }
+  setTime(t) {
+    const n = this.time.length;
+    this.a = indexAt(this.time, t);
+    this.b = Math.min(this.a + 1, n - 1);
+    const span = this.time[this.b] - this.time[this.a];
+    this.fraction = span > 0 ? Math.min(Math.max((t - this.time[this.a]) / span, 0), 1) : 0;
+  }
+  at(column, frame) {
+    const row = this.row.get(column);
+    return row === undefined ? this.first[column] : this.data[row * this.time.length + frame];
+  }
+  value(column) {
+    const a = this.at(column, this.a);
+    return this.row.has(column) ? a + this.fraction * (this.at(column, this.b) - a) : a;
+  }
+  vector(column, out) {
+    return out.set(this.value(column), this.value(column + 1), this.value(column + 2));
+  }
+  // The shorter way from one attitude to the next; q and -q are the same.
+  quaternion(column, out) {
+    const q = (frame) => [1, 2, 3, 0].map((k) => this.at(column + k, frame));
+    out.set(...q(this.a));
+    return this.fraction > 0 ? out.slerp(new THREE.Quaternion(...q(this.b)), this.fraction) : out;
+  }
+}
+
+// One shape as objects of three.js.
+class Actor {
+  constructor(shape, index, frames, unitRange) {
+    this.shape = shape;
+    this.base = index * WIDTH;
+    this.frames = frames;
+    this.range = shape.unit ? unitRange : null;
+    const color = ROLE_COLORS[shape.role] || 0x888888;
+    this.material = new THREE.MeshPhongMaterial({color, shininess: 25, specular: 0x222222});
+    this.object = new THREE.Group();
+    const add = (geometry) => {
+      const mesh = new THREE.Mesh(geometry, this.material);
+      mesh.castShadow = shape.role !== 'ground';
+      mesh.receiveShadow = shape.role === 'ground';
+      this.object.add(mesh);
+      return mesh;
+    };
+    const [x, y, z] = shape.size;
+    switch (shape.kind) {
+      case 'box': {
+        add(new THREE.BoxBufferGeometry(x, y, z));
+        const edges = new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(x, y, z));
+        this.edges = new THREE.LineBasicMaterial({color: new THREE.Color(color).multiplyScalar(0.55)});
+        this.object.add(new THREE.LineSegments(edges, this.edges));
+        break;
+      }
+      case 'sphere': add(new THREE.SphereBufferGeometry(x, 24, 16)); break;
+      case 'capsule':
+        for (const end of [-1, 1]) add(new THREE.SphereBufferGeometry(x, 20, 14)).position.z = end * y / 2;
+        // falls through
+      case 'cylinder': add(new THREE.CylinderBufferGeometry(x, x, y, 24)).rotation.x = Math.PI / 2; break;
+      case 'segment': add(new THREE.CylinderBufferGeometry(1, 1, 1, 10)); break;
+      case 'arrow':
+        this.head = add(new THREE.ConeBufferGeometry(1, 1, 16));
+        this.shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 12));
+        break;
+      case 'trace': this.makeTrace(x, color, add); break;
+      default: throw new Error(`no shape is called '${shape.kind}'`);
+    }
+  }
+
+  makeTrace(radius, color, add) {
+    const n = this.frames.time.length;
+    const points = new Float32Array(3 * n);
+    for (let i = 0; i < n; ++i) {
+      for (let k = 0; k < 3; ++k) points[3 * i + k] = this.frames.at(this.base + P + k, i);
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
+    this.edges = this.shape.role === 'reference' ?
+        new THREE.LineDashedMaterial({color, dashSize: 0.06, gapSize: 0.04}) :
+        new THREE.LineBasicMaterial({color});
+    this.line = new THREE.Line(geometry, this.edges);
+    this.line.computeLineDistances();
+    this.line.frustumCulled = false;
+    if (radius > 0) this.ball = add(new THREE.SphereBufferGeometry(radius, 20, 14));
+  }
+
+  setOpacity(opacity) {
+    for (const material of [this.material, this.edges]) {
+      if (!material) continue;
+      material.transparent = opacity < 1;
+      material.opacity = opacity;
+      material.depthWrite = opacity === 1;
+    }
+  }
+
+  update() {
+    const {frames, base, object} = this;
+    object.visible = frames.at(base + VISIBLE, frames.a) !== 0;
+    frames.vector(base + P, object.position);
+    if (this.range) {
+      const [low, high] = this.range;
+      const [r, g, b] = scaleColor(high > low ? (frames.value(base + VALUE) - low) / (high - low) : 0.5);
+      this.material.color.setRGB(r / 255, g / 255, b / 255);
+    }
+    if (this.shape.kind === 'segment' || this.shape.kind === 'arrow') {
+      this.updateVector();
+    } else if (this.shape.kind !== 'trace') {
+      frames.quaternion(base + Q, object.quaternion);
+    }
+  }
+
+  updateVector() {
+    const vector = this.frames.vector(this.base + VECTOR, Actor.scratch);
+    const arrow = this.shape.kind === 'arrow';
+    const length = vector.length() * (arrow ? Math.abs(this.shape.scale) : 1);
+    if (arrow && this.shape.scale < 0) vector.negate();
+    if (length < 1e-6) {
+      this.object.visible = false;
+      return;
+    }
+    this.object.quaternion.setFromUnitVectors(Actor.y, vector.normalize());
+    if (!arrow) {
+      const radius = this.shape.size[0];
+      this.object.children[0].scale.set(radius, length, radius);
+      this.object.children[0].position.y = length / 2;
+      return;
+    }
+    const head = Math.min(0.35 * length, 4 * this.arrowRadius);
+    this.head.scale.set(0.45 * head, head, 0.45 * head);
+    this.head.position.y = length - head / 2;
+    this.shaft.scale.set(0.16 * head, length - head, 0.16 * head);
+    this.shaft.position.y = (length - head) / 2;
+  }
+}
+
+class Replay {
+  // Throws if there is no WebGL.
+  constructor(stage, runs) {
+    const canvas = document.createElement('canvas');
+    const attributes = {antialias: true, alpha: false, preserveDrawingBuffer: true};
+    const context = canvas.getContext('webgl2', attributes) || canvas.getContext('webgl', attributes);
+    if (!context) throw new Error('no WebGL');
+    Actor.scratch = new THREE.Vector3();
+    Actor.y = new THREE.Vector3(0, 1, 0);
+    this.stage = stage;
+    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setClearColor(0xfbfcfd);
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    stage.prepend(canvas);
+
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(38, 1, 0.01, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.ranges = this.valueRanges(runs);
+    this.runs = runs.map((run) => this.makeRun(run));
+    this.shown = 0;
+    this.ghosts = false;
+    this.hiddenRoles = new Set();
+    this.measure();
+    this.addSurroundings();
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.screenSpacePanning = true;
+    this.controls.addEventListener('change', () => this.requestRender());
+    this.resetView();
+    new ResizeObserver(() => this.resize()).observe(stage);
+    this.resize();
+  }
+
+  get roles() {
+    return [...new Set(this.runs.flatMap((run) => run.actors.map((actor) => actor.shape.role)))];
+  }
+
+  // Of each unit, over all runs: one colour bar serves them all.
+  valueRanges(runs) {
+    const ranges = {};
+    for (const {frames} of runs) {
+      frames.shapes.forEach((shape, i) => {
+        if (!shape.unit) return;
+        const range = ranges[shape.unit] || (ranges[shape.unit] = [Infinity, -Infinity]);
+        for (let frame = 0; frame < frames.time.length; ++frame) {
+          const value = frames.at(i * WIDTH + VALUE, frame);
+          range[0] = Math.min(range[0], value);
+          range[1] = Math.max(range[1], value);
+        }
+      });
+    }
+    return ranges;
+  }
+
+  makeRun({frames}) {
+    const group = new THREE.Group();
+    const actors = frames.shapes.map((shape, i) => new Actor(shape, i, frames, this.ranges[shape.unit]));
+    for (const actor of actors) {
+      group.add(actor.object);
+      if (actor.line) group.add(actor.line);
+    }
+    this.scene.add(group);
+    return {frames, group, actors};
+  }
+
+  // The box that everything stays in, and where the robot goes.
+  measure() {
+    this.box = new THREE.Box3();
+    const point = new THREE.Vector3();
+    for (const {frames, actors} of this.runs) {
+      const step = Math.max(1, Math.floor(frames.time.length / 100));
+      for (const actor of actors) {
+        const {shape, base} = actor;
+        if (shape.role === 'ground') continue;
+        for (let i = 0; i < frames.time.length; i += step) {
+          const p = [0, 1, 2].map((k) => frames.at(base + P + k, i));
+          if (frames.at(base + VISIBLE, i) === 0) continue;
+          this.box.expandByPoint(point.set(...p));
+          if (shape.kind !== 'segment') continue;
+          this.box.expandByPoint(point.set(...p.map((x, k) => x + frames.at(base + VECTOR + k, i))));
+        }
+      }
+    }
+    if (this.box.isEmpty()) this.box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
+    this.box.min.z = Math.min(this.box.min.z, 0);
+    this.box.expandByScalar(0.05);
+    this.extent = this.box.getSize(new THREE.Vector3()).length();
+    for (const {actors} of this.runs) {
+      for (const actor of actors) actor.arrowRadius = 0.01 * this.extent;
+    }
+  }
+
+  addSurroundings() {
+    const size = this.box.getSize(new THREE.Vector3());
+    const center = this.box.getCenter(new THREE.Vector3());
+    const cell = Math.pow(10, Math.floor(Math.log10(Math.max(size.x, size.y, 0.5)) - 0.3));
+    const cells = 2 * Math.ceil(0.75 * Math.max(size.x, size.y, 4 * cell) / cell);
+    const grid = new THREE.GridHelper(cells * cell, cells, 0xc3c9d1, 0xe3e7ec);
+    grid.rotation.x = Math.PI / 2;
+    grid.position.set(Math.round(center.x / cell) * cell, Math.round(center.y / cell) * cell, 0);
+    const floor = new THREE.Mesh(new THREE.PlaneBufferGeometry(cells * cell, cells * cell),
+                                 new THREE.ShadowMaterial({opacity: 0.16}));
+    floor.position.set(grid.position.x, grid.position.y, -0.001);
+    floor.receiveShadow = true;
+    const axes = new THREE.AxesHelper(cell / 2);
+    axes.position.z = 0.002;
+    this.scene.add(grid, floor, axes);
+
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0xb8bec8, 0.75));
+    const sun = new THREE.DirectionalLight(0xffffff, 0.55);
+    sun.position.copy(center).add(new THREE.Vector3(0.25, -0.35, 1).multiplyScalar(this.extent));
+    sun.target.position.copy(center);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(2048, 2048);
+    const half = 0.6 * this.extent;
+    Object.assign(sun.shadow.camera, {left: -half, right: half, top: half, bottom: -half, near: 0.01, far: 3 * this.extent});
+    this.scene.add(sun, sun.target);
+  }
+
+  // So far away, in a fixed direction, that the whole box fits in the picture.
+  resetView() {
+    const center = this.box.getCenter(new THREE.Vector3());
+    const direction = new THREE.Vector3(0.62, -0.9, 0.42).normalize();
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).add(direction);
+    this.camera.lookAt(center);
+    this.camera.updateMatrixWorld();
+    const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
+    const tan = Math.tan(this.camera.fov * Math.PI / 360);
+    let distance = 0.1;
+    for (let corner = 0; corner < 8; ++corner) {
+      const p = new THREE.Vector3(...['x', 'y', 'z'].map((axis, k) => this.box[corner >> k & 1 ? 'max' : 'min'][axis]));
+      p.applyMatrix4(inverse);
+      distance = Math.max(distance, Math.abs(p.y) / tan + p.z, Math.abs(p.x) / (tan * this.camera.aspect) + p.z);
+    }
+    this.camera.position.copy(center).addScaledVector(direction, 1.03 * (distance + 1));
+    this.camera.near = distance / 500;
+    this.camera.far = 20 * distance + this.extent;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.requestRender();
+  }
+
+  resize() {
+    const width = this.stage.clientWidth, height = this.stage.clientHeight;
+    if (width === 0 || height === 0) return;
+    const first = this.camera.aspect === 1;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (first) this.resetView();
+    this.requestRender();
+  }
+
+  // The mean place of what is called robot, in the run that is shown.
+  robotPlace() {
+    const actors = this.runs[this.shown].actors.filter((a) => a.shape.role === 'robot' && a.shape.kind !== 'trace');
+    const sum = new THREE.Vector3();
+    for (const actor of actors) sum.add(actor.object.position);
+    return actors.length ? sum.divideScalar(actors.length) : null;
+  }
+
+  setFollow(follow) {
+    this.follow = follow;
+    this.followed = null;
+    if (!follow) return;
+    const place = this.robotPlace();
+    if (!place) return;
+    // Closer, so that the robot is more than a speck in a large room.
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.controls.target.copy(place);
+    this.camera.position.copy(place).add(offset.multiplyScalar(0.3));
+    this.followed = place;
+    this.controls.update();
+  }
+
+  setTime(t) {
+    this.runs.forEach((run, r) => {
+      const ghost = r !== this.shown;
+      run.group.visible = !ghost || this.ghosts;
+      if (!run.group.visible) return;
+      run.frames.setTime(t);
+      for (const actor of run.actors) {
+        actor.update();
+        actor.setOpacity(ghost ? 0.25 : 1);
+        const hidden = this.hiddenRoles.has(actor.shape.role) || (ghost && actor.shape.role === 'fixtures');
+        if (hidden) actor.object.visible = false;
+        if (actor.line) actor.line.visible = !hidden;
+      }
+    });
+    if (this.follow) {
+      const place = this.robotPlace();
+      if (place && this.followed) {
+        const step = place.clone().sub(this.followed);
+        this.camera.position.add(step);
+        this.controls.target.add(step);
+      }
+      this.followed = place;
+      this.controls.update();
+    }
+    this.requestRender();
+  }
+
+  requestRender() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => this.render());
+  }
+
+  render() {
+    this.pending = false;
+    this.renderer.render(this.scene, this.camera);
+  }
+}
+
