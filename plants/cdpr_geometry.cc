@@ -5,7 +5,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kCableRadius = 0.012;      // [m]
+constexpr double kCableRadius = 0.008;       // [m]
 constexpr double kPlatformThickness = 0.04;  // [m], at least, if all attachments lie in one plane
 constexpr double kForceScale = 0.01;        // [m/N]
 constexpr double kPayloadRadius = 0.05;      // [m]

@@ -41,6 +41,17 @@ function indexAt(times, t) {
   return low;
 }
 
+// Decimals that show a thousandth of what the values span.
+function digitsFor(values) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values) {
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  const span = Math.max(high - low, 1e-3 * Math.abs(high));
+  return span > 0 && Number.isFinite(span) ? Math.min(Math.max(3 - Math.ceil(Math.log10(span)), 0), 9) : 3;
+}
+
 // What all names have in common up to a dot says nothing: loop.plant.euler.roll, loop.plant.euler.yaw -> roll, yaw.
 function shortNames(names) {
   const parts = names.map((name) => name.split('.'));
@@ -101,14 +112,15 @@ class Plots {
 
     const plot = {series, chart, cursor, readout, difference: false};
     for (const s of series) {
-      const item = element('span');
-      const swatch = element('b', '', (s.reference ? '╌ ' : '━ '));
+      s.digits = digitsFor(s.values);
+      if (s.reference && series.some((o) => o.run === s.run && !o.reference && o.pair === s.pair)) continue;
+      s.item = element('span');
+      const swatch = element('b', '', s.reference ? '╌ ' : '━ ');
       swatch.style.color = s.color;
       s.readout = element('span');
-      s.item = item;
       const run = this.runs.length > 1 ? this.runs[s.run].name + ' ' : '';
-      item.append(swatch, document.createTextNode(run + s.label + ' '), s.readout);
-      readout.append(item);
+      s.item.append(swatch, document.createTextNode(run + s.label + ' '), s.readout);
+      readout.append(s.item);
     }
     const paired = series.some((s) => s.reference) && series.every((s) => s.reference || this.referenceOf(plot, s));
     if (paired) {
@@ -150,7 +162,9 @@ class Plots {
 
   draw(plot) {
     const {shown, rows} = this.table(plot);
-    for (const s of plot.series) s.item.hidden = !this.shown(plot, s);
+    for (const s of plot.series) {
+      if (s.item) s.item.hidden = !this.shown(plot, s);
+    }
     const window = plot.graph ? plot.graph.xAxisRange() : [0, this.duration];
     if (plot.graph) plot.graph.destroy();
     plot.graph = null;
@@ -222,10 +236,15 @@ class Plots {
     this.placeCursors();
     for (const plot of this.plots) {
       for (const s of plot.series) {
-        if (s.time.length === 0) continue;
+        if (s.time.length === 0 || !s.item) continue;
         const i = indexAt(s.time, t);
-        const reference = plot.difference ? this.referenceOf(plot, s) : null;
-        s.readout.textContent = formatNumber(s.values[i] - (reference ? reference.values[i] : 0));
+        const reference = s.reference ? null : this.referenceOf(plot, s);
+        const show = (value) => value.toFixed(s.digits).replace(/^-(0\.?0*)$/, '$1');
+        if (plot.difference) {
+          s.readout.textContent = formatNumber(s.values[i] - reference.values[i]);
+        } else {
+          s.readout.textContent = show(s.values[i]) + (reference ? ` (${show(reference.values[i])})` : '');
+        }
       }
     }
   }

@@ -109,6 +109,23 @@ class Actor {
     if (radius > 0) this.ball = add(new THREE.SphereBufferGeometry(radius, 20, 14));
   }
 
+  // How far the solid goes from its middle.
+  reach() {
+    const [x, y, z] = this.shape.size;
+    return this.shape.kind === 'box' ? Math.hypot(x, y, z) / 2 : x + y / 2;
+  }
+
+  // False for what is hidden all the time and for forces that stay zero.
+  everSeen() {
+    const {frames, base, shape} = this;
+    const vector = shape.kind === 'segment' || shape.kind === 'arrow';
+    for (let i = 0; i < frames.time.length; ++i) {
+      if (frames.at(base + VISIBLE, i) === 0) continue;
+      if (!vector || [0, 1, 2].some((k) => frames.at(base + VECTOR + k, i) !== 0)) return true;
+    }
+    return false;
+  }
+
   setOpacity(opacity) {
     for (const material of [this.material, this.edges]) {
       if (!material) continue;
@@ -180,6 +197,7 @@ class Replay {
     this.camera.up.set(0, 0, 1);
     this.ranges = this.valueRanges(runs);
     this.runs = runs.map((run) => this.makeRun(run));
+    this.inset = {camera: new THREE.PerspectiveCamera(38, 1, 0.01, 1000), frame: stage.querySelector('#inset'), size: 0};
     this.shown = 0;
     this.ghosts = false;
     this.hiddenRoles = new Set();
@@ -187,6 +205,7 @@ class Replay {
     this.addSurroundings();
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.screenSpacePanning = true;
+    this.controls.addEventListener('start', () => this.viewChosen = true);
     this.controls.addEventListener('change', () => this.requestRender());
     this.resetView();
     new ResizeObserver(() => this.resize()).observe(stage);
@@ -194,7 +213,7 @@ class Replay {
   }
 
   get roles() {
-    return [...new Set(this.runs.flatMap((run) => run.actors.map((actor) => actor.shape.role)))];
+    return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => a.everSeen()).map((a) => a.shape.role)))];
   }
 
   // Of each unit, over all runs: one colour bar serves them all.
@@ -233,7 +252,7 @@ class Replay {
       const step = Math.max(1, Math.floor(frames.time.length / 100));
       for (const actor of actors) {
         const {shape, base} = actor;
-        if (shape.role === 'ground') continue;
+        if (shape.role === 'ground' || !actor.everSeen()) continue;
         for (let i = 0; i < frames.time.length; i += step) {
           const p = [0, 1, 2].map((k) => frames.at(base + P + k, i));
           if (frames.at(base + VISIBLE, i) === 0) continue;
@@ -249,6 +268,13 @@ class Replay {
     this.extent = this.box.getSize(new THREE.Vector3()).length();
     for (const {actors} of this.runs) {
       for (const actor of actors) actor.arrowRadius = 0.01 * this.extent;
+    }
+    // Of the robot's parts about their mean place.
+    this.setTime(0);
+    this.robotRadius = 0;
+    const place = this.robotPlace();
+    for (const actor of this.robotParts()) {
+      this.robotRadius = Math.max(this.robotRadius, actor.object.position.distanceTo(place) + actor.reach());
     }
   }
 
@@ -281,8 +307,9 @@ class Replay {
 
   // So far away, in a fixed direction, that the whole box fits in the picture.
   resetView() {
+    this.viewChosen = false;
     const center = this.box.getCenter(new THREE.Vector3());
-    const direction = new THREE.Vector3(0.62, -0.9, 0.42).normalize();
+    const direction = Replay.direction();
     this.controls.target.copy(center);
     this.camera.position.copy(center).add(direction);
     this.camera.lookAt(center);
@@ -306,17 +333,24 @@ class Replay {
   resize() {
     const width = this.stage.clientWidth, height = this.stage.clientHeight;
     if (width === 0 || height === 0) return;
-    const first = this.camera.aspect === 1;
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (first) this.resetView();
+    if (!this.viewChosen) this.resetView();
+    this.inset.size = this.robotRadius < 0.05 * this.extent ? Math.round(Math.min(0.36 * width, 0.36 * height)) : 0;
+    this.inset.frame.hidden = this.inset.size === 0;
+    this.inset.frame.style.width = this.inset.frame.style.height = `${this.inset.size}px`;
     this.requestRender();
+  }
+
+  robotParts() {
+    const solid = ['box', 'sphere', 'cylinder', 'capsule'];
+    return this.runs[this.shown].actors.filter((a) => a.shape.role === 'robot' && solid.includes(a.shape.kind));
   }
 
   // The mean place of what is called robot, in the run that is shown.
   robotPlace() {
-    const actors = this.runs[this.shown].actors.filter((a) => a.shape.role === 'robot' && a.shape.kind !== 'trace');
+    const actors = this.robotParts();
     const sum = new THREE.Vector3();
     for (const actor of actors) sum.add(actor.object.position);
     return actors.length ? sum.divideScalar(actors.length) : null;
@@ -350,7 +384,7 @@ class Replay {
         if (actor.line) actor.line.visible = !hidden;
       }
     });
-    if (this.follow) {
+    if (this.follow && this.controls) {
       const place = this.robotPlace();
       if (place && this.followed) {
         const step = place.clone().sub(this.followed);
@@ -363,6 +397,10 @@ class Replay {
     this.requestRender();
   }
 
+  static direction() {
+    return new THREE.Vector3(0.5, -0.9, 0.36).normalize();
+  }
+
   requestRender() {
     if (this.pending) return;
     this.pending = true;
@@ -371,7 +409,20 @@ class Replay {
 
   render() {
     this.pending = false;
-    this.renderer.render(this.scene, this.camera);
+    const {renderer, scene, inset} = this;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, this.stage.clientWidth, this.stage.clientHeight);
+    renderer.render(scene, this.camera);
+    const place = inset.size > 0 && this.robotPlace();
+    if (!place) return;
+    // A robot that is a speck in its room gets a close-up.
+    renderer.setScissorTest(true);
+    renderer.setScissor(10, 10, inset.size, inset.size);
+    renderer.setViewport(10, 10, inset.size, inset.size);
+    inset.camera.up.set(0, 0, 1);
+    inset.camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.robotRadius);
+    inset.camera.lookAt(place);
+    renderer.render(scene, inset.camera);
   }
 }
 

@@ -1,7 +1,7 @@
 // The page: table of figures, transport, and the one time that plots and replay share.
 //
 // window.tenonReport lets a program drive the page: ready (everything is drawn), duration [s], time(), seek(t),
-// play(), pause(), playing(), webgl (whether there is a replay), show(variant index), render() (draw at once).
+// play(), pause(), playing(), show(variant index), webgl (whether there is a replay), replay (a Replay, or null).
 
 (() => {
   const report = JSON.parse(document.getElementById('data').textContent);
@@ -51,14 +51,14 @@
           cell.append(swatch, document.createTextNode(run.name));
           head.append(cell);
         });
+        head.append(element('th'));
       }
       const body = table.createTBody();
       for (const key of keys.slice(begin, begin + length)) {
         const row = body.insertRow();
         const [label, unit] = splitUnit(key);
-        const head = element('th', '', label + ' ');
+        const head = element('th', '', label);
         head.title = key;
-        head.append(element('span', 'unit', unit));
         row.append(head);
         for (const run of runs) {
           const figure = run.figures.find(([name]) => name === key);
@@ -66,6 +66,7 @@
           const text = value === null ? '–' : typeof value === 'number' ? formatNumber(value) : String(value);
           row.append(element('td', typeof value === 'string' ? 'text' : '', text));
         }
+        row.append(element('td', 'unit', unit));
       }
       parent.append(table);
     }
@@ -73,6 +74,8 @@
 
   showHeader();
   showFigures();
+  // The replay and its controls fill what the header leaves of the window.
+  document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
 
   for (const run of runs) {
     run.frames = run.frames ? new Frames(run.frames) : null;
@@ -86,9 +89,9 @@
 
   let time = 0, playing = false, last = 0;
   const api = window.tenonReport = {
-    ready: false, duration, webgl: false,
+    ready: false, duration, webgl: false, replay: null,
     time: () => time, playing: () => playing, seek, play: () => setPlaying(true), pause: () => setPlaying(false),
-    show, render: () => replay && replay.render(),
+    show,
   };
 
   const plots = new Plots(find('#plots'), runs, duration, seek);
@@ -97,6 +100,7 @@
     try {
       replay = new Replay(find('#stage'), drawn);
       api.webgl = true;
+      api.replay = replay;
     } catch (error) {
       if (error.message !== 'no WebGL') throw error;
       find('#no-webgl').hidden = false;
