@@ -135,6 +135,7 @@ class Plots {
     }
     this.plots.push(plot);
     this.draw(plot);
+    new ResizeObserver(() => plot.graph && plot.graph.resize()).observe(chart);
   }
 
   referenceOf(plot, s) {
@@ -181,7 +182,7 @@ class Plots {
         x: {axisLabelFormatter: (x) => formatNumber(x) + ' s', pixelsPerLabel: 70, axisLineWidth: 1},
         y: {axisLabelFormatter: (y) => formatNumber(y), pixelsPerLabel: 26, axisLabelWidth: 46},
       },
-      clickCallback: (event, x) => this.seek(x),
+      clickCallback: (event) => this.seek(plot.graph.toDataXCoord(plot.graph.eventToDomCoords(event)[0])),
       drawCallback: (graph) => this.synchronize(graph),
       underlayCallback: (context, area, graph) => this.drawEvents(context, area, graph),
     });

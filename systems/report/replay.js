@@ -317,17 +317,39 @@ class Replay {
     const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
     const tan = Math.tan(this.camera.fov * Math.PI / 360);
     let distance = 0.1;
-    for (let corner = 0; corner < 8; ++corner) {
-      const p = new THREE.Vector3(...['x', 'y', 'z'].map((axis, k) => this.box[corner >> k & 1 ? 'max' : 'min'][axis]));
+    for (const p of this.corners()) {
       p.applyMatrix4(inverse);
       distance = Math.max(distance, Math.abs(p.y) / tan + p.z, Math.abs(p.x) / (tan * this.camera.aspect) + p.z);
     }
     this.camera.position.copy(center).addScaledVector(direction, 1.03 * (distance + 1));
+    this.center();
     this.camera.near = distance / 500;
     this.camera.far = 20 * distance + this.extent;
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.requestRender();
+  }
+
+  // Moves the camera up or down until the box has as much room above as below.
+  center() {
+    this.camera.updateMatrixWorld();
+    const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
+    let low = Infinity, high = -Infinity;
+    for (const p of this.corners()) {
+      p.applyMatrix4(inverse);
+      low = Math.min(low, -p.y / p.z);
+      high = Math.max(high, -p.y / p.z);
+    }
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const up = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
+    up.multiplyScalar((low + high) / 2 * distance);
+    this.camera.position.add(up);
+    this.controls.target.add(up);
+  }
+
+  corners() {
+    const {min, max} = this.box;
+    return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
   }
 
   resize() {
@@ -398,7 +420,7 @@ class Replay {
   }
 
   static direction() {
-    return new THREE.Vector3(0.5, -0.9, 0.36).normalize();
+    return new THREE.Vector3(0.5, -0.9, 0.42).normalize();
   }
 
   requestRender() {
