@@ -177,7 +177,7 @@ class Plots {
     });
     plot.graph = new Dygraph(plot.chart, rows, {
       labels, series: patterns, colors: shown.map((s) => s.color), legend: 'never', dateWindow: window,
-      connectSeparatedPoints: true, highlightCircleSize: 0, gridLineColor: '#e8ebef', axisLineColor: '#c3c9d1',
+      connectSeparatedPoints: true, highlightCircleSize: 0, yRangePad: 10, gridLineColor: '#e8ebef', axisLineColor: '#c3c9d1',
       axes: {
         x: {axisLabelFormatter: (x) => formatNumber(x) + ' s', pixelsPerLabel: 70, axisLineWidth: 1},
         y: {axisLabelFormatter: (y) => formatNumber(y), pixelsPerLabel: 26, axisLabelWidth: 46},

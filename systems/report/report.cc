@@ -28,6 +28,14 @@ std::string Number(double value) {
   return fmt::format("{:.4g}", value);
 }
 
+/// "loop.payload.payload.mass" is marked as "payload.mass".
+std::string LastTwo(const std::string& name) {
+  const std::size_t last = name.rfind('.');
+  if (last == std::string::npos || last == 0) return name;
+  const std::size_t before = name.rfind('.', last - 1);
+  return before == std::string::npos ? name : name.substr(before + 1);
+}
+
 /// Whether one of the names means this column: its own, or that of its signal.
 bool Means(const std::vector<std::string>& names, const std::string& column) {
   return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
@@ -147,8 +155,8 @@ Json Report::Run::Events() const {
         if (before == after) continue;
         ++changes;
         list.push_back({{"time", signals->time()[row]},
-                        {"label", fmt::format("{} {} → {}", signals->names()[column], Number(before),
-                                              Number(after))}});
+                        {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]), Number(before),
+                                              Number(after), signals->units()[column])}});
       }
     }
   }

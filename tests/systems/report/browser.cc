@@ -185,7 +185,7 @@ Json Browser::Evaluate(const std::string& expression) {
 }
 
 void Browser::Click(double x, double y) {
-  for (const char* type : {"mousePressed", "mouseReleased"}) {
+  for (const char* type : {"mouseMoved", "mousePressed", "mouseReleased"}) {
     Call("Input.dispatchMouseEvent", {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
   }
 }

@@ -23,7 +23,7 @@ class Browser {
   void Open(const std::filesystem::path& file);
   /// The value of a JavaScript expression; a promise is awaited. Throws with the text of an exception.
   nlohmann::json Evaluate(const std::string& expression);
-  /// Presses and releases the left mouse button at a place in the window.
+  /// Moves the mouse to a place in the window, presses and releases its left button.
   void Click(double x, double y);
   /// Saves what is to be seen as PNG.
   void Screenshot(const std::filesystem::path& file);
