@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <string>
 #include <string_view>
 
 #include "tenon/systems/errors.h"
@@ -38,9 +38,14 @@ fs::path FindPart(const Part& part) {
   return file;
 }
 
+/// Without the line that names a source map, which would not lie beside the page.
 std::string ReadPart(const Part& part) {
   std::ifstream in(FindPart(part), std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string text, line;
+  while (std::getline(in, line)) {
+    if (line.find("# sourceMappingURL=") == std::string::npos) text += line + '\n';
+  }
+  return text;
 }
 
 void ReplaceAll(std::string& text, std::string_view from, std::string_view to) {

@@ -14,11 +14,11 @@ namespace tenon {
 
 /// One diagram of signals over time.
 struct Plot {
-  std::string title;
+  std::string title{};
   /// Names as in logs, "cart.x.position"; a name without its elements, "cart.x", stands for all of them.
-  std::vector<std::string> signals;
+  std::vector<std::string> signals{};
   /// What the signals should be, drawn dashed: one for each signal, in the same order, or in fewer.
-  std::vector<std::string> references;
+  std::vector<std::string> references{};
 
   static constexpr auto Fields() {
     return std::tuple{Required("title", &Plot::title), Required("signals", &Plot::signals),
@@ -27,10 +27,10 @@ struct Plot {
 };
 
 struct ReportParams {
-  std::string title;
-  std::string description;          ///< one line under the title
-  std::vector<Plot> plots;          ///< none: one for each logged signal and unit
-  std::vector<std::string> events;  ///< names of signals of which every change is marked
+  std::string title{};
+  std::string description{};        ///< one line under the title
+  std::vector<Plot> plots{};        ///< none: one for each logged signal and unit
+  std::vector<std::string> events{};  ///< names of signals of which every change is marked
   Rate signal_rate = Hz(200);       ///< of what is plotted
   Rate frame_rate = Hz(50);         ///< of the replay; it interpolates between frames
 

@@ -1,7 +1,7 @@
 // The page: table of figures, transport, and the one time that plots and replay share.
 //
 // window.tenonReport lets a program drive the page: ready (everything is drawn), duration [s], time(), seek(t),
-// play(), pause(), playing(), show(variant index), webgl (whether there is a replay), replay (a Replay, or null).
+// play(), pause(), playing(), show(index of a drawn variant), webgl (whether there is a replay), replay (a Replay, or null).
 
 (() => {
   const report = JSON.parse(document.getElementById('data').textContent);
@@ -78,11 +78,11 @@
   document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
 
   for (const run of runs) {
-    run.frames = run.frames ? new Frames(run.frames) : null;
+    run.frames = run.frames && run.frames.shapes.length > 0 ? new Frames(run.frames) : null;
   }
-  const drawn = runs.filter((run) => run.frames && run.frames.time.length > 0 && run.frames.shapes.length > 0);
+  const drawn = runs.filter((run) => run.frames);
   const ends = runs.flatMap((run) => [
-    ...(run.frames ? [run.frames.time[run.frames.time.length - 1] || 0] : []),
+    ...(run.frames ? [run.frames.time[run.frames.time.length - 1]] : []),
     ...run.plots.map((plot) => decode(plot.time, Float64Array)).map((time) => time[time.length - 1] || 0),
   ]);
   const duration = Math.max(1e-6, ...ends);

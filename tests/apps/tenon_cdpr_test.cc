@@ -66,6 +66,8 @@ TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
   EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: D1"), HasSubstr("pose_rate_hz: 200")));
   const std::string graph = Read(out.string() + ".dot");
   EXPECT_THAT(graph, AllOf(HasSubstr("cluster_loop"), HasSubstr("pd")));
+  EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
+  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>D1: circle of 0.5 m radius"));
   fs::remove(out.string() + ".dot");
 }
 
@@ -136,6 +138,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'",
                  "give one time per point"},
         BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"},
+        BadUsage{"D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
+                 "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
+        BadUsage{"D1 --set 'report.plots=[{title: speed}]'", "signals"},
         BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
 
