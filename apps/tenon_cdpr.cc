@@ -27,12 +27,13 @@ int Run(const CommonArguments& arguments, const std::string& controller) {
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
   const auto diagram = builder.Build();
-  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description = fmt::format("{} with controller {}, {} s, seed {}", scenario.robot,
-                                            EnumName(scenario.controller), scenario.duration_s, scenario.seed),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  Report report(
+      {.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+       .description = fmt::format("{} with controller {}, {} s, seed {}", scenario.robot,
+                                  EnumName(scenario.controller), scenario.duration_s, scenario.seed),
+       .plots = scenario.report.plots,
+       .events = scenario.report.events,
+       .signal_rate = Hz(scenario.log_rate_hz)});
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = CdprFigures::Signals(loop);

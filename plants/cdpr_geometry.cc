@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kCableRadius = 0.008;       // [m]
 constexpr double kPlatformThickness = 0.04;  // [m], at least, if all attachments lie in one plane
-constexpr double kForceScale = 0.01;        // [m/N]
+constexpr double kForceScale = 0.01;         // [m/N]
 constexpr double kPayloadRadius = 0.05;      // [m]
 
 // The order of the shapes: these, then one cable, one anchor and one post per cable.

@@ -28,13 +28,25 @@ constexpr auto EnumNames(ShapeKind) {
 }
 
 /// What a shape stands for: decides its colour, and can be shown and hidden together.
-enum class ShapeRole { kRobot, kCable, kPayload, kPerson, kGround, kFixture, kForce, kDisturbance, kEstimate, kReference };
+enum class ShapeRole {
+  kRobot,
+  kCable,
+  kPayload,
+  kPerson,
+  kGround,
+  kFixture,
+  kForce,
+  kDisturbance,
+  kEstimate,
+  kReference
+};
 constexpr auto EnumNames(ShapeRole) {
-  return std::array{std::pair{ShapeRole::kRobot, "robot"},        std::pair{ShapeRole::kCable, "cables"},
-                    std::pair{ShapeRole::kPayload, "payload"},    std::pair{ShapeRole::kPerson, "person"},
-                    std::pair{ShapeRole::kGround, "ground"},      std::pair{ShapeRole::kFixture, "fixtures"},
-                    std::pair{ShapeRole::kForce, "forces"},       std::pair{ShapeRole::kDisturbance, "disturbances"},
-                    std::pair{ShapeRole::kEstimate, "estimates"}, std::pair{ShapeRole::kReference, "reference"}};
+  return std::array{
+      std::pair{ShapeRole::kRobot, "robot"},        std::pair{ShapeRole::kCable, "cables"},
+      std::pair{ShapeRole::kPayload, "payload"},    std::pair{ShapeRole::kPerson, "person"},
+      std::pair{ShapeRole::kGround, "ground"},      std::pair{ShapeRole::kFixture, "fixtures"},
+      std::pair{ShapeRole::kForce, "forces"},       std::pair{ShapeRole::kDisturbance, "disturbances"},
+      std::pair{ShapeRole::kEstimate, "estimates"}, std::pair{ShapeRole::kReference, "reference"}};
 }
 
 /// One thing to look at. What stays the same during a run is set once, in the initial value of the port that
@@ -87,7 +99,8 @@ struct Shape {
 /// replay draws, so that whatever draws knows no robot. The number of shapes is that of the port's initial
 /// value and stays. W is the world, z up, SI units.
 ///
-///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kRobot, "cart", {.3, .2, .1})},
+///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kRobot, "cart", {.3, .2,
+///     .1})},
 ///                                   Uses(x), &Cart::CalcGeometry};
 ///     void CalcGeometry(const Vec<2>& x, Geometry* out) const { (*out)[0].p_W = {x[0], 0, 0.05}; }
 using Geometry = std::vector<Shape>;

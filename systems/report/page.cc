@@ -31,9 +31,10 @@ fs::path FindPart(const Part& part) {
   const char* own = std::getenv("TENON_JAVASCRIPT_DIR");
   const fs::path file = fs::path(own != nullptr ? own : TENON_JAVASCRIPT_DIR) / part.file;
   if (!fs::exists(file)) {
-    throw RunError(fmt::format("a report needs '{}', which is not there: apt-get install {}, or set "
-                               "TENON_JAVASCRIPT_DIR to where it is",
-                               file.string(), part.package));
+    throw RunError(
+        fmt::format("a report needs '{}', which is not there: apt-get install {}, or set "
+                    "TENON_JAVASCRIPT_DIR to where it is",
+                    file.string(), part.package));
   }
   return file;
 }
@@ -84,7 +85,9 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
   }
   out << rest;
   out.close();
-  if (!out) throw RunError(fmt::format("cannot write the report '{}': is there such a directory, and room?", file.string()));
+  if (!out)
+    throw RunError(
+        fmt::format("cannot write the report '{}': is there such a directory, and room?", file.string()));
 }
 
 }  // namespace tenon::internal

@@ -110,7 +110,13 @@ class Plots {
     box.append(heading, readout, area);
     this.container.append(box);
 
-    const plot = {series, chart, cursor, readout, difference: false};
+    const plot = {series, chart, cursor, lines: [], difference: false};
+    for (const run of this.runs) {
+      const line = element('div');
+      if (this.runs.length > 1) line.append(element('b', '', run.name));
+      readout.append(line);
+      plot.lines.push(line);
+    }
     for (const s of series) {
       s.digits = digitsFor(s.values);
       if (s.reference && series.some((o) => o.run === s.run && !o.reference && o.pair === s.pair)) continue;
@@ -118,9 +124,8 @@ class Plots {
       const swatch = element('b', '', s.reference ? '╌ ' : '━ ');
       swatch.style.color = s.color;
       s.readout = element('span');
-      const run = this.runs.length > 1 ? this.runs[s.run].name + ' ' : '';
-      s.item.append(swatch, document.createTextNode(run + s.label + ' '), s.readout);
-      readout.append(s.item);
+      s.item.append(swatch, document.createTextNode(s.label + ' '), s.readout);
+      plot.lines[s.run].append(s.item);
     }
     const paired = series.some((s) => s.reference) && series.every((s) => s.reference || this.referenceOf(plot, s));
     if (paired) {
@@ -163,9 +168,7 @@ class Plots {
 
   draw(plot) {
     const {shown, rows} = this.table(plot);
-    for (const s of plot.series) {
-      if (s.item) s.item.hidden = !this.shown(plot, s);
-    }
+    plot.lines.forEach((line, run) => line.hidden = !this.visible[run]);
     const window = plot.graph ? plot.graph.xAxisRange() : [0, this.duration];
     if (plot.graph) plot.graph.destroy();
     plot.graph = null;
@@ -177,7 +180,7 @@ class Plots {
     });
     plot.graph = new Dygraph(plot.chart, rows, {
       labels, series: patterns, colors: shown.map((s) => s.color), legend: 'never', dateWindow: window,
-      connectSeparatedPoints: true, highlightCircleSize: 0, yRangePad: 10, gridLineColor: '#e8ebef', axisLineColor: '#c3c9d1',
+      connectSeparatedPoints: true, highlightCircleSize: 0, yRangePad: 14, gridLineColor: '#e8ebef', axisLineColor: '#c3c9d1',
       axes: {
         x: {axisLabelFormatter: (x) => formatNumber(x) + ' s', pixelsPerLabel: 70, axisLineWidth: 1},
         y: {axisLabelFormatter: (y) => formatNumber(y), pixelsPerLabel: 26, axisLabelWidth: 46},

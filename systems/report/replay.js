@@ -115,6 +115,16 @@ class Actor {
     return this.shape.kind === 'box' ? Math.hypot(x, y, z) / 2 : x + y / 2;
   }
 
+  // Where it is in a frame, and where it ends.
+  points(frame) {
+    const read = (column) => new THREE.Vector3(...[0, 1, 2].map((k) => this.frames.at(this.base + column + k, frame)));
+    if (this.frames.at(this.base + VISIBLE, frame) === 0) return [];
+    const p = read(P);
+    if (this.shape.kind === 'segment') return [p, read(VECTOR).add(p)];
+    const reach = ['trace', 'arrow'].includes(this.shape.kind) ? 0 : this.reach();
+    return [p.clone().addScalar(reach), p.clone().subScalar(reach)];
+  }
+
   // False for what is hidden all the time and for forces that stay zero.
   everSeen() {
     const {frames, base, shape} = this;
@@ -244,37 +254,43 @@ class Replay {
     return {frames, group, actors};
   }
 
-  // The box that everything stays in, and where the robot goes.
+  // The box that everything stays in, and the box that is there at the start: a robot that walks out of this is
+  // followed.
   measure() {
     this.box = new THREE.Box3();
-    const point = new THREE.Vector3();
+    this.home = new THREE.Box3();
     for (const {frames, actors} of this.runs) {
       const step = Math.max(1, Math.floor(frames.time.length / 100));
       for (const actor of actors) {
-        const {shape, base} = actor;
-        if (shape.role === 'ground' || !actor.everSeen()) continue;
+        if (actor.shape.role === 'ground' || !actor.everSeen()) continue;
         for (let i = 0; i < frames.time.length; i += step) {
-          const p = [0, 1, 2].map((k) => frames.at(base + P + k, i));
-          if (frames.at(base + VISIBLE, i) === 0) continue;
-          this.box.expandByPoint(point.set(...p));
-          if (shape.kind !== 'segment') continue;
-          this.box.expandByPoint(point.set(...p.map((x, k) => x + frames.at(base + VECTOR + k, i))));
+          for (const point of actor.points(i)) {
+            this.box.expandByPoint(point);
+            if (i === 0 && actor.shape.kind !== 'trace') this.home.expandByPoint(point);
+          }
         }
       }
     }
-    if (this.box.isEmpty()) this.box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
-    this.box.min.z = Math.min(this.box.min.z, 0);
-    this.box.expandByScalar(0.05);
-    this.extent = this.box.getSize(new THREE.Vector3()).length();
-    for (const {actors} of this.runs) {
-      for (const actor of actors) actor.arrowRadius = 0.01 * this.extent;
+    for (const box of [this.box, this.home]) {
+      if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
+      box.min.z = Math.min(box.min.z, 0);
     }
+    this.extent = this.box.getSize(new THREE.Vector3()).length();
+    const homeExtent = this.home.getSize(new THREE.Vector3()).length();
+    this.travels = this.extent > 2 * homeExtent;
+    if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
+
     // Of the robot's parts about their mean place.
     this.setTime(0);
     this.robotRadius = 0;
-    const place = this.robotPlace();
+    this.start = this.robotPlace() || new THREE.Vector3();
     for (const actor of this.robotParts()) {
-      this.robotRadius = Math.max(this.robotRadius, actor.object.position.distanceTo(place) + actor.reach());
+      this.robotRadius = Math.max(this.robotRadius, actor.object.position.distanceTo(this.start) + actor.reach());
+    }
+    this.speck = this.robotRadius < 0.05 * homeExtent;
+    const arrowRadius = Math.max(0.002 * homeExtent, Math.min(0.02 * homeExtent, 0.04 * this.robotRadius));
+    for (const {actors} of this.runs) {
+      for (const actor of actors) actor.arrowRadius = arrowRadius;
     }
   }
 
@@ -305,10 +321,12 @@ class Replay {
     this.scene.add(sun, sun.target);
   }
 
-  // So far away, in a fixed direction, that the whole box fits in the picture.
+  // So far away, in a fixed direction, that the box fits in the picture.
   resetView() {
     this.viewChosen = false;
-    const center = this.box.getCenter(new THREE.Vector3());
+    const moved = this.follow && this.robotPlace() ? this.robotPlace().sub(this.start) : new THREE.Vector3();
+    this.view = this.home.clone().translate(moved);
+    const center = this.view.getCenter(new THREE.Vector3());
     const direction = Replay.direction();
     this.controls.target.copy(center);
     this.camera.position.copy(center).add(direction);
@@ -348,7 +366,7 @@ class Replay {
   }
 
   corners() {
-    const {min, max} = this.box;
+    const {min, max} = this.view;
     return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
   }
 
@@ -359,7 +377,7 @@ class Replay {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (!this.viewChosen) this.resetView();
-    this.inset.size = this.robotRadius < 0.05 * this.extent ? Math.round(Math.min(0.36 * width, 0.36 * height)) : 0;
+    this.inset.size = this.speck ? Math.round(Math.min(0.36 * width, 0.36 * height)) : 0;
     this.inset.frame.hidden = this.inset.size === 0;
     this.inset.frame.style.width = this.inset.frame.style.height = `${this.inset.size}px`;
     this.requestRender();
@@ -384,11 +402,13 @@ class Replay {
     if (!follow) return;
     const place = this.robotPlace();
     if (!place) return;
+    this.followed = place;
+    if (!this.speck) return;
     // Closer, so that the robot is more than a speck in a large room.
     const offset = this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(place);
-    this.camera.position.copy(place).add(offset.multiplyScalar(0.3));
-    this.followed = place;
+    this.camera.position.copy(place).addScaledVector(offset, 0.3);
+    this.viewChosen = true;
     this.controls.update();
   }
 

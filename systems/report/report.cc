@@ -20,9 +20,9 @@ using internal::ColumnLog;
 using internal::FindColumns;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kPlotRows = 6000;        // of one plot and run
-constexpr std::size_t kFrameBytes = 3000000;   // of one run's replay, before base64
-constexpr std::size_t kChangesMarked = 50;     // of one signal; more would be a hatching
+constexpr std::size_t kPlotRows = 6000;       // of one plot and run
+constexpr std::size_t kFrameBytes = 3000000;  // of one run's replay, before base64
+constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
 
 std::string Number(double value) {
   return fmt::format("{:.4g}", value);
@@ -71,7 +71,9 @@ void ReportParams::Validate() const {
 
 /// One plot for neighbouring columns of one unit, called by what their names begin with.
 std::vector<Plot> Report::Run::DefaultPlots() const {
-  const auto stem = [&](std::size_t i) { return signals->names()[i].substr(0, signals->names()[i].rfind('.')); };
+  const auto stem = [&](std::size_t i) {
+    return signals->names()[i].substr(0, signals->names()[i].rfind('.'));
+  };
   std::vector<Plot> result;
   for (std::size_t i = 0; i < signals->columns(); ++i) {
     if (i == 0 || stem(i) != stem(i - 1) || signals->units()[i] != signals->units()[i - 1])
@@ -140,8 +142,11 @@ Json Report::Run::Frames() const {
                     {"scale", shape.scale},
                     {"unit", shape.unit}});
   }
-  return {{"shapes", std::move(list)}, {"time", Base64(time)}, {"first", Base64(first)},
-          {"moving", moving},          {"data", Base64(data)}};
+  return {{"shapes", std::move(list)},
+          {"time", Base64(time)},
+          {"first", Base64(first)},
+          {"moving", moving},
+          {"data", Base64(data)}};
 }
 
 Json Report::Run::Events() const {
@@ -155,8 +160,8 @@ Json Report::Run::Events() const {
         if (before == after) continue;
         ++changes;
         list.push_back({{"time", signals->time()[row]},
-                        {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]), Number(before),
-                                              Number(after), signals->units()[column])}});
+                        {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]),
+                                              Number(before), Number(after), signals->units()[column])}});
       }
     }
   }
@@ -179,7 +184,8 @@ Report::Run& Report::own() {
 void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals,
                  const std::vector<const OutputPort<Geometry>*>& geometry) {
   Run& run = own();
-  if (run.signals != nullptr) throw Error("this report logs a run already; make one report for each run, and Add them");
+  if (run.signals != nullptr)
+    throw Error("this report logs a run already; make one report for each run, and Add them");
 
   std::vector<std::string> names;
   bool all_known = true;  // no signal whose size only shows in the run
@@ -194,8 +200,9 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
       if (!all_known || !FindColumns(names, name).empty()) continue;
       std::vector<std::string> known = names;
       for (const Source* signal : signals) known.push_back(signal->path());
-      throw ParameterError(fmt::format("{} there is no signal '{}'; did you mean '{}'? The names are those of signals.csv",
-                                       place, name, internal::NearestName(name, known)));
+      throw ParameterError(
+          fmt::format("{} there is no signal '{}'; did you mean '{}'? The names are those of signals.csv",
+                      place, name, internal::NearestName(name, known)));
     }
   };
   for (const Plot& plot : params_.plots) {
@@ -208,7 +215,8 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   // The sinks outlive this call, and perhaps the report: they hold copies.
   run.signals = std::make_shared<ColumnLog>(
       [plots = params_.plots, events = params_.events](const std::string& column) {
-        return plots.empty() || Means(events, column) || std::any_of(plots.begin(), plots.end(), [&](const Plot& plot) {
+        return plots.empty() || Means(events, column) ||
+               std::any_of(plots.begin(), plots.end(), [&](const Plot& plot) {
                  return Means(plot.signals, column) || Means(plot.references, column);
                });
       },

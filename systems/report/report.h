@@ -28,11 +28,11 @@ struct Plot {
 
 struct ReportParams {
   std::string title{};
-  std::string description{};        ///< one line under the title
-  std::vector<Plot> plots{};        ///< none: one for each logged signal and unit
+  std::string description{};          ///< one line under the title
+  std::vector<Plot> plots{};          ///< none: one for each logged signal and unit
   std::vector<std::string> events{};  ///< names of signals of which every change is marked
-  Rate signal_rate = Hz(200);       ///< of what is plotted
-  Rate frame_rate = Hz(50);         ///< of the replay; it interpolates between frames
+  Rate signal_rate = Hz(200);         ///< of what is plotted
+  Rate frame_rate = Hz(50);           ///< of the replay; it interpolates between frames
 
   void Validate() const;  ///< throws ParameterError
 };

@@ -26,11 +26,11 @@
     document.title = report.title;
     find('h1').textContent = report.title;
     find('#headline p').textContent = report.description;
-    runs.forEach((run) => {
-      if (!run.verdict && runs.length === 1) return;
+    for (const run of runs) {
+      if (!run.verdict && runs.length === 1) continue;
       const text = (runs.length > 1 ? run.name + (run.verdict ? ': ' : '') : '') + run.verdict;
       find('#verdicts').append(element('span', `verdict ${run.good === null ? '' : run.good ? 'good' : 'bad'}`, text));
-    });
+    }
   }
 
   function showFigures() {
@@ -182,10 +182,11 @@
     for (const selector of ['#follow', '#reset-view']) find(selector).disabled = !replay;
     find('#follow').onchange = (event) => replay.setFollow(event.target.checked);
     find('#reset-view').onclick = () => {
-      find('#follow').checked = false;
-      replay.setFollow(false);
+      find('#follow').checked = replay.travels;
+      replay.setFollow(replay.travels);
       replay.resetView();
     };
+    if (replay) find('#reset-view').onclick();
     document.addEventListener('keydown', (event) => {
       if (/^(INPUT|SELECT|BUTTON)$/.test(event.target.tagName) && event.target.id !== 'scrub') return;
       if (event.key === ' ') setPlaying(!playing);

@@ -21,10 +21,11 @@ using ::testing::IsEmpty;
 using Json = nlohmann::json;
 using tenon::testing::Browser;
 
-#define NEED_BROWSER()                                                                               \
-  if (!Browser::IsInstalled()) {                                                                     \
-    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps"; \
-    GTEST_SKIP() << "needs chromium";                                                                \
+#define NEED_BROWSER()                                     \
+  if (!Browser::IsInstalled()) {                           \
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr)   \
+      FAIL() << "chromium is missing: tools/install_deps"; \
+    GTEST_SKIP() << "needs chromium";                      \
   }
 
 class ReportPageTest : public ::testing::Test {
@@ -43,7 +44,8 @@ class ReportPageTest : public ::testing::Test {
 
   void Open(Browser& browser) {
     browser.Open(out / "report.html");
-    ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true) << Json(browser.complaints()).dump();
+    ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true)
+        << Json(browser.complaints()).dump();
   }
 };
 fs::path ReportPageTest::out;
@@ -77,7 +79,8 @@ TEST_F(ReportPageTest, ShowsVerdictAndFigures) {
   Browser browser;
   Open(browser);
   const Json summary = Json::parse(std::ifstream(out / "summary.json"));
-  EXPECT_THAT(browser.Evaluate("document.querySelector('h1').textContent").get<std::string>(), HasSubstr("D1"));
+  EXPECT_THAT(browser.Evaluate("document.querySelector('h1').textContent").get<std::string>(),
+              HasSubstr("D1"));
   EXPECT_EQ(browser.Evaluate("document.querySelector('.verdict.good').textContent"), "finished after 2 s");
   const Json shown = browser.Evaluate(
       "Object.fromEntries([...document.querySelectorAll('#figures tr')].map((row) => "
@@ -111,7 +114,8 @@ TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
   ASSERT_EQ(std::sscanf(line.c_str(), "1,%lf,%lf,%lf", &x, &y, &z), 3) << line;
 
   browser.Evaluate("tenonReport.seek(1)");
-  const Json shapes = browser.Evaluate(R"(Object.fromEntries(tenonReport.replay.runs[0].actors.map((actor) => {
+  const Json shapes =
+      browser.Evaluate(R"(Object.fromEntries(tenonReport.replay.runs[0].actors.map((actor) => {
     const at = (y) => actor.object.localToWorld(new THREE.Vector3(0, y, 0)).toArray();
     actor.object.updateMatrixWorld();
     const length = actor.shape.kind === 'segment' ? actor.object.children[0].scale.y : 0;
@@ -127,7 +131,8 @@ TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
   EXPECT_NEAR(shapes["cable 0"]["from"][2].get<double>() - z, 0.093, 0.02);
   EXPECT_EQ(shapes["payload"]["visible"], true);
   browser.Evaluate("tenonReport.seek(1.8)");
-  EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs[0].actors.find((a) => a.shape.name === 'payload').object.visible"),
+  EXPECT_EQ(browser.Evaluate(
+                "tenonReport.replay.runs[0].actors.find((a) => a.shape.name === 'payload').object.visible"),
             false);
 }
 
@@ -135,7 +140,8 @@ TEST_F(ReportPageTest, ScrubbingMovesTheCursorsOfAllPlots) {
   NEED_BROWSER();
   Browser browser;
   Open(browser);
-  const std::string left = "[...document.querySelectorAll('.plot .cursor')].map((c) => parseFloat(c.style.left))";
+  const std::string left =
+      "[...document.querySelectorAll('.plot .cursor')].map((c) => parseFloat(c.style.left))";
   const Json before = browser.Evaluate(left);
   browser.Evaluate(
       "(() => { const scrub = document.querySelector('#scrub'); scrub.value = 1.5; "
@@ -144,7 +150,8 @@ TEST_F(ReportPageTest, ScrubbingMovesTheCursorsOfAllPlots) {
   EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1.5);
   ASSERT_EQ(after.size(), 5) << "D1 has five plots";
   for (std::size_t i = 0; i < after.size(); ++i) {
-    const double width = browser.Evaluate("document.querySelectorAll('.plot .area')[" + std::to_string(i) + "].clientWidth");
+    const double width =
+        browser.Evaluate("document.querySelectorAll('.plot .area')[" + std::to_string(i) + "].clientWidth");
     EXPECT_NEAR(after[i].get<double>() - before[i].get<double>(), 0.75 * width, 0.1 * width);
   }
 }
@@ -153,7 +160,8 @@ TEST_F(ReportPageTest, ClickInAPlotSeeksAndPlayPlays) {
   NEED_BROWSER();
   Browser browser;
   Open(browser);
-  const Json chart = browser.Evaluate("document.querySelector('.plot .chart').getBoundingClientRect().toJSON()");
+  const Json chart =
+      browser.Evaluate("document.querySelector('.plot .chart').getBoundingClientRect().toJSON()");
   const double width = chart["width"];
   browser.Click(chart["left"].get<double>() + 0.6 * width, chart["top"].get<double>() + 30);
   const double cursor = browser.Evaluate("parseFloat(document.querySelector('.plot .cursor').style.left)");

@@ -138,8 +138,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'",
                  "give one time per point"},
         BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"},
-        BadUsage{"D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
-                 "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
+        BadUsage{
+            "D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
+            "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
         BadUsage{"D1 --set 'report.plots=[{title: speed}]'", "signals"},
         BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));

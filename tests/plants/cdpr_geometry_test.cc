@@ -17,7 +17,8 @@ using test::Hanging;
 using test::RandomPlatform;
 
 const Shape& Named(const Geometry& geometry, const std::string& name) {
-  const auto found = std::find_if(geometry.begin(), geometry.end(), [&](const Shape& s) { return s.name == name; });
+  const auto found =
+      std::find_if(geometry.begin(), geometry.end(), [&](const Shape& s) { return s.name == name; });
   EXPECT_NE(found, geometry.end()) << name;
   return *found;
 }
@@ -44,7 +45,8 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
 }
 
 TEST(CdprGeometryTest, PlatformReachesItsAttachmentsAndIsNeverFlat) {
-  EXPECT_THAT(Named(MakeCdprGeometry(FourCables()), "platform").size, IsNear(Vec<3>(0.15, 0.15, 0.186), 1e-15));
+  EXPECT_THAT(Named(MakeCdprGeometry(FourCables()), "platform").size,
+              IsNear(Vec<3>(0.15, 0.15, 0.186), 1e-15));
   CdprDescription flat = FourCables();
   for (CableDescription& cable : flat.cables) cable.attachment_B[2] = 0;
   EXPECT_EQ(Named(MakeCdprGeometry(flat), "platform").size[2], 0.04);

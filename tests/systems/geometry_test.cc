@@ -12,13 +12,13 @@ using ::testing::ElementsAre;
 /// A ball that rises with 1 m/s, sampled, and a wall.
 class Ball final : public LeafSystem<void> {
  public:
-  OutputPort<Geometry> geometry{this,
-                                {"geometry"},
-                                {Shape::Sphere(ShapeRole::kRobot, "ball", 0.1),
-                                 Shape::Box(ShapeRole::kGround, "wall", {0.1, 2, 1})},
-                                Sampled{Hz(10)},
-                                Uses(time),
-                                [](double t, Geometry* out) { out->front().p_W[2] = t; }};
+  OutputPort<Geometry> geometry{
+      this,
+      {"geometry"},
+      {Shape::Sphere(ShapeRole::kRobot, "ball", 0.1), Shape::Box(ShapeRole::kGround, "wall", {0.1, 2, 1})},
+      Sampled{Hz(10)},
+      Uses(time),
+      [](double t, Geometry* out) { out->front().p_W[2] = t; }};
 };
 
 TEST(GeometryTest, OnlyWhatMovesHasElements) {

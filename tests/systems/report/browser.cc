@@ -28,7 +28,8 @@ std::string DecodeBase64(const std::string& text) {
   std::array<int, 256> digit;
   digit.fill(-1);
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < digits.size(); ++i) digit[static_cast<unsigned char>(digits[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < digits.size(); ++i)
+    digit[static_cast<unsigned char>(digits[i])] = static_cast<int>(i);
   std::string bytes;
   unsigned bits = 0;
   int count = 0;
@@ -54,12 +55,22 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
   if (mkdtemp(profile.data()) == nullptr) throw std::runtime_error("no directory for the browser's profile");
   profile_ = profile;
 
-  std::vector<std::string> arguments{
-      kChromium, "--headless=new", "--remote-debugging-pipe", "--user-data-dir=" + profile, "--no-sandbox",
-      "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-      "--disable-sync", "--disable-breakpad", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND"};
+  std::vector<std::string> arguments{kChromium,
+                                     "--headless=new",
+                                     "--remote-debugging-pipe",
+                                     "--user-data-dir=" + profile,
+                                     "--no-sandbox",
+                                     "--disable-quic",
+                                     "--no-first-run",
+                                     "--disable-background-networking",
+                                     "--disable-component-update",
+                                     "--disable-sync",
+                                     "--disable-breakpad",
+                                     "--disable-dev-shm-usage",
+                                     "--host-resolver-rules=MAP * ~NOTFOUND"};
   if (more_arguments.empty()) {
-    arguments.insert(arguments.end(), {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
+    arguments.insert(arguments.end(),
+                     {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
   }
   arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
   std::vector<char*> argv;
@@ -67,7 +78,8 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
   argv.push_back(nullptr);
 
   int to[2], from[2];
-  if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) throw std::runtime_error("no pipe to the browser");
+  if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
+    throw std::runtime_error("no pipe to the browser");
   process_ = fork();
   if (process_ == 0) {
     setpgid(0, 0);
@@ -140,7 +152,8 @@ void Browser::Note(const Json& event) {
   if (method == "Runtime.exceptionThrown") complaints_.push_back(params.at("exceptionDetails").dump());
   if (method == "Runtime.consoleAPICalled") {
     const std::string type = params.at("type");
-    if (type == "error" || type == "warning" || type == "assert") complaints_.push_back(params.at("args").dump());
+    if (type == "error" || type == "warning" || type == "assert")
+      complaints_.push_back(params.at("args").dump());
   }
   if (method == "Log.entryAdded") {
     const std::string level = params.at("entry").at("level");
@@ -178,15 +191,16 @@ void Browser::Open(const fs::path& file) {
 }
 
 Json Browser::Evaluate(const std::string& expression) {
-  const Json answer = Call("Runtime.evaluate",
-                           {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
+  const Json answer =
+      Call("Runtime.evaluate", {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
   if (answer.contains("exceptionDetails")) throw std::runtime_error(answer["exceptionDetails"].dump());
   return answer.at("result").value("value", Json());
 }
 
 void Browser::Click(double x, double y) {
   for (const char* type : {"mouseMoved", "mousePressed", "mouseReleased"}) {
-    Call("Input.dispatchMouseEvent", {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
+    Call("Input.dispatchMouseEvent",
+         {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
   }
 }
 

@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using testing::Browser;
 using ::testing::AllOf;
+using testing::Browser;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -62,14 +62,16 @@ class ReportTest : public ::testing::Test {
     force = &builder.AddFunction({"force", "N"}, Sampled{Hz(10)}, Uses(builder.time),
                                  [](double t) { return t < 0.45 ? 2.0 : -1.5; });
     builder.Connect(*force, cart->force);
-    Geometry model{Shape::Box(ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}), Shape::Arrow(ShapeRole::kForce, "push", 0.1),
+    Geometry model{Shape::Box(ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
+                   Shape::Arrow(ShapeRole::kForce, "push", 0.1),
                    Shape::Box(ShapeRole::kGround, "wall", {0.1, 1, 1})};
     model[2].p_W = {2, 0, 0.5};
     geometry = &builder.Add<Look>("look", model).geometry;
     builder.Connect(cart->state, static_cast<Look&>(const_cast<System&>(geometry->owner())).x);
     diagram = builder.Build();
     file = fs::temp_directory_path() /
-           ("tenon_report_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".html");
+           ("tenon_report_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) +
+            ".html");
   }
   ~ReportTest() override { fs::remove(file); }
 
@@ -115,13 +117,15 @@ TEST_F(ReportTest, ThreeLinesMakeAPage) {
   EXPECT_EQ(run["plots"][0]["series"][0]["name"], "cart.x.position");
   EXPECT_EQ(run["plots"][1]["series"][0]["unit"], "m/s");
   const std::string page = Read(file);
-  for (const char* part : {"<title>cart</title>", "OrbitControls = function", "Dygraph", "class Replay", ".dygraph-axis-label"})
+  for (const char* part :
+       {"<title>cart</title>", "OrbitControls = function", "Dygraph", "class Replay", ".dygraph-axis-label"})
     EXPECT_TRUE(page.find(part) != std::string::npos) << part;
   EXPECT_EQ(page.find("sourceMappingURL"), std::string::npos) << "a page of one file has no source maps";
 }
 
 TEST_F(ReportTest, PlotsHoldWhatWasLogged) {
-  Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {"force.output"}}}, .signal_rate = Hz(10)}).Write(file);
+  Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {"force.output"}}}, .signal_rate = Hz(10)})
+      .Write(file);
   const Json plot = DataOf(file).at("runs").at(0).at("plots").at(0);
   EXPECT_EQ(plot["title"], "speed");
   const auto time = Numbers<double>(plot["time"]);
@@ -142,8 +146,12 @@ TEST_F(ReportTest, NameOfASignalStandsForItsElements) {
 TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
   Run({.title = "cart", .frame_rate = Hz(20)}).Write(file);
   const Json frames = DataOf(file).at("runs").at(0).at("frames");
-  EXPECT_EQ(frames["shapes"][0],
-            (Json{{"kind", "box"}, {"role", "robot"}, {"name", "cart"}, {"size", {0.3, 0.2, 0.1}}, {"scale", 1.0}, {"unit", ""}}));
+  EXPECT_EQ(frames["shapes"][0], (Json{{"kind", "box"},
+                                       {"role", "robot"},
+                                       {"name", "cart"},
+                                       {"size", {0.3, 0.2, 0.1}},
+                                       {"scale", 1.0},
+                                       {"unit", ""}}));
   EXPECT_EQ(frames["shapes"][1]["scale"], 0.1);
   // Twelve numbers a shape: position x of cart and arrow, and the arrow's vector x move.
   EXPECT_THAT(frames["moving"], ElementsAre(0, 12, 12 + 7));
@@ -156,7 +164,8 @@ TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
 }
 
 TEST_F(ReportTest, ChangesOfASignalAreEvents) {
-  Run({.title = "cart", .plots = {{"x", {"cart.x"}, {}}}, .events = {"force.output"}, .signal_rate = Hz(10)}).Write(file);
+  Run({.title = "cart", .plots = {{"x", {"cart.x"}, {}}}, .events = {"force.output"}, .signal_rate = Hz(10)})
+      .Write(file);
   const Json events = DataOf(file).at("runs").at(0).at("events");
   ASSERT_THAT(events, SizeIs(1));
   EXPECT_EQ(events[0]["time"], 0.5);
@@ -173,7 +182,8 @@ TEST_F(ReportTest, VerdictFiguresAndEvents) {
   Json run = DataOf(file).at("runs").at(0);
   EXPECT_EQ(run["good"], true);
   EXPECT_EQ(run["verdict"], "finished after 1 s");
-  EXPECT_EQ(run["figures"], Json::parse(R"([["error_max_m", 0.25], ["settling_time_s", null], ["controller", "pd"]])"));
+  EXPECT_EQ(run["figures"],
+            Json::parse(R"([["error_max_m", 0.25], ["settling_time_s", null], ["controller", "pd"]])"));
   EXPECT_EQ(run["events"][0]["label"], "kick");
 
   report.Conclude({.time = 0.7, .ended = true, .reason = "monitor: too fast"});
@@ -197,20 +207,27 @@ TEST_F(ReportTest, WrongNameIsRefusedBeforeTheRun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { plots.Log(simulator, {&cart->state}); }, "plot 'speed'",
                                      "no signal 'cart.x.velocty'", "did you mean 'cart.x.velocity'?"));
   Report references({.title = "cart", .plots = {{"speed", {"cart.x"}, {"cart.y"}}}});
-  EXPECT_TRUE(Throws<ParameterError>([&] { references.Log(simulator, {&cart->state}); }, "no signal 'cart.y'"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { references.Log(simulator, {&cart->state}); }, "no signal 'cart.y'"));
   Report events({.title = "cart", .events = {"forc"}});
-  EXPECT_TRUE(Throws<ParameterError>([&] { events.Log(simulator, {force}); }, "events of the report", "no signal 'forc'"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { events.Log(simulator, {force}); }, "events of the report",
+                                     "no signal 'forc'"));
 }
 
 TEST_F(ReportTest, WrongUseIsRefused) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Report({.title = "cart", .plots = {{"empty", {}, {}}}}); },
-                                     "the plot 'empty' has no signals"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        Report({.title = "cart", .plots = {{"empty", {}, {}}}});
+      },
+      "the plot 'empty' has no signals"));
   Simulator simulator(*diagram);
   Report report({.title = "cart"});
   EXPECT_TRUE(Throws<RunError>([&] { report.Write(file); }, "the report is empty", "Log a run"));
   report.Log(simulator, {&cart->state});
-  EXPECT_TRUE(Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "logs a run already", "Add them"));
-  EXPECT_TRUE(Throws<RunError>([&] { report.Write("/nowhere/report.html"); }, "cannot write the report '/nowhere/report.html'"));
+  EXPECT_TRUE(
+      Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "logs a run already", "Add them"));
+  EXPECT_TRUE(Throws<RunError>([&] { report.Write("/nowhere/report.html"); },
+                               "cannot write the report '/nowhere/report.html'"));
   Report none({.title = "none"});
   EXPECT_TRUE(Throws<Error>([&] { report.Add("variant", none); }, "cannot add the variant 'variant'"));
 }
@@ -258,8 +275,9 @@ TEST_F(ReportTest, ComparisonInTheBrowser) {
   Browser browser;
   browser.Open(file);
   ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true) << Json(browser.complaints());
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures thead th').length"), 4) << "name, slow, fast, unit";
-  const std::string curves = "[...document.querySelectorAll('.readout > span')].map((s) => !s.hidden)";
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures thead th').length"), 4)
+      << "name, slow, fast, unit";
+  const std::string curves = "[...document.querySelectorAll('.readout > div')].map((line) => !line.hidden)";
   EXPECT_EQ(browser.Evaluate(curves), Json({true, true}));
   browser.Evaluate("document.querySelectorAll('.verdict input')[0].click()");
   EXPECT_EQ(browser.Evaluate(curves), Json({false, true}));
