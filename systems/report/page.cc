@@ -77,7 +77,7 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
     rest.remove_prefix(close + 2);
     if (slot == "title") out << escaped_title;
     if (slot == "report.css") out << kPageCss;
-    if (slot == "report.js") out << kReplayJs << kPlotsJs << kReportJs;
+    if (slot == "report.js") out << kPlotsJs << kShapesJs << kReplayJs << kReportJs;
     if (slot == "data") out << data_json;
     for (const Part& part : kParts) {
       if (slot == part.slot) out << ReadPart(part);

@@ -183,7 +183,7 @@ class Plots {
       connectSeparatedPoints: true, highlightCircleSize: 0, yRangePad: 14, gridLineColor: '#e8ebef', axisLineColor: '#c3c9d1',
       axes: {
         x: {axisLabelFormatter: (x) => formatNumber(x) + ' s', pixelsPerLabel: 70, axisLineWidth: 1},
-        y: {axisLabelFormatter: (y) => formatNumber(y), pixelsPerLabel: 26, axisLabelWidth: 46},
+        y: {axisLabelFormatter: (y) => formatNumber(y), pixelsPerLabel: 20, axisLabelWidth: 46},
       },
       clickCallback: (event) => this.seek(plot.graph.toDataXCoord(plot.graph.eventToDomCoords(event)[0])),
       drawCallback: (graph) => this.synchronize(graph),
