@@ -82,6 +82,7 @@
   }
   const drawn = runs.filter((run) => run.frames);
   const ends = runs.flatMap((run) => [
+    ...(run.events || []).map((event) => event.time),
     ...(run.frames ? [run.frames.time[run.frames.time.length - 1]] : []),
     ...run.plots.map((plot) => decode(plot.time, Float64Array)).map((time) => time[time.length - 1] || 0),
   ]);

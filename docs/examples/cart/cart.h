@@ -18,12 +18,12 @@ class Cart final : public tenon::LeafSystem<CartParams> {
   tenon::ContinuousState<tenon::Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   tenon::OutputPort<tenon::Vec<2>> state{this, x};
   tenon::TimeDerivative<tenon::Vec<2>> dx{x, tenon::Uses(x, force), &Cart::CalcDx};
-  // What a replay draws: a box that moves, and the force as an arrow of 0.1 m/N.
+  // What a replay draws: a box that moves, and the force as an arrow of 0.2 m/N.
   tenon::OutputPort<tenon::Geometry> geometry{
       this,
       {"geometry"},
       {tenon::Shape::Box(tenon::ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
-       tenon::Shape::Arrow(tenon::ShapeRole::kForce, "force", 0.1)},
+       tenon::Shape::Arrow(tenon::ShapeRole::kForce, "force", 0.2)},
       tenon::Uses(x, force),
       &Cart::CalcGeometry};
 
