@@ -20,8 +20,9 @@ using internal::ColumnLog;
 using internal::FindColumns;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kPlotRows = 6000;       // of one plot and run
-constexpr std::size_t kFrameBytes = 3000000;  // of one run's replay, before base64
+// What one page holds, shared by its runs, so that it stays well below 10 MB.
+constexpr std::size_t kPlotRows = 12000;      // of one plot; at most half of them of one run
+constexpr std::size_t kFrameBytes = 4000000;  // of the replay, before base64
 constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
 
 std::string Number(double value) {
@@ -56,8 +57,8 @@ struct Report::Run {
   std::string verdict;
 
   std::vector<Plot> DefaultPlots() const;
-  Json Series(const Plot& plot) const;
-  Json Frames() const;
+  Json Series(const Plot& plot, std::size_t max_rows) const;
+  Json Frames(std::size_t max_bytes) const;
   Json Events() const;
 };
 
@@ -83,7 +84,7 @@ std::vector<Plot> Report::Run::DefaultPlots() const {
   return result;
 }
 
-Json Report::Run::Series(const Plot& plot) const {
+Json Report::Run::Series(const Plot& plot, std::size_t max_rows) const {
   std::vector<std::size_t> columns;
   const auto add = [&](const std::vector<std::string>& names) {
     for (const std::string& name : names) {
@@ -94,7 +95,7 @@ Json Report::Run::Series(const Plot& plot) const {
   const std::size_t num_signals = columns.size();
   add(plot.references);
 
-  const std::vector<std::size_t> rows = internal::DecimatePeaks(*signals, columns, kPlotRows);
+  const std::vector<std::size_t> rows = internal::DecimatePeaks(*signals, columns, max_rows);
   std::vector<double> time;
   for (const std::size_t row : rows) time.push_back(signals->time()[row]);
   Json series = Json::array();
@@ -110,7 +111,7 @@ Json Report::Run::Series(const Plot& plot) const {
   return {{"title", plot.title}, {"time", Base64(time)}, {"series", std::move(series)}};
 }
 
-Json Report::Run::Frames() const {
+Json Report::Run::Frames(std::size_t max_bytes) const {
   std::vector<std::size_t> moving;
   std::vector<float> first;
   for (std::size_t column = 0; frames->rows() > 0 && column < frames->columns(); ++column) {
@@ -122,7 +123,7 @@ Json Report::Run::Frames() const {
     }
   }
   const std::size_t bytes = frames->rows() * moving.size() * sizeof(float);
-  const std::size_t stride = 1 + bytes / kFrameBytes;
+  const std::size_t stride = 1 + bytes / max_bytes;
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < frames->rows(); row += stride) rows.push_back(row);
   if (!rows.empty() && rows.back() + 1 < frames->rows()) rows.push_back(frames->rows() - 1);
@@ -270,8 +271,8 @@ void Report::Write(const std::filesystem::path& file) const {
     json["plots"] = Json::array();
     if (run->signals != nullptr) {
       for (const Plot& plot : params_.plots.empty() ? run->DefaultPlots() : params_.plots)
-        json["plots"].push_back(run->Series(plot));
-      json["frames"] = run->Frames();
+        json["plots"].push_back(run->Series(plot, kPlotRows / std::max<std::size_t>(2, variants_.size())));
+      json["frames"] = run->Frames(kFrameBytes / variants_.size());
       json["events"] = run->Events();
     }
     data["runs"].push_back(std::move(json));

@@ -260,6 +260,40 @@ TEST_F(ReportTest, VariantsShareOnePage) {
   EXPECT_THAT(runs[1]["plots"][0]["series"], SizeIs(1));
 }
 
+/// A hundred arrows that all move.
+class Swarm final : public LeafSystem<void> {
+ public:
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                Geometry(100, Shape::Arrow(ShapeRole::kForce, "arrow", 1)),
+                                Uses(time),
+                                [](double t, Geometry* out) {
+                                  for (Shape& shape : *out) {
+                                    shape.p_W.setConstant(t);
+                                    shape.vector_W.setConstant(2 * t);
+                                  }
+                                }};
+};
+
+TEST(ReportSizeTest, LongRunOfManyShapesStaysBelowTenMegabytes) {
+  DiagramBuilder builder;
+  auto& swarm = builder.Add<Swarm>("swarm");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  Report report({.title = "swarm"});
+  report.Log(simulator, {}, {&swarm.geometry});
+  simulator.AdvanceTo(60);
+  const fs::path file = fs::temp_directory_path() / "tenon_report_size.html";
+  report.Write(file);
+  EXPECT_LT(fs::file_size(file), 10'000'000);
+  const Json frames = DataOf(file).at("runs").at(0).at("frames");
+  EXPECT_THAT(frames["moving"], SizeIs(600));
+  const auto time = Numbers<double>(frames["time"]);
+  EXPECT_GE(time.size(), 1000) << "16 frames a second are left";
+  EXPECT_EQ(time.back(), 60) << "the end is kept";
+  fs::remove(file);
+}
+
 TEST_F(ReportTest, ComparisonInTheBrowser) {
   if (!Browser::IsInstalled()) {
     if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
