@@ -12,7 +12,7 @@
 namespace tenon {
 namespace {
 
-using test::FourCables;
+using test::FourCableRobot;
 using test::Hanging;
 using test::RandomPlatform;
 
@@ -45,9 +45,9 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
 }
 
 TEST(CdprGeometryTest, PlatformReachesItsAttachmentsAndIsNeverFlat) {
-  EXPECT_THAT(Named(MakeCdprGeometry(FourCables()), "platform").size,
+  EXPECT_THAT(Named(MakeCdprGeometry(FourCableRobot()), "platform").size,
               IsNear(Vec<3>(0.15, 0.15, 0.186), 1e-15));
-  CdprDescription flat = FourCables();
+  CdprDescription flat = FourCableRobot();
   for (CableDescription& cable : flat.cables) cable.attachment_B[2] = 0;
   EXPECT_EQ(Named(MakeCdprGeometry(flat), "platform").size[2], 0.04);
 }
@@ -65,7 +65,7 @@ TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
 
 TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const CdprDescription robot = FourCables();
+  const CdprDescription robot = FourCableRobot();
   Geometry geometry = MakeCdprGeometry(robot);
   RandomStream random(1);
   const PlatformState x = RandomPlatform(random);
