@@ -51,30 +51,87 @@ struct SundialsSolver::Api {
   }
 };
 
-const SundialsSolver::Api SundialsSolver::Api::kErk{
-    ERKStepEvolve,           ERKStepSetStopTime,         ERKStepGetRootInfo,      ERKStepGetEstLocalErrors,
-    ERKStepGetErrWeights,    ERKStepGetCurrentTime,      ERKStepGetCurrentStep,   ERKStepGetLastStep,
-    ERKStepGetNumSteps,      ERKStepGetNumErrTestFails,  ERKStepGetReturnFlagName, ERKStepFree,
-    ERKStepSetUserData,      ERKStepSetErrHandlerFn,     ERKStepSVtolerances,     ERKStepSetMaxNumSteps,
-    ERKStepRootInit,         ERKStepSetRootDirection,    ERKStepReset,            ERKStepSetFixedStep,
-    ERKStepSetInitStep,      ERKStepSetAdaptivityFn,     ERKStepSetFixedStepBounds, ERKStepSetSafetyFactor,
-    ERKStepSetErrorBias,     ERKStepSetMaxGrowth,        ERKStepSetMaxFirstGrowth};
-const SundialsSolver::Api SundialsSolver::Api::kArk{
-    ARKStepEvolve,           ARKStepSetStopTime,         ARKStepGetRootInfo,      ARKStepGetEstLocalErrors,
-    ARKStepGetErrWeights,    ARKStepGetCurrentTime,      ARKStepGetCurrentStep,   ARKStepGetLastStep,
-    ARKStepGetNumSteps,      ARKStepGetNumErrTestFails,  ARKStepGetReturnFlagName, ARKStepFree,
-    ARKStepSetUserData,      ARKStepSetErrHandlerFn,     ARKStepSVtolerances,     ARKStepSetMaxNumSteps,
-    ARKStepRootInit,         ARKStepSetRootDirection,    ARKStepReset,            ARKStepSetFixedStep,
-    ARKStepSetInitStep,      ARKStepSetAdaptivityFn,     ARKStepSetFixedStepBounds, ARKStepSetSafetyFactor,
-    ARKStepSetErrorBias,     ARKStepSetMaxGrowth,        ARKStepSetMaxFirstGrowth};
-const SundialsSolver::Api SundialsSolver::Api::kCvode{
-    CVode,                   CVodeSetStopTime,           CVodeGetRootInfo,        CVodeGetEstLocalErrors,
-    CVodeGetErrWeights,      CVodeGetCurrentTime,        CVodeGetCurrentStep,     CVodeGetLastStep,
-    CVodeGetNumSteps,        CVodeGetNumErrTestFails,    CVodeGetReturnFlagName,  CVodeFree,
-    CVodeSetUserData,        CVodeSetErrHandlerFn,       CVodeSVtolerances,       CVodeSetMaxNumSteps,
-    CVodeRootInit,           CVodeSetRootDirection,      CVodeReInit,             nullptr,
-    nullptr,                 nullptr,                    nullptr,                 nullptr,
-    nullptr,                 nullptr,                    nullptr};
+const SundialsSolver::Api SundialsSolver::Api::kErk{ERKStepEvolve,
+                                                    ERKStepSetStopTime,
+                                                    ERKStepGetRootInfo,
+                                                    ERKStepGetEstLocalErrors,
+                                                    ERKStepGetErrWeights,
+                                                    ERKStepGetCurrentTime,
+                                                    ERKStepGetCurrentStep,
+                                                    ERKStepGetLastStep,
+                                                    ERKStepGetNumSteps,
+                                                    ERKStepGetNumErrTestFails,
+                                                    ERKStepGetReturnFlagName,
+                                                    ERKStepFree,
+                                                    ERKStepSetUserData,
+                                                    ERKStepSetErrHandlerFn,
+                                                    ERKStepSVtolerances,
+                                                    ERKStepSetMaxNumSteps,
+                                                    ERKStepRootInit,
+                                                    ERKStepSetRootDirection,
+                                                    ERKStepReset,
+                                                    ERKStepSetFixedStep,
+                                                    ERKStepSetInitStep,
+                                                    ERKStepSetAdaptivityFn,
+                                                    ERKStepSetFixedStepBounds,
+                                                    ERKStepSetSafetyFactor,
+                                                    ERKStepSetErrorBias,
+                                                    ERKStepSetMaxGrowth,
+                                                    ERKStepSetMaxFirstGrowth};
+const SundialsSolver::Api SundialsSolver::Api::kArk{ARKStepEvolve,
+                                                    ARKStepSetStopTime,
+                                                    ARKStepGetRootInfo,
+                                                    ARKStepGetEstLocalErrors,
+                                                    ARKStepGetErrWeights,
+                                                    ARKStepGetCurrentTime,
+                                                    ARKStepGetCurrentStep,
+                                                    ARKStepGetLastStep,
+                                                    ARKStepGetNumSteps,
+                                                    ARKStepGetNumErrTestFails,
+                                                    ARKStepGetReturnFlagName,
+                                                    ARKStepFree,
+                                                    ARKStepSetUserData,
+                                                    ARKStepSetErrHandlerFn,
+                                                    ARKStepSVtolerances,
+                                                    ARKStepSetMaxNumSteps,
+                                                    ARKStepRootInit,
+                                                    ARKStepSetRootDirection,
+                                                    ARKStepReset,
+                                                    ARKStepSetFixedStep,
+                                                    ARKStepSetInitStep,
+                                                    ARKStepSetAdaptivityFn,
+                                                    ARKStepSetFixedStepBounds,
+                                                    ARKStepSetSafetyFactor,
+                                                    ARKStepSetErrorBias,
+                                                    ARKStepSetMaxGrowth,
+                                                    ARKStepSetMaxFirstGrowth};
+const SundialsSolver::Api SundialsSolver::Api::kCvode{CVode,
+                                                      CVodeSetStopTime,
+                                                      CVodeGetRootInfo,
+                                                      CVodeGetEstLocalErrors,
+                                                      CVodeGetErrWeights,
+                                                      CVodeGetCurrentTime,
+                                                      CVodeGetCurrentStep,
+                                                      CVodeGetLastStep,
+                                                      CVodeGetNumSteps,
+                                                      CVodeGetNumErrTestFails,
+                                                      CVodeGetReturnFlagName,
+                                                      CVodeFree,
+                                                      CVodeSetUserData,
+                                                      CVodeSetErrHandlerFn,
+                                                      CVodeSVtolerances,
+                                                      CVodeSetMaxNumSteps,
+                                                      CVodeRootInit,
+                                                      CVodeSetRootDirection,
+                                                      CVodeReInit,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr};
 
 namespace {
 
@@ -203,7 +260,9 @@ bool SundialsSolver::IsTooMuchWork(int flag) {
   return flag == ARK_TOO_MUCH_WORK;
 }
 
-void SundialsSolver::GetRoots(std::vector<int>* roots) const { api_.get_roots(memory_, roots->data()); }
+void SundialsSolver::GetRoots(std::vector<int>* roots) const {
+  api_.get_roots(memory_, roots->data());
+}
 
 std::vector<double> SundialsSolver::WeightedErrors() const {
   N_Vector errors = N_VClone(y_), weights = N_VClone(y_);

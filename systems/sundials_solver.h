@@ -48,9 +48,7 @@ class SundialsSolver {
   /// Up to the end of the interval, a root or, if asked, one step on. Returns SUNDIALS's flag.
   int Evolve(double end, double* time, bool one_step);
 
-  bool multistep() const {
-    return options_.method == Method::kBdf || options_.method == Method::kAdams;
-  }
+  bool multistep() const { return options_.method == Method::kBdf || options_.method == Method::kAdams; }
   /// The same in all three solvers.
   static bool IsRoot(int flag);
   static bool IsStopTime(int flag);
