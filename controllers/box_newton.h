@@ -7,10 +7,10 @@ namespace tenon {
 
 /// min 1/2 x^T H x + g^T x   subject to   lower <= x <= upper,   H symmetric, positive definite.
 ///
-/// Projected Newton: the entries that are at a bound and would be pushed beyond it stay there, the others take
-/// a Newton step, cut at the bounds, with a backtracking search along the projected path (Bertsekas, SIAM J.
-/// Control Optim. 20, 1982; in differential dynamic programming: Tassa, Mansard and Todorov, ICRA 2014). Ends
-/// after finitely many steps at the exact solution, up to rounding.
+/// Projected Newton: the entries that are at a bound and would be pushed beyond it stay there, the others
+/// take a Newton step, cut at the bounds, with a backtracking search along the projected path (Bertsekas,
+/// SIAM J. Control Optim. 20, 1982; in differential dynamic programming: Tassa, Mansard and Todorov, ICRA
+/// 2014). Ends after finitely many steps at the exact solution, up to rounding.
 ///
 /// N is the size, or Eigen::Dynamic; then the constructor's size counts. Solve() does not allocate.
 template <int N>
@@ -20,8 +20,14 @@ class BoxNewton {
   using Matrix = Eigen::Matrix<double, N, N>;
 
   explicit BoxNewton(int size = N)
-      : masked_(size, size), gradient_(size), step_(size), trial_(size), change_(size), free_(size),
-        curvature_(size), llt_(size) {}
+      : masked_(size, size),
+        gradient_(size),
+        step_(size),
+        trial_(size),
+        change_(size),
+        free_(size),
+        curvature_(size),
+        llt_(size) {}
 
   /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
   /// something is not finite, or after 50 iterations without end.
@@ -35,7 +41,8 @@ class BoxNewton {
       gradient_.noalias() += H * x;
       bool changed = iteration == 0;
       for (Eigen::Index i = 0; i < x.size(); ++i) {
-        const double is_free = (x[i] <= lower[i] && gradient_[i] > 0) || (x[i] >= upper[i] && gradient_[i] < 0) ? 0 : 1;
+        const double is_free =
+            (x[i] <= lower[i] && gradient_[i] > 0) || (x[i] >= upper[i] && gradient_[i] < 0) ? 0 : 1;
         changed = changed || is_free != free_[i];
         free_[i] = is_free;
       }

@@ -25,10 +25,10 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
     Input lower = Input::Zero(), upper = Input::Zero();  ///< [N]
   };
 
-  State Q = State::Zero();               ///< diagonal, per second
-  Input R = Input::Zero();               ///< diagonal, per second
+  State Q = State::Zero();  ///< diagonal, per second
+  Input R = Input::Zero();  ///< diagonal, per second
   StateMatrix Q_f = StateMatrix::Zero();
-  std::vector<Target> targets;           ///< N + 1; of the last one x alone counts
+  std::vector<Target> targets;  ///< N + 1; of the last one x alone counts
 
   CdprTrackingProblem(const CdprDescription& robot, int num_steps)
       : KinoCentroidalModel<n>(robot), targets(num_steps + 1) {}

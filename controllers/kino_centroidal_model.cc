@@ -56,8 +56,8 @@ template <int n>
 KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
     : mass_inverse_(1 / robot.mass), inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
   if (robot.num_cables() != n)
-    throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n, robot.name,
-                                     robot.num_cables()));
+    throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n,
+                                     robot.name, robot.num_cables()));
   for (int i = 0; i < n; ++i) {
     anchor_W_[i] = robot.cables[i].anchor_W;
     attachment_B_[i] = robot.cables[i].attachment_B;

@@ -50,7 +50,11 @@ class RungeKutta {
   using Tangent = typename DenseLinearization<System::kStates, System::kInputs>::Tangent;
 
   RungeKutta(int states, int inputs)
-      : k_(states), at_(states), S_(states, states + inputs), K_(states, states + inputs), f_(states, inputs) {}
+      : k_(states),
+        at_(states),
+        S_(states, states + inputs),
+        K_(states, states + inputs),
+        f_(states, inputs) {}
 
   void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
     const Tableau& tableau = TableauOf(method);

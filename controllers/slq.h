@@ -26,7 +26,8 @@ namespace tenon {
 /// Hxx and Huu are to be positive semidefinite (of a sum of squares: Gauss-Newton).
 template <class P>
 concept SlqProblem = requires(const P& p, int k, typename RungeKutta<P>::State& x,
-                              typename RungeKutta<P>::Input& u, Eigen::Matrix<double, P::kStates, P::kStates>& Hxx,
+                              typename RungeKutta<P>::Input& u,
+                              Eigen::Matrix<double, P::kStates, P::kStates>& Hxx,
                               Eigen::Matrix<double, P::kInputs, P::kInputs>& Huu,
                               typename P::Linearization& f) {
   { p.num_states() } -> std::convertible_to<int>;
@@ -88,7 +89,9 @@ class Slq {
   /// Improves the policy for a start at x0 at the first node's time.
   SlqReport Solve(const State& x0);
 
-  /// N + 1 nodes; the last one repeats the input and the feedback of the one before it.
+  /// N + 1 nodes, to be read and, as a warm start, written; the last one repeats the input and the feedback
+  /// of the one before it.
+  std::vector<Node>& policy() { return policy_; }
   const std::vector<Node>& policy() const { return policy_; }
   /// (3.18) between the nodes: u_bar and x_bar interpolated, K of the node before, clamped to its bounds.
   Input Evaluate(double time, const State& x) const;

@@ -17,7 +17,8 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
   const int states = problem_.num_states(), inputs = problem_.num_inputs();
   if (steps_.empty()) throw ParameterError("Slq: there are no steps; give at least one");
   if (options_.max_iterations < 1) throw ParameterError("Slq: max_iterations must be at least 1");
-  policy_.assign(steps_.size() + 1, {0, State::Zero(states), Input::Zero(inputs), Gain::Zero(inputs, states)});
+  policy_.assign(steps_.size() + 1,
+                 {0, State::Zero(states), Input::Zero(inputs), Gain::Zero(inputs, states)});
   for (std::size_t k = 0; k < steps_.size(); ++k) {
     if (!(steps_[k] > 0 && std::isfinite(steps_[k])))
       throw ParameterError("Slq: step " + std::to_string(k) + " is " + std::to_string(steps_[k]) +

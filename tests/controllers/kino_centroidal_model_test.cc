@@ -14,7 +14,7 @@ namespace tenon {
 namespace {
 
 CdprDescription RobotWith(int cables) {
-  CdprDescription robot = cables <= 4 ? test::FourCableRobot()
+  CdprDescription robot = cables <= 4   ? test::FourCableRobot()
                           : cables == 5 ? test::FiveCableRobot()
                           : cables == 6 ? test::SixCableRobot()
                                         : test::EightCableRobot();

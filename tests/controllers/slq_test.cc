@@ -160,8 +160,8 @@ TEST(Slq, SolvesALinearQuadraticProblemInOneIteration) {
 
 TEST(Slq, SizesMayBeKnownAtRunTimeOnly) {
   Slq<LinearProblem<3, 2>> fixed(SomeLinearProblem(), kUneven);
-  Slq<LinearProblem<Eigen::Dynamic, Eigen::Dynamic>> dynamic(SomeLinearProblem<Eigen::Dynamic, Eigen::Dynamic>(),
-                                                             kUneven);
+  Slq<LinearProblem<Eigen::Dynamic, Eigen::Dynamic>> dynamic(
+      SomeLinearProblem<Eigen::Dynamic, Eigen::Dynamic>(), kUneven);
   const Eigen::VectorXd x0 = Eigen::Vector3d(1, -2, 0.5);
   fixed.Solve(x0);
   const AllocationGuard guard;
@@ -237,8 +237,7 @@ TEST(Slq, BoundedCableRobotMatchesTheTranscription) {
 
 TEST(Slq, ProjectionInTheRollOutKeepsTheBoundsToo) {
   const PendulumProblem problem;
-  Slq<PendulumProblem> slq(problem, std::vector<double>(30, 0.05),
-                           {.bounds = SlqBounds::kRollOutProjection});
+  Slq<PendulumProblem> slq(problem, std::vector<double>(30, 0.05), {.bounds = SlqBounds::kRollOutProjection});
   const Eigen::Vector2d x0(1.5, 0);
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 20; ++i) {
@@ -262,7 +261,8 @@ TEST(Slq, AllIterationsInOneCall) {
 }
 
 TEST(Slq, PolicyCorrectsDisturbancesOfTheStart) {
-  // Of a linear problem the policy is optimal for every start, so following it from elsewhere is solving there.
+  // Of a linear problem the policy is optimal for every start, so following it from elsewhere is solving
+  // there.
   const auto problem = SomeLinearProblem();
   Slq<LinearProblem<3, 2>> slq(problem, kUneven), other = slq;
   slq.Solve(Eigen::Vector3d(1, -2, 0.5));
@@ -324,8 +324,8 @@ TEST(Slq, LeavesThePolicyAloneWhenItFails) {
 /// A pendulum that can be made to lie about its gradient, so that no step is a descent.
 struct LyingPendulum : PendulumProblem {
   double lie = 0;
-  void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, Eigen::Matrix2d& Hxx,
-                    Eigen::Matrix<double, 1, 1>& Huu) const {
+  void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu,
+                    Eigen::Matrix2d& Hxx, Eigen::Matrix<double, 1, 1>& Huu) const {
     PendulumProblem::AddStageCost(k, x, u, h, gx, gu, Hxx, Huu);
     gu[0] += lie;
   }
@@ -358,8 +358,11 @@ TEST(Slq, SolvesWithoutAllocating) {
 
 TEST(Slq, RefusesStepsThatMakeNoSense) {
   EXPECT_TRUE(Throws<ParameterError>([] { Slq<PendulumProblem>(PendulumProblem(), {}); }, "no steps"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Slq<PendulumProblem>(PendulumProblem(), {0.1, -0.1}); }, "step 1 is",
-                                     "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        Slq<PendulumProblem>(PendulumProblem(), {0.1, -0.1});
+      },
+      "step 1 is", "must be positive"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { Slq<PendulumProblem>(PendulumProblem(), {0.1}, {.max_iterations = 0}); }, "max_iterations"));
 }
