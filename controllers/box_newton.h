@@ -1,7 +1,7 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <cmath>
 
 namespace tenon {
 
@@ -26,8 +26,7 @@ class BoxNewton {
         trial_(size),
         change_(size),
         free_(size),
-        curvature_(size),
-        llt_(size) {}
+        curvature_(size) {}
 
   /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
   /// something is not finite, or after 50 iterations without end.
@@ -51,7 +50,7 @@ class BoxNewton {
       const double steepest = step_.cwiseAbs().maxCoeff();
       if (!(steepest < kHuge)) return false;
       if (steepest <= scale) return true;
-      llt_.solveInPlace(step_);
+      Substitute(step_.data());
       double alpha = 1;
       for (int halving = 0; halving <= kMaxHalvings; ++halving, alpha /= 2) {
         trial_ = (x + alpha * step_).cwiseMax(lower).cwiseMin(upper);
@@ -72,7 +71,7 @@ class BoxNewton {
     free_.setOnes();
     if (!Factor(H)) return false;
     x = -g;
-    llt_.solveInPlace(x);
+    Substitute(x.data());
     return true;
   }
 
@@ -83,8 +82,11 @@ class BoxNewton {
   /// moves when g moves by C y, as long as the same entries are free.
   template <class Derived>
   void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
-    for (Eigen::Index i = 0; i < C.rows(); ++i) C.row(i) *= -free_[i];
-    llt_.solveInPlace(C.derived());
+    for (Eigen::Index j = 0; j < C.cols(); ++j) {
+      double* column = C.derived().col(j).data();
+      for (Eigen::Index i = 0; i < C.rows(); ++i) column[i] *= -free_[i];
+      Substitute(column);
+    }
   }
 
  private:
@@ -99,13 +101,34 @@ class BoxNewton {
       masked_.col(i).setZero();
       masked_(i, i) = 1;
     }
-    llt_.compute(masked_);
-    return llt_.info() == Eigen::Success;
+    // Cholesky, with the reciprocals of the diagonal.
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index j = 0; j < size; ++j) {
+      for (Eigen::Index k = 0; k < j; ++k)
+        for (Eigen::Index i = j; i < size; ++i) masked_(i, j) -= masked_(i, k) * masked_(j, k);
+      if (!(masked_(j, j) > 0)) return false;
+      const double inverse = 1 / std::sqrt(masked_(j, j));
+      for (Eigen::Index i = j + 1; i < size; ++i) masked_(i, j) *= inverse;
+      masked_(j, j) = inverse;
+    }
+    return true;
   }
 
-  Matrix masked_;
+  // x <- (L L^T)^{-1} x
+  void Substitute(double* x) const {
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index j = 0; j < size; ++j) {
+      x[j] *= masked_(j, j);
+      for (Eigen::Index i = j + 1; i < size; ++i) x[i] -= masked_(i, j) * x[j];
+    }
+    for (Eigen::Index j = size - 1; j >= 0; --j) {
+      for (Eigen::Index i = j + 1; i < size; ++i) x[j] -= masked_(i, j) * x[i];
+      x[j] *= masked_(j, j);
+    }
+  }
+
+  Matrix masked_;  // below the diagonal L, on it the reciprocals of L's diagonal
   Vector gradient_, step_, trial_, change_, free_, curvature_;
-  Eigen::LLT<Matrix> llt_;
 };
 
 }  // namespace tenon

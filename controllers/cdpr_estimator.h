@@ -23,13 +23,13 @@ struct PlatformEstimate {
 /// What the filter believes of its sensors, as standard deviations per axis; of the pose sensor per sample,
 /// of the IMU per sample too.
 struct CdprEstimatorParams {
-  Rate rate = Hz(200);                  ///< of pose, IMU and filter
-  double position_noise = 0.005;        ///< [m]
-  double attitude_noise = 0.01;         ///< [rad]
+  Rate rate = Hz(200);                    ///< of pose, IMU and filter
+  double position_noise = 0.005;          ///< [m]
+  double attitude_noise = 0.01;           ///< [rad]
   double angular_velocity_noise = 0.005;  ///< [rad/s]
   double specific_force_noise = 0.05;     ///< [m/s^2]
-  double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
-  double gravity = 9.81;           ///< [m/s^2]
+  double initial_velocity = 0.02;         ///< deviation of the velocity at the start from rest [m/s]
+  double gravity = 9.81;                  ///< [m/s^2]
 
   /// Throws ParameterError unless the deviations are positive (a perfect sensor has a small one).
   void Validate() const;

@@ -30,16 +30,17 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, Cdp
   const auto begin = std::chrono::steady_clock::now();
   const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform);
   const SlqReport report = solver.Solve(time, x, warm_start);
-  ++warm_start.solves;
+  CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
+  ++diagnostics.solves;
   if (report.ok()) {
-    warm_start.fallbacks_in_a_row = 0;
-    warm_start.cost = report.cost;
+    diagnostics.fallbacks_in_a_row = 0;
+    diagnostics.cost = report.cost;
   } else {
-    ++warm_start.fallbacks;
-    ++warm_start.fallbacks_in_a_row;
+    ++diagnostics.fallbacks;
+    ++diagnostics.fallbacks_in_a_row;
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  warm_start.solve_time = elapsed.count();
+  diagnostics.solve_time = elapsed.count();
   *plan = warm_start;
 }
 
@@ -52,9 +53,10 @@ CableVector CdprMpc::CalcCommand(const double& time, const PlatformEstimate& est
 }
 
 Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan) const {
-  if (plan.fallbacks_in_a_row <= params.max_fallbacks_in_a_row) return {};
+  const CdprMpcDiagnostics& diagnostics = plan.diagnostics;
+  if (diagnostics.fallbacks_in_a_row <= params.max_fallbacks_in_a_row) return {};
   return fmt::format("the MPC found no better policy {} times in a row ({} of {} solves failed)",
-                     plan.fallbacks_in_a_row, plan.fallbacks, plan.solves);
+                     diagnostics.fallbacks_in_a_row, diagnostics.fallbacks, diagnostics.solves);
 }
 
 }  // namespace tenon

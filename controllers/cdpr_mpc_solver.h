@@ -51,7 +51,8 @@ struct CdprMpcParams {
 ///     W du + d(W u)/dtheta dtheta = [m a ; 0],
 ///
 /// a the acceleration of the path (for u_des = 0 the attitude alone). Bounds of node k leave room for the
-/// reel damping b of the winches: tensions at the platform within [t_min, t_max] and [t_min, t_max] + b dl/dt.
+/// reel damping b of the winches: tensions at the platform within [t_min, t_max] and [t_min, t_max] + b
+/// dl/dt.
 class CdprMpcSolver {
  public:
   /// @throws ParameterError if the Riccati equation at the start of the path has no solution.

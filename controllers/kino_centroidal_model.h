@@ -43,11 +43,19 @@ class KinoCentroidalModel {
 
     explicit Linearization(int = 0, int = 0) {}
     void Multiply(const Tangent& tangent, Tangent& rate) const {
-      rate.template topRows<6>().noalias() = momentum_by_pose * tangent.template bottomRows<6>();
+      const double* S = tangent.data();
+      double* K = rate.data();
+      internal::Product<6, 6, 12 + n>(momentum_by_pose.data(), 6, S + 6, 12, K, 12);
+      for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
+        for (int r = 0; r < 3; ++r) {
+          K[6 + r] = S[r];
+          double sum = 0;
+          for (int k = 0; k < 3; ++k)
+            sum += euler_by_momentum(r, k) * S[3 + k] + euler_by_euler(r, k) * S[9 + k];
+          K[9 + r] = sum;
+        }
+      }
       rate.template topRightCorner<6, n>() += momentum_by_tension;
-      rate.template middleRows<3>(6) = tangent.template topRows<3>();
-      rate.template bottomRows<3>().noalias() = euler_by_momentum * tangent.template middleRows<3>(3);
-      rate.template bottomRows<3>().noalias() += euler_by_euler * tangent.template bottomRows<3>();
     }
     void MultiplyIdentity(Tangent& rate) const {
       rate.setZero();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/controllers/slq_options.h>
+#include <tenon/controllers/small_product.h>
 
 #include <Eigen/Core>
 
@@ -20,7 +21,7 @@ struct DenseLinearization {
 
   /// rate = fx tangent + [0  fu]: the rate of the tangent.
   void Multiply(const Tangent& tangent, Tangent& rate) const {
-    rate.noalias() = fx * tangent;
+    internal::Multiply(fx, tangent, rate);
     rate.rightCols(fu.cols()) += fu;
   }
   /// The same for the tangent [1  0] at the start of a step.

@@ -3,6 +3,7 @@
 #include <tenon/controllers/box_newton.h>
 #include <tenon/controllers/runge_kutta.h>
 #include <tenon/controllers/slq_options.h>
+#include <tenon/controllers/small_product.h>
 #include <tenon/systems/errors.h>
 
 #include <Eigen/Core>
@@ -130,6 +131,8 @@ class Slq {
   Input gu_, du_, lower_, upper_;
   StateMatrix V_;
   Tangent VT_;
+  Eigen::Matrix<double, Tangent::ColsAtCompileTime, n> transposed_;
+  Eigen::Matrix<double, Tangent::ColsAtCompileTime, Tangent::ColsAtCompileTime> H_;
   Eigen::Matrix<double, m, m> Huu_;
   Gain Hux_;
 };

@@ -35,6 +35,8 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
   gu_ = du_ = lower_ = upper_ = Input::Zero(inputs);
   V_ = StateMatrix::Zero(states, states);
   VT_ = tangents_[0];
+  transposed_ = VT_.transpose();
+  H_.setZero(states + inputs, states + inputs);
   Huu_.setZero(inputs, inputs);
   Hux_ = gain_[0];
 }
@@ -103,16 +105,15 @@ bool Slq<P>::Backward(double mu) {
   V_.setZero();
   problem_.AddTerminalCost(nominal_.x.back(), Vx_, V_);
   for (int k = num_steps() - 1; k >= 0; --k) {
-    const auto A = tangents_[k].template leftCols<n>(states);
-    const auto B = tangents_[k].template rightCols<m>(inputs);
-    VT_.noalias() = V_ * tangents_[k];
-    const auto VA = VT_.template leftCols<n>(states);
-    const auto VB = VT_.template rightCols<m>(inputs);
-    gx_.noalias() = A.transpose() * Vx_;
-    gu_.noalias() = B.transpose() * Vx_;
-    V_.noalias() = A.transpose() * VA;
-    Hux_.noalias() = VB.transpose() * A;
-    Huu_.noalias() = B.transpose() * VB;
+    // [A B]^T V [A B] and [A B]^T Vx
+    internal::Multiply(V_, tangents_[k], VT_);
+    transposed_ = tangents_[k].transpose();
+    internal::MultiplyLower(transposed_, VT_, H_);
+    gx_ = transposed_.topRows(states).lazyProduct(Vx_);
+    gu_ = transposed_.bottomRows(inputs).lazyProduct(Vx_);
+    V_ = H_.topLeftCorner(states, states);
+    Hux_ = H_.bottomLeftCorner(inputs, states);
+    Huu_ = H_.bottomRightCorner(inputs, inputs).template selfadjointView<Eigen::Lower>();
     problem_.AddStageCost(k, nominal_.x[k], nominal_.u[k], steps_[k], gx_, gu_, V_, Huu_);
 
     Input& du = increment_[k];
@@ -130,18 +131,18 @@ bool Slq<P>::Backward(double mu) {
     box_.Sensitivity(K);
 
     slope_ += gu_.dot(du);
-    du_.noalias() = Huu_ * du;
+    du_ = Huu_.lazyProduct(du);
     curvature_ += (du.dot(du_) - mu * du.squaredNorm()) / 2;
     // On the free inputs Huu K = -Hux and Huu du = -gu, mu included in Huu; the others have K = 0.
-    Vx_ = gx_;
-    Vx_.noalias() += Hux_.transpose() * du;
-    V_.noalias() += Hux_.transpose() * K;
-    if (mu > 0) {
-      Vx_.noalias() -= mu * (K.transpose() * du);
-      V_.noalias() -= mu * (K.transpose() * K);
+    Vx_ = gx_ + Hux_.transpose().lazyProduct(du);
+    if (mu > 0) Vx_ -= mu * K.transpose().lazyProduct(du);
+    for (int c = 0; c < states; ++c) {
+      for (int r = c; r < states; ++r) {
+        double sum = V_(r, c);
+        for (int i = 0; i < inputs; ++i) sum += (Hux_(i, r) - mu * K(i, r)) * K(i, c);
+        V_(r, c) = V_(c, r) = sum;
+      }
     }
-    for (int c = 0; c < states; ++c)
-      for (int r = 0; r < c; ++r) V_(r, c) = V_(c, r) = (V_(r, c) + V_(c, r)) / 2;
   }
   return std::isfinite(slope_) && std::isfinite(curvature_);
 }

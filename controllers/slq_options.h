@@ -1,9 +1,17 @@
 #pragma once
 
+#include <array>
+#include <utility>
+
 namespace tenon {
 
 /// How a continuous f(x, u) becomes x' = F(x, u) over a step, u constant.
 enum class StepMethod { kEuler, kMidpoint, kRungeKutta4 };
+
+constexpr auto EnumNames(StepMethod) {
+  return std::array{std::pair{StepMethod::kEuler, "euler"}, std::pair{StepMethod::kMidpoint, "midpoint"},
+                    std::pair{StepMethod::kRungeKutta4, "runge_kutta_4"}};
+}
 
 enum class SlqBounds {
   kProjectedNewton,    ///< the backward pass minimises over the box; inputs at a bound have no feedback
