@@ -236,8 +236,14 @@ std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {
   switch (params.path->robot().num_cables()) {
     case 4:
       return std::make_unique<SolverFor<4>>(params);
+    case 5:
+      return std::make_unique<SolverFor<5>>(params);
+    case 6:
+      return std::make_unique<SolverFor<6>>(params);
+    case 7:
+      return std::make_unique<SolverFor<7>>(params);
     default:
-      return std::make_unique<SolverFor<4>>(params);
+      return std::make_unique<SolverFor<8>>(params);
   }
 }
 

@@ -59,21 +59,36 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
     throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n,
                                      robot.name, robot.num_cables()));
   for (int i = 0; i < n; ++i) {
-    anchor_W_[i] = robot.cables[i].anchor_W;
-    attachment_B_[i] = robot.cables[i].attachment_B;
+    for (int r = 0; r < 3; ++r) {
+      anchor_W_[r][i] = robot.cables[i].anchor_W[r];
+      attachment_B_[r][i] = robot.cables[i].attachment_B[r];
+    }
   }
 }
 
 template <int n>
-void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
   const Attitude attitude(x.template tail<3>());
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
+  double pull[6][n];
   for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d arm = attitude.R * attachment_B_[i];
-    const Eigen::Vector3d span = anchor_W_[i] - x.template segment<3>(6) - arm;
-    const Eigen::Vector3d pull = (u[i] / std::sqrt(span.squaredNorm())) * span;
-    force += pull;
-    torque += arm.cross(pull);
+    double a[3], d[3];
+    for (int r = 0; r < 3; ++r) {
+      a[r] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
+             attitude.R(r, 2) * attachment_B_[2][i];
+      d[r] = anchor_W_[r][i] - x[6 + r] - a[r];
+    }
+    const double scale = u[i] / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (int r = 0; r < 3; ++r) pull[r][i] = scale * d[r];
+    pull[3][i] = a[1] * pull[2][i] - a[2] * pull[1][i];
+    pull[4][i] = a[2] * pull[0][i] - a[0] * pull[2][i];
+    pull[5][i] = a[0] * pull[1][i] - a[1] * pull[0][i];
+  }
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
+  for (int r = 0; r < 3; ++r) {
+    for (int i = 0; i < n; ++i) {
+      force[r] += pull[r][i];
+      torque[r] += pull[3 + r][i];
+    }
   }
   dx.template head<3>() = mass_inverse_ * force;
   dx[2] -= kGravity;
@@ -85,35 +100,77 @@ void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& d
 }
 
 template <int n>
-void KinoCentroidalModel<n>::Linearize(const State& x, const Input& u, State& dx, Linearization& f) const {
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const Tangent& tangent,
+                                                                         Tangent& rate) const {
+  const double* S = tangent.data();
+  double* K = rate.data();
+  internal::Product<6, 6, 12 + n>(momentum_by_pose.data(), 6, S + 6, 12, K, 12);
+  for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
+    double sum[3] = {};
+    for (int k = 0; k < 3; ++k)
+      for (int r = 0; r < 3; ++r)
+        sum[r] += euler_by_momentum(r, k) * S[3 + k] + euler_by_euler(r, k) * S[9 + k];
+    for (int r = 0; r < 3; ++r) {
+      K[6 + r] = S[r];
+      K[9 + r] = sum[r];
+    }
+  }
+  rate.template topRightCorner<6, n>() += momentum_by_tension;
+}
+
+// With a the arm, d the direction, m = a x d, u the tension, s = u / l, the derivatives of the wrench of a
+// cable by p and by a rotation vector in W (see CalcWrenchJacobian() in cdpr_kinematics.h) become
+//     df/dp     = -s (1 - d d^T)
+//     df/dtheta =  s ([a x] + d m^T),   dtau/dp its transpose
+//     dtau/dtheta = s (a a^T + m m^T) + u a d^T - (s |a|^2 + u a.d) 1
+template <int n>
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const Input& u, State& dx,
+                                                           Linearization& f) const {
   const Attitude attitude(x.template tail<3>());
   const double cp = attitude.cp, sp = attitude.sp, cy = attitude.cy, sy = attitude.sy;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
-  // By p and by a rotation vector in W: see CalcWrenchJacobian() in cdpr_kinematics.h.
-  Eigen::Matrix3d force_by_p = Eigen::Matrix3d::Zero(), force_by_turn = force_by_p, torque_by_p = force_by_p,
-                  torque_by_turn = force_by_p;
+  double a[3][n], d[3][n], m[3][n], s[n], mixed[n];
   for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d arm = attitude.R * attachment_B_[i];
-    const Eigen::Vector3d span = anchor_W_[i] - x.template segment<3>(6) - arm;
-    const double inverse = 1 / std::sqrt(span.squaredNorm());
-    const Eigen::Vector3d direction = inverse * span;
-    const Eigen::Vector3d moment = arm.cross(direction);
-    force += u[i] * direction;
-    torque += u[i] * moment;
-    f.momentum_by_tension.col(i) << mass_inverse_ * direction, mass_inverse_ * moment;
-
-    // turn = (u / l) (1 - direction direction^T), and its products with [arm x].
-    const double stiffness = u[i] * inverse;
-    Eigen::Matrix3d turn = -stiffness * direction * direction.transpose();
-    turn.diagonal().array() += stiffness;
-    const Eigen::Matrix3d skew = Skew(arm);
-    const Eigen::Matrix3d turn_arm = turn * skew;
-    force_by_p -= turn;
-    force_by_turn += turn_arm;
-    torque_by_turn += skew * turn_arm + arm * (u[i] * direction).transpose();
-    torque_by_turn.diagonal().array() -= u[i] * direction.dot(arm);
+    for (int r = 0; r < 3; ++r) {
+      a[r][i] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
+                attitude.R(r, 2) * attachment_B_[2][i];
+      d[r][i] = anchor_W_[r][i] - x[6 + r] - a[r][i];
+    }
+    const double inverse = 1 / std::sqrt(d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]);
+    for (int r = 0; r < 3; ++r) d[r][i] *= inverse;
+    s[i] = u[i] * inverse;
+    m[0][i] = a[1][i] * d[2][i] - a[2][i] * d[1][i];
+    m[1][i] = a[2][i] * d[0][i] - a[0][i] * d[2][i];
+    m[2][i] = a[0][i] * d[1][i] - a[1][i] * d[0][i];
+    mixed[i] = s[i] * (a[0][i] * a[0][i] + a[1][i] * a[1][i] + a[2][i] * a[2][i]) +
+               u[i] * (a[0][i] * d[0][i] + a[1][i] * d[1][i] + a[2][i] * d[2][i]);
   }
-  torque_by_p = force_by_turn.transpose();
+  const auto sum = [](const auto& term) {
+    double total = 0;
+    for (int i = 0; i < n; ++i) total += term(i);
+    return total;
+  };
+  Eigen::Vector3d force, torque, lever;
+  Eigen::Matrix3d force_by_p, force_by_turn, torque_by_turn;
+  const double stiffness = sum([&](int i) { return s[i]; }), trace = sum([&](int i) { return mixed[i]; });
+  for (int r = 0; r < 3; ++r) {
+    force[r] = sum([&](int i) { return u[i] * d[r][i]; });
+    torque[r] = sum([&](int i) { return u[i] * m[r][i]; });
+    lever[r] = sum([&](int i) { return s[i] * a[r][i]; });
+    for (int c = 0; c < 3; ++c) {
+      force_by_turn(r, c) = sum([&](int i) { return s[i] * d[r][i] * m[c][i]; });
+      torque_by_turn(r, c) = sum(
+          [&](int i) { return s[i] * (a[r][i] * a[c][i] + m[r][i] * m[c][i]) + u[i] * a[r][i] * d[c][i]; });
+      if (c <= r) force_by_p(r, c) = force_by_p(c, r) = sum([&](int i) { return s[i] * d[r][i] * d[c][i]; });
+    }
+    force_by_p(r, r) -= stiffness;
+    torque_by_turn(r, r) -= trace;
+    for (int i = 0; i < n; ++i) {
+      f.momentum_by_tension(r, i) = mass_inverse_ * d[r][i];
+      f.momentum_by_tension(3 + r, i) = mass_inverse_ * m[r][i];
+    }
+  }
+  force_by_turn += Skew(lever);
+  const Eigen::Matrix3d torque_by_p = force_by_turn.transpose();
 
   dx.template head<3>() = mass_inverse_ * force;
   dx[2] -= kGravity;

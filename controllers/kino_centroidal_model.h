@@ -5,7 +5,6 @@
 #include <tenon/plants/description/cdpr_signals.h>
 
 #include <Eigen/Core>
-#include <array>
 
 namespace tenon {
 
@@ -42,21 +41,7 @@ class KinoCentroidalModel {
     using Tangent = typename DenseLinearization<12, n>::Tangent;
 
     explicit Linearization(int = 0, int = 0) {}
-    void Multiply(const Tangent& tangent, Tangent& rate) const {
-      const double* S = tangent.data();
-      double* K = rate.data();
-      internal::Product<6, 6, 12 + n>(momentum_by_pose.data(), 6, S + 6, 12, K, 12);
-      for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
-        for (int r = 0; r < 3; ++r) {
-          K[6 + r] = S[r];
-          double sum = 0;
-          for (int k = 0; k < 3; ++k)
-            sum += euler_by_momentum(r, k) * S[3 + k] + euler_by_euler(r, k) * S[9 + k];
-          K[9 + r] = sum;
-        }
-      }
-      rate.template topRightCorner<6, n>() += momentum_by_tension;
-    }
+    void Multiply(const Tangent& tangent, Tangent& rate) const;
     void MultiplyIdentity(Tangent& rate) const {
       rate.setZero();
       rate.template block<6, 6>(0, 6) = momentum_by_pose;
@@ -78,8 +63,8 @@ class KinoCentroidalModel {
  private:
   struct Attitude;
   double mass_inverse_;
-  Eigen::Matrix3d inertia_inverse_;  // m I^{-1}, in B
-  std::array<Eigen::Vector3d, n> anchor_W_, attachment_B_;
+  Eigen::Matrix3d inertia_inverse_;             // m I^{-1}, in B
+  double anchor_W_[3][n], attachment_B_[3][n];  // cables side by side
 };
 
 extern template class KinoCentroidalModel<4>;

@@ -98,7 +98,7 @@ bool Slq<P>::Linearize(const State& x0, bool with_policy) {
 }
 
 template <SlqProblem P>
-bool Slq<P>::Backward(double mu) {
+TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
   const int states = problem_.num_states(), inputs = problem_.num_inputs();
   slope_ = curvature_ = 0;
   Vx_.setZero();

@@ -2,11 +2,22 @@
 
 #include <Eigen/Core>
 
+/// Compiles a function for AVX2 with FMA besides the target of the build; which one runs is decided when the
+/// library is loaded. Last digits so depend on the processor, and on nothing else. GCC alone, not under
+/// sanitizers.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__OPTIMIZE__)
+#define TENON_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define TENON_VECTOR_CLONES
+#endif
+
 namespace tenon::internal {
 
 /// C = A B for matrices of a size that the compiler knows, stored by columns with the leading dimensions lda,
-/// ldb, ldc; C overlaps neither A nor B. Two columns of C at a time stay in registers. Eigen hands products of
-/// this size (above 20 in the sum of their dimensions) to its kernel for large matrices, which packs them first.
+/// ldb, ldc; C overlaps neither A nor B. Two columns of C at a time stay in registers. Eigen hands products
+/// of this size (above 20 in the sum of their dimensions) to its kernel for large matrices, which packs them
+/// first.
 template <int rows, int inner, int columns>
 inline void Product(const double* A, int lda, const double* B, int ldb, double* __restrict C, int ldc) {
   int j = 0;
@@ -38,7 +49,8 @@ inline void Product(const double* A, int lda, const double* B, int ldb, double* 
 template <int size, int inner, int first = 0>
 inline void LowerProduct(const double* A, const double* B, double* __restrict C) {
   constexpr int group = size - first < 4 ? size - first : 4;
-  Product<size - first, inner, group>(A + first, size, B + first * inner, inner, C + first * size + first, size);
+  Product<size - first, inner, group>(A + first, size, B + first * inner, inner, C + first * size + first,
+                                      size);
   if constexpr (first + group < size) LowerProduct<size, inner, first + group>(A, B, C);
 }
 
