@@ -102,17 +102,28 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, cons
 template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const Tangent& tangent,
                                                                          Tangent& rate) const {
+  // The blocks by columns, filled up to whole vectors.
+  double J[6][8] = {}, G[6][4] = {};
+  for (int k = 0; k < 6; ++k)
+    for (int r = 0; r < 6; ++r) J[k][r] = momentum_by_pose(r, k);
+  for (int k = 0; k < 3; ++k) {
+    for (int r = 0; r < 3; ++r) {
+      G[k][r] = euler_by_momentum(r, k);
+      G[3 + k][r] = euler_by_euler(r, k);
+    }
+  }
   const double* S = tangent.data();
   double* K = rate.data();
-  internal::Product<6, 6, 12 + n>(momentum_by_pose.data(), 6, S + 6, 12, K, 12);
   for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
-    double sum[3] = {};
-    for (int k = 0; k < 3; ++k)
-      for (int r = 0; r < 3; ++r)
-        sum[r] += euler_by_momentum(r, k) * S[3 + k] + euler_by_euler(r, k) * S[9 + k];
+    double momentum[8] = {}, euler[4] = {};
+    for (int k = 0; k < 6; ++k) {
+      for (int r = 0; r < 8; ++r) momentum[r] += J[k][r] * S[6 + k];
+      for (int r = 0; r < 4; ++r) euler[r] += G[k][r] * S[k < 3 ? 3 + k : 6 + k];
+    }
+    for (int r = 0; r < 6; ++r) K[r] = momentum[r];
     for (int r = 0; r < 3; ++r) {
       K[6 + r] = S[r];
-      K[9 + r] = sum[r];
+      K[9 + r] = euler[r];
     }
   }
   rate.template topRightCorner<6, n>() += momentum_by_tension;

@@ -19,7 +19,8 @@ namespace tenon::internal {
 /// of this size (above 20 in the sum of their dimensions) to its kernel for large matrices, which packs them
 /// first.
 template <int rows, int inner, int columns>
-inline void Product(const double* A, int lda, const double* B, int ldb, double* __restrict C, int ldc) {
+[[gnu::always_inline]] inline void Product(const double* A, int lda, const double* B, int ldb,
+                                           double* __restrict C, int ldc) {
   int j = 0;
   for (; j + 1 < columns; j += 2) {
     double c0[rows] = {}, c1[rows] = {};
@@ -47,7 +48,7 @@ inline void Product(const double* A, int lda, const double* B, int ldb, double* 
 /// C = A B where only the lower triangle of C counts: columns in groups of four, from the diagonal down. Some
 /// of the upper triangle is written.
 template <int size, int inner, int first = 0>
-inline void LowerProduct(const double* A, const double* B, double* __restrict C) {
+[[gnu::always_inline]] inline void LowerProduct(const double* A, const double* B, double* __restrict C) {
   constexpr int group = size - first < 4 ? size - first : 4;
   Product<size - first, inner, group>(A + first, size, B + first * inner, inner, C + first * size + first,
                                       size);
@@ -56,7 +57,7 @@ inline void LowerProduct(const double* A, const double* B, double* __restrict C)
 
 /// C = A B
 template <class MA, class MB, class MC>
-inline void Multiply(const MA& A, const MB& B, MC& C) {
+[[gnu::always_inline]] inline void Multiply(const MA& A, const MB& B, MC& C) {
   constexpr int rows = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime, columns = MB::ColsAtCompileTime;
   if constexpr (rows != Eigen::Dynamic && inner != Eigen::Dynamic && columns != Eigen::Dynamic) {
     Product<rows, inner, columns>(A.data(), rows, B.data(), inner, C.data(), rows);
@@ -67,7 +68,7 @@ inline void Multiply(const MA& A, const MB& B, MC& C) {
 
 /// The lower triangle of C = A B, C symmetric.
 template <class MA, class MB, class MC>
-inline void MultiplyLower(const MA& A, const MB& B, MC& C) {
+[[gnu::always_inline]] inline void MultiplyLower(const MA& A, const MB& B, MC& C) {
   constexpr int size = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime;
   if constexpr (size != Eigen::Dynamic && inner != Eigen::Dynamic) {
     LowerProduct<size, inner>(A.data(), B.data(), C.data());
