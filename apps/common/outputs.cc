@@ -76,6 +76,7 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
 }
 
+Summary::Summary(Summary&&) noexcept = default;
 Summary::~Summary() = default;
 
 void Summary::Set(const std::string& key, double value) {
@@ -88,11 +89,24 @@ void Summary::Set(const std::string& key, const std::optional<double>& value) {
   json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-void Summary::Write(const fs::path& file) const {
+namespace {
+
+void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
   std::ofstream out(file);
-  out << json_->values.dump(2) << '\n';
+  out << values.dump(2) << '\n';
   out.close();
   if (!out) throw RunError(fmt::format("cannot write '{}'", file.string()));
+}
+
+std::string Shown(const nlohmann::ordered_json& value) {
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+}  // namespace
+
+void Summary::Write(const fs::path& file) const {
+  WriteJson(json_->values, file);
 }
 
 void Summary::AddTo(Report& report) const {
@@ -117,12 +131,32 @@ void Summary::AddTo(Report& report) const {
 }
 
 void Summary::Print() const {
-  for (const auto& [key, value] : json_->values.items()) {
-    fmt::print("{:<28} {}\n", key,
-               value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
-               : value.is_string()     ? value.get<std::string>()
-                                       : value.dump());
+  for (const auto& [key, value] : json_->values.items()) fmt::print("{:<28} {}\n", key, Shown(value));
+}
+
+void Summary::WriteComparison(const Named& runs, const fs::path& file) {
+  nlohmann::ordered_json all;
+  for (const auto& [name, summary] : runs) all[name] = summary.json_->values;
+  WriteJson(all, file);
+}
+
+void Summary::PrintComparison(const Named& runs) {
+  std::vector<std::string> keys;  // of all runs, in the order of their first appearance
+  for (const auto& [name, summary] : runs) {
+    for (const auto& [key, value] : summary.json_->values.items()) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
   }
+  fmt::print("{:<28}", "");
+  for (const auto& [name, summary] : runs) fmt::print(" {:>16}", name);
+  for (const std::string& key : keys) {
+    fmt::print("\n{:<28}", key);
+    for (const auto& [name, summary] : runs) {
+      const auto& values = summary.json_->values;
+      fmt::print(" {:>16}", values.contains(key) ? Shown(values[key]) : "-");
+    }
+  }
+  fmt::print("\n");
 }
 
 }  // namespace tenon::apps

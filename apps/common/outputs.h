@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tenon/apps/common/command_line.h"
 #include "tenon/apps/common/progress.h"
@@ -42,6 +44,7 @@ struct ReportScenario {
 class Summary {
  public:
   Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
+  Summary(Summary&&) noexcept;
   ~Summary();
   void Set(const std::string& key, double value);
   void Set(const std::string& key, const std::string& value);
@@ -52,6 +55,11 @@ class Summary {
   void Print() const;                                   ///< on stdout, one figure a line
   void AddTo(Report& report) const;                     ///< the figures and the verdict
   ExitCode exit_code() const { return exit_code_; }
+
+  using Named = std::vector<std::pair<std::string, Summary>>;
+  /// Of several runs: their names, each with its figures; throws RunError.
+  static void WriteComparison(const Named& runs, const std::filesystem::path& file);
+  static void PrintComparison(const Named& runs);  ///< on stdout, one figure a line, one run a column
 
  private:
   struct Json;
