@@ -13,6 +13,12 @@ namespace {
 
 constexpr double kSettled = 0.02;  // m, the thesis's threshold
 
+std::size_t Column(const std::vector<std::string>& names, const std::string& signal) {
+  const auto at = std::find(names.begin(), names.end(), signal);
+  if (at == names.end()) throw Error(fmt::format("the log has no signal '{}'", signal));
+  return static_cast<std::size_t>(at - names.begin());
+}
+
 std::vector<std::size_t> Columns(const std::vector<std::string>& names, const std::string& signal) {
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -43,8 +49,8 @@ void Widen(std::span<const double> row, const std::vector<std::size_t>& columns,
 }  // namespace
 
 std::vector<const Source*> CdprFigures::Signals(const CdprLoop& loop) {
-  return {&loop.plant.platform, &loop.plant.euler, &loop.plant.acceleration,
-          &loop.plant.cables,   &loop.pd.command,  &loop.reference.reference};
+  return {&loop.plant.platform, &loop.plant.euler,         &loop.plant.acceleration, &loop.plant.cables,
+          &loop.command,        &loop.reference.reference, &loop.payload.payload};
 }
 
 void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -52,7 +58,7 @@ void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector
   euler_ = Columns(names, "loop.plant.euler");
   acceleration_ = Columns(names, "loop.plant.acceleration.a_W");
   tension_ = Columns(names, "loop.plant.cables.tension");
-  command_ = Columns(names, "loop.pd.command");
+  command_ = Columns(names, "loop.command");
   ref_position_ = Columns(names, "loop.reference.reference.position");
   ref_euler_ = Columns(names, "loop.reference.reference.euler");
   tension_min_ = command_min_ = std::numeric_limits<double>::infinity();
@@ -101,6 +107,25 @@ double CdprFigures::tracking_error_rms() const {
 std::optional<double> CdprFigures::settling_time() const {
   if (!settled_) return std::nullopt;
   return settled_since_ - settle_from_;
+}
+
+void MpcFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
+  time_ = Column(names, "loop.mpc.diagnostics.solve_time");
+  count_ = Column(names, "loop.mpc.diagnostics.fallbacks");
+}
+
+void MpcFigures::Row(std::span<const double> row) {
+  times_.push_back(row[time_]);
+  fallbacks_ = row[count_];
+}
+
+double MpcFigures::time_quantile(double share) const {
+  if (times_.empty()) return 0;
+  std::vector<double> sorted = times_;
+  const auto at =
+      sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), at, sorted.end());
+  return *at;
 }
 
 }  // namespace tenon::apps

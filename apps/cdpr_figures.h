@@ -44,4 +44,20 @@ class CdprFigures final : public LogSink {
   bool settled_ = false;
 };
 
+/// How the solves of an MPC went, from a log of its `diagnostics` at its own rate.
+class MpcFigures final : public LogSink {
+ public:
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
+  void Row(std::span<const double> row) override;
+
+  /// Wall-clock time of a solve that the part `share` of all solves does not exceed [s].
+  double time_quantile(double share) const;
+  double fallbacks() const { return fallbacks_; }
+
+ private:
+  std::size_t time_ = 0, count_ = 0;
+  std::vector<double> times_;
+  double fallbacks_ = 0;
+};
+
 }  // namespace tenon::apps

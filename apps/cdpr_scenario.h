@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tenon/apps/common/outputs.h"
 #include "tenon/controllers/equilibrium_path.h"
 #include "tenon/diagrams/cdpr_loop.h"
 #include "tenon/systems/fields.h"
@@ -55,6 +56,45 @@ struct PdScenario {
   }
 };
 
+/// The weights of the optimal control problem, see CdprMpcWeights.
+struct MpcWeightsScenario {
+  double position = 0;
+  double velocity = 0;
+  double attitude = 0;
+  double angular_velocity = 0;
+  double tension = 0;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("position_per_m2", &MpcWeightsScenario::position),
+                      Required("velocity_s2_per_m2", &MpcWeightsScenario::velocity),
+                      Required("attitude_per_rad2", &MpcWeightsScenario::attitude),
+                      Required("angular_velocity_s2_per_rad2", &MpcWeightsScenario::angular_velocity),
+                      Required("tension_per_N2", &MpcWeightsScenario::tension)};
+  }
+};
+
+struct MpcScenario {
+  double horizon_s = 1;
+  int num_steps = 25;
+  double rate_hz = 100;
+  double command_rate_hz = 1000;
+  MpcWeightsScenario weights;
+  StepMethod method = StepMethod::kRungeKutta4;
+  double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
+  int max_fallbacks_in_a_row = 50;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"horizon_s", &MpcScenario::horizon_s},
+                      Field{"num_steps", &MpcScenario::num_steps},
+                      Field{"rate_hz", &MpcScenario::rate_hz},
+                      Field{"command_rate_hz", &MpcScenario::command_rate_hz},
+                      Required("weights", &MpcScenario::weights),
+                      Field{"method", &MpcScenario::method},
+                      Field{"mass_error", &MpcScenario::mass_error},
+                      Field{"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
+  }
+};
+
 /// A mass hung at the platform for part of the run; the controller does not know of it.
 struct PayloadScenario {
   double mass_kg = 0;
@@ -100,9 +140,10 @@ struct IntegratorScenario {
   }
 };
 
-enum class CdprController { kPd };
+enum class CdprController { kPd, kMpcEquilibrium, kMpcZero };
 constexpr auto EnumNames(CdprController) {
-  return std::array{std::pair{CdprController::kPd, "pd"}};
+  return std::array{std::pair{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
+                    std::pair{CdprController::kMpcZero, "mpc_zero"}, std::pair{CdprController::kPd, "pd"}};
 }
 
 /// A run of tenon-cdpr, as its YAML file says it.
@@ -116,11 +157,15 @@ struct CdprScenario {
   CdprController controller = CdprController::kPd;
   PathScenario path;
   PdScenario pd;
+  std::optional<MpcScenario> mpc;           ///< needed for the controllers mpc_...
+  Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
+  Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
   NoiseScenario noise;
   IntegratorScenario integrator;
   double log_rate_hz = 200;
   bool forbid_slack = true;  ///< a slack cable ends the run, exit code 3
+  ReportScenario report;
 
   static constexpr auto Fields() {
     return std::tuple{Required("app", &CdprScenario::app),
@@ -132,11 +177,15 @@ struct CdprScenario {
                       Field{"controller", &CdprScenario::controller},
                       Required("path", &CdprScenario::path),
                       Required("pd", &CdprScenario::pd),
+                      Field{"mpc", &CdprScenario::mpc},
+                      Field{"start_offset_m", &CdprScenario::start_offset_m},
+                      Field{"start_turn_rad", &CdprScenario::start_turn_rad},
                       Field{"payload", &CdprScenario::payload},
                       Field{"noise", &CdprScenario::noise},
                       Field{"integrator", &CdprScenario::integrator},
                       Field{"log_rate_hz", &CdprScenario::log_rate_hz},
-                      Field{"forbid_slack", &CdprScenario::forbid_slack}};
+                      Field{"forbid_slack", &CdprScenario::forbid_slack},
+                      Field{"report", &CdprScenario::report}};
   }
   void Validate() const;  ///< throws ParameterError
 };

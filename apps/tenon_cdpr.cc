@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "tenon/apps/cdpr_figures.h"
@@ -13,29 +14,39 @@
 namespace tenon::apps {
 namespace {
 
-int Run(const CommonArguments& arguments, const std::string& controller) {
-  if (arguments.list) {
-    ListScenarios("tenon-cdpr");
-    return kRan;
-  }
-  YamlDocument document = LoadScenario(arguments);
-  if (!controller.empty()) document.Set("controller", controller);
-  auto scenario = document.Read<CdprScenario>();
-  if (arguments.seed) scenario.seed = *arguments.seed;
-  if (arguments.duration) scenario.duration_s = *arguments.duration;
+struct RunResult {
+  Summary summary;
+  Report report;
+};
 
+Report MakeReport(const CdprScenario& scenario, const std::string& controllers) {
+  return Report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+                 .description = fmt::format("{} with {}, {} s, seed {}", scenario.robot, controllers,
+                                            scenario.duration_s, scenario.seed),
+                 .plots = scenario.report.plots,
+                 .events = scenario.report.events,
+                 .signal_rate = Hz(scenario.log_rate_hz)});
+}
+
+/// One run, into the directory of `arguments`.
+RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario) {
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
   const auto diagram = builder.Build();
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
+  Report report = MakeReport(scenario, std::string(EnumName(scenario.controller)));
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = CdprFigures::Signals(loop);
+  report.Log(simulator, signals, {&loop.plant.geometry, &loop.reference.geometry});
+
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(*diagram);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
+  const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
                    {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
+  if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
   const RunOutcome outcome = Advance(simulator, scenario.duration_s);
 
   Summary summary(scenario.case_name, scenario.seed, outcome);
@@ -49,7 +60,56 @@ int Run(const CommonArguments& arguments, const std::string& controller) {
   summary.Set("acceleration_rms_m_per_s2", figures->acceleration_rms());
   summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
   summary.Set("settling_time_s", figures->settling_time());
+  if (loop.mpc != nullptr) {
+    summary.Set("mpc_time_median_us", 1e6 * solves->time_quantile(0.5));
+    summary.Set("mpc_time_p99_us", 1e6 * solves->time_quantile(0.99));
+    summary.Set("mpc_fallbacks", solves->fallbacks());
+  }
   summary.Write(out.path() / "summary.json");
+  summary.AddTo(report);
+  report.Write(out.path() / "report.html");
+  return {std::move(summary), std::move(report)};
+}
+
+/// One run per controller, into a directory each, and one report of all.
+int Compare(const CommonArguments& arguments, CdprScenario scenario) {
+  const std::filesystem::path base =
+      arguments.out.empty() ? std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem()
+                            : std::filesystem::path(arguments.out);
+  Summary::Named runs;
+  std::string names;
+  std::vector<Report> reports;
+  int worst = kRan;
+  for (const auto& [controller, name] : EnumNames(CdprController{})) {
+    scenario.controller = controller;
+    CommonArguments each = arguments;
+    each.out = (base / name).string();
+    RunResult result = RunOnce(each, scenario);
+    worst = std::max<int>(worst, result.summary.exit_code());
+    runs.emplace_back(name, std::move(result.summary));
+    reports.push_back(std::move(result.report));
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  Report comparison = MakeReport(scenario, names);
+  for (std::size_t i = 0; i < runs.size(); ++i) comparison.Add(runs[i].first, reports[i]);
+  Summary::WriteComparison(runs, base / "summary.json");
+  comparison.Write(base / "report.html");
+  Summary::PrintComparison(runs);
+  return worst;
+}
+
+int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
+  if (arguments.list) {
+    ListScenarios("tenon-cdpr");
+    return kRan;
+  }
+  YamlDocument document = LoadScenario(arguments);
+  if (!controller.empty()) document.Set("controller", controller);
+  auto scenario = document.Read<CdprScenario>();
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  if (compare) return Compare(arguments, scenario);
+  const Summary summary = RunOnce(arguments, scenario).summary;
   summary.Print();
   return summary.exit_code();
 }
@@ -62,6 +122,12 @@ int main(int argc, char** argv) {
   tenon::apps::CommonArguments arguments;
   tenon::apps::AddCommonArguments(app, arguments);
   std::string controller;
-  app.add_option("--controller", controller, "pd (the scenario's, unless given)");
-  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, controller); });
+  bool compare = false;
+  app.add_option("--controller", controller,
+                 "mpc_equilibrium, mpc_zero or pd (the scenario's, unless given)");
+  app.add_flag("--compare", compare,
+               "one run per controller, each in a directory of its own below --out, and one report of all")
+      ->excludes("--controller");
+  return tenon::apps::RunMain(app, argc, argv,
+                              [&] { return tenon::apps::Run(arguments, controller, compare); });
 }

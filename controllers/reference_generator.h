@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tenon/controllers/equilibrium_path.h"
+#include "tenon/systems/geometry.h"
 #include "tenon/systems/ports.h"
 #include "tenon/systems/system.h"
 
@@ -18,7 +19,7 @@ struct ReferenceGeneratorParams {
 /// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
 /// the static equilibrium there.
 ///
-/// Ports: out `reference`, sampled.
+/// Ports: out `reference`, sampled; `geometry`, the path with a ball where the CoM should be.
 class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -28,9 +29,17 @@ class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
                                       Sampled{params.rate},
                                       Uses(time),
                                       &ReferenceGenerator::CalcReference};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                {Shape::Trace(ShapeRole::kReference, "reference", 0.03)},
+                                Uses(reference),
+                                &ReferenceGenerator::CalcGeometry};
 
  private:
   CdprReference CalcReference(const double& time) const { return params.path->At(time); }
+  void CalcGeometry(const CdprReference& reference, Geometry* out) const {
+    out->front().p_W = reference.position;
+  }
 };
 
 }  // namespace tenon

@@ -3,11 +3,12 @@
 namespace tenon {
 namespace {
 
-CdprPlantParams AtRest(const CdprDescription& robot, const CdprReference& start) {
+CdprPlantParams AtRest(const CdprLoopParams& loop) {
+  const CdprReference start = loop.path->At(0);
   CdprPlantParams params;
-  params.robot = robot;
-  params.p_WB = start.position;
-  params.euler = start.euler;
+  params.robot = loop.robot;
+  params.p_WB = start.position + loop.start_offset;
+  params.euler = start.euler + loop.start_turn;
   params.initial_tension = start.tension;
   return params;
 }
@@ -22,18 +23,29 @@ CablePdParams PdOf(const CdprLoopParams& params) {
 CdprLoop::CdprLoop(const CdprLoopParams& params)
     : reference(
           Add<ReferenceGenerator>("reference", ReferenceGeneratorParams{params.path, params.control_rate})),
-      pd(Add<CablePd>("pd", PdOf(params))),
       payload(Add<PayloadSchedule>("payload", params.payload)),
-      plant(Add<CdprPlant>("plant", AtRest(params.robot, params.path->At(0)))),
+      plant(Add<CdprPlant>("plant", AtRest(params))),
       pose_sensor(Add<PoseSensor>("pose_sensor", params.pose_sensor)),
       imu(Add<Imu>("imu", params.imu)) {
   auto& slack = Add<SlackMonitor>("slack", SlackMonitorParams{params.forbid_slack, params.control_rate});
 
-  Connect(reference.reference, pd.reference);
-  Connect(pd.command, plant.command);
+  if (params.mpc) {
+    estimator = &Add<CdprEstimator>("estimator", params.estimator);
+    mpc = &Add<CdprMpc>("mpc", *params.mpc);
+    Connect(pose_sensor.pose, estimator->pose);
+    Connect(imu.measurement, estimator->inertial);
+    Connect(estimator->estimate, mpc->estimate);
+    Connect(mpc->command, plant.command);
+    Connect(mpc->command, command);
+  } else {
+    pd = &Add<CablePd>("pd", PdOf(params));
+    Connect(reference.reference, pd->reference);
+    Connect(plant.cables, pd->cables);
+    Connect(pd->command, plant.command);
+    Connect(pd->command, command);
+  }
   Connect(payload.payload, plant.payload);
 
-  Connect(plant.cables, pd.cables);
   Connect(plant.cables, slack.cables);
   Connect(plant.platform, pose_sensor.platform);
   Connect(plant.platform, imu.platform);

@@ -140,6 +140,11 @@ CdprEnergy CdprPlant::CalcEnergy(const PlatformState& x, const CableForces& cabl
           .elastic = cables.energy};
 }
 
+void CdprPlant::CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                             const PlatformWrench& wrench, Geometry* out) const {
+  MoveCdprGeometry(params.robot, x, cables.signals.tension, payload, wrench, out);
+}
+
 PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const {
   return {x.v_W, body.quaternion_rate() + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
           body.acceleration().a_W, body.acceleration().alpha_W};

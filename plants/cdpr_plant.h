@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/description/cdpr_signals.h>
+#include <tenon/plants/cdpr_geometry.h>
 #include <tenon/plants/free_rigid_body.h>
 #include <tenon/systems/ports.h>
 #include <tenon/systems/state.h>
@@ -47,6 +47,7 @@ struct WinchState {
 ///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
 ///                cables        length, rate, tension, rest length
 ///                energy        kinetic, potential, elastic [J]
+///                geometry      what it looks like
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
 ///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
@@ -109,6 +110,11 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                                   &CdprPlant::CalcCables};
   OutputPort<CdprEnergy> energy{
       this, {"energy"}, Uses(platform_state, cable_forces, body, payload), &CdprPlant::CalcEnergy};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                MakeCdprGeometry(params.robot),
+                                Uses(platform, cable_forces, payload, wrench),
+                                &CdprPlant::CalcGeometry};
 
   TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
                                               &CdprPlant::CalcPlatformRate};
@@ -128,6 +134,8 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   CableSignals CalcCables(const CableForces& cables) const { return cables.signals; }
   CdprEnergy CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
                         const Payload& payload) const;
+  void CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                    const PlatformWrench& wrench, Geometry* out) const;
   PlatformState CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const;
   WinchState CalcWinchRate(const WinchState& winches, const CableForces& cables,
                            const CableVector& command) const;

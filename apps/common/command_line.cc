@@ -19,8 +19,8 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
   app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
   app.footer(
-      "Writes summary.json, signals.csv and scenario.yaml (every default filled in) to the output "
-      "directory.\n"
+      "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
+      "output directory.\n"
       "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell or broke a forbidden limit; 4 numerical failure.");
 }
 

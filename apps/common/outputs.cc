@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -75,6 +76,7 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
 }
 
+Summary::Summary(Summary&&) noexcept = default;
 Summary::~Summary() = default;
 
 void Summary::Set(const std::string& key, double value) {
@@ -87,20 +89,74 @@ void Summary::Set(const std::string& key, const std::optional<double>& value) {
   json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-void Summary::Write(const fs::path& file) const {
+namespace {
+
+void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
   std::ofstream out(file);
-  out << json_->values.dump(2) << '\n';
+  out << values.dump(2) << '\n';
   out.close();
   if (!out) throw RunError(fmt::format("cannot write '{}'", file.string()));
 }
 
-void Summary::Print() const {
-  for (const auto& [key, value] : json_->values.items()) {
-    fmt::print("{:<28} {}\n", key,
-               value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
-               : value.is_string()     ? value.get<std::string>()
-                                       : value.dump());
+std::string Shown(const nlohmann::ordered_json& value) {
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+}  // namespace
+
+void Summary::Write(const fs::path& file) const {
+  WriteJson(json_->values, file);
+}
+
+void Summary::AddTo(Report& report) const {
+  const auto& values = json_->values;
+  const bool finished = values["finished"];
+  const double end = values["simulated_s"];
+  const std::string reason = values["end_reason"];
+  report.Conclude(finished, finished ? fmt::format("finished after {:.4g} s", end)
+                                     : fmt::format("ended at {:.4g} s: {}", end, reason));
+  if (!finished) report.AddEvent(end, reason);
+  const auto flat = values.flatten();
+  for (const auto& [key, value] : flat.items()) {
+    std::string name = key.substr(1);  // of "/foot_error_max_m/front_left"
+    std::replace(name.begin(), name.end(), '/', '.');
+    if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
+    if (value.is_number() || value.is_null()) {
+      report.AddFigure(name, value.is_null() ? std::nullopt : std::optional<double>(value));
+    } else {
+      report.AddFigure(name, value.is_string() ? value.get<std::string>() : value.dump());
+    }
   }
+}
+
+void Summary::Print() const {
+  for (const auto& [key, value] : json_->values.items()) fmt::print("{:<28} {}\n", key, Shown(value));
+}
+
+void Summary::WriteComparison(const Named& runs, const fs::path& file) {
+  nlohmann::ordered_json all;
+  for (const auto& [name, summary] : runs) all[name] = summary.json_->values;
+  WriteJson(all, file);
+}
+
+void Summary::PrintComparison(const Named& runs) {
+  std::vector<std::string> keys;  // of all runs, in the order of their first appearance
+  for (const auto& [name, summary] : runs) {
+    for (const auto& [key, value] : summary.json_->values.items()) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  fmt::print("{:<28}", "");
+  for (const auto& [name, summary] : runs) fmt::print(" {:>16}", name);
+  for (const std::string& key : keys) {
+    fmt::print("\n{:<28}", key);
+    for (const auto& [name, summary] : runs) {
+      const auto& values = summary.json_->values;
+      fmt::print(" {:>16}", values.contains(key) ? Shown(values[key]) : "-");
+    }
+  }
+  fmt::print("\n");
 }
 
 }  // namespace tenon::apps

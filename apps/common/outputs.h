@@ -4,10 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tenon/apps/common/command_line.h"
 #include "tenon/apps/common/progress.h"
 #include "tenon/systems/diagram.h"
+#include "tenon/systems/report/report.h"
 
 namespace tenon::apps {
 
@@ -27,10 +30,21 @@ class OutputDirectory {
   std::filesystem::path graph_;
 };
 
+/// The part of a scenario that says what its report shows.
+struct ReportScenario {
+  std::vector<Plot> plots;          ///< with names of signals as in signals.csv
+  std::vector<std::string> events;  ///< signals of which every change is marked
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"plots", &ReportScenario::plots}, Field{"events", &ReportScenario::events}};
+  }
+};
+
 /// summary.json: the figures of a run, SI units in the keys. Starts with those that all apps have.
 class Summary {
  public:
   Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
+  Summary(Summary&&) noexcept;
   ~Summary();
   void Set(const std::string& key, double value);
   void Set(const std::string& key, const std::string& value);
@@ -39,7 +53,13 @@ class Summary {
 
   void Write(const std::filesystem::path& file) const;  ///< throws RunError
   void Print() const;                                   ///< on stdout, one figure a line
+  void AddTo(Report& report) const;                     ///< the figures and the verdict
   ExitCode exit_code() const { return exit_code_; }
+
+  using Named = std::vector<std::pair<std::string, Summary>>;
+  /// Of several runs: their names, each with its figures; throws RunError.
+  static void WriteComparison(const Named& runs, const std::filesystem::path& file);
+  static void PrintComparison(const Named& runs);  ///< on stdout, one figure a line, one run a column
 
  private:
   struct Json;

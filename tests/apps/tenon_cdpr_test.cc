@@ -65,8 +65,31 @@ TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
                              HasSubstr("\n0.5,")));
   EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: D1"), HasSubstr("pose_rate_hz: 200")));
   const std::string graph = Read(out.string() + ".dot");
-  EXPECT_THAT(graph, AllOf(HasSubstr("cluster_loop"), HasSubstr("pd")));
+  EXPECT_THAT(graph, AllOf(HasSubstr("cluster_loop"), HasSubstr("mpc")));
+  EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
+  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>D1: circle of 0.5 m radius"));
   fs::remove(out.string() + ".dot");
+}
+
+TEST_F(TenonCdprTest, ControllersByName) {
+  for (const char* controller : {"mpc_equilibrium", "mpc_zero", "pd"}) {
+    const Result result = RunApp("D1 --duration 0.3 --controller " + std::string(controller) + Out());
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"controller\": \"" + std::string(controller) + "\""));
+  }
+}
+
+TEST_F(TenonCdprTest, ComparesTheControllers) {
+  const Result result = RunApp("D1 --compare --duration 0.3" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* controller : {"mpc_equilibrium", "mpc_zero", "pd"}) {
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(controller) + "\": {"));
+    EXPECT_THAT(Read(out / controller / "signals.csv"), HasSubstr("loop.command.0 [N]"));
+    EXPECT_THAT(Read(out / controller / "scenario.yaml"), HasSubstr(controller));
+  }
+  for (const char* key : {"mpc_time_median_us", "mpc_time_p99_us", "\"mpc_fallbacks\": 0.0"})
+    EXPECT_THAT(summary, HasSubstr(key));
 }
 
 TEST_F(TenonCdprTest, WrittenScenarioRepeatsTheRun) {
@@ -87,14 +110,15 @@ TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
   const Result result =
-      RunApp("D1 --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
+      RunApp("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" +
+             Out());
   EXPECT_EQ(result.exit_code, 3) << result.text;
   EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr("is slack")));
 }
 
 TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
   const Result result = RunApp(
-      "D1 --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set "
+      "D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set "
       "integrator.rtol=1e-300 "
       "--set integrator.atol=1e-300" +
       Out());
@@ -126,6 +150,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --duration -1", "--duration"}, BadUsage{"D1 --set pd", "give it as key=value"},
         BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
         BadUsage{"D1 --controller mpc", "--set controller=mpc"},
+        BadUsage{"D1 --controller pd --compare", "--compare excludes --controller"},
+        BadUsage{"D1 --set mpc=null", "there is no section mpc"},
+        BadUsage{"D1 --set mpc.mass_error=-1", "the model would have no mass"},
+        BadUsage{"D1 --set mpc.horizon_s=0.015", "no multiple of the period"},
         BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"},
         BadUsage{"D1 --set duration_s=-3", "duration_s = -3 must be positive"},
         BadUsage{"D1 --set app=tenon-walk", "a scenario of another app"},
@@ -136,6 +164,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'",
                  "give one time per point"},
         BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"},
+        BadUsage{
+            "D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
+            "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
+        BadUsage{"D1 --set 'report.plots=[{title: speed}]'", "signals"},
         BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
         BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
 

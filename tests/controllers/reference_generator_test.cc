@@ -21,6 +21,18 @@ TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
   EXPECT_THAT(rig[rig.system().reference].position, IsNear(path->At(1.01).position, 1e-12));
 }
 
+TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
+  const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
+                                                      Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));
+  TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path, Hz(100)});
+  rig.AdvanceTo(1);
+  const Geometry& geometry = rig[rig.system().geometry];
+  ASSERT_EQ(geometry.size(), 1);
+  EXPECT_EQ(geometry[0].kind, ShapeKind::kTrace);
+  EXPECT_EQ(geometry[0].role, ShapeRole::kReference);
+  EXPECT_THAT(geometry[0].p_W, IsNear(Vec<3>(0.2, 0, 2), 1e-12));
+}
+
 TEST(ReferenceGeneratorTest, NeedsAPath) {
   EXPECT_TRUE(
       Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "no path given", "EquilibriumPath"));

@@ -39,7 +39,7 @@ TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
   const Cell cell(Circle());
   Simulator simulator(*cell.diagram, kOptions);
   const auto log = simulator.AddLog(Hz(100), {&cell.loop.plant.platform, &cell.loop.reference.reference,
-                                              &cell.loop.pd.command, &cell.loop.plant.cables});
+                                              &cell.loop.command, &cell.loop.plant.cables});
   EXPECT_FALSE(simulator.AdvanceTo(12).ended);
   for (const char* axis : {"x", "y", "z"}) {
     const std::vector<double> is = log->column(std::string("loop.plant.platform.p_WB.") + axis);
@@ -48,7 +48,7 @@ TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
       ASSERT_NEAR(is[i], should[i], 0.05) << axis << " in row " << i;
   }
   for (const char* cable : {"0", "1", "2", "3"}) {
-    EXPECT_THAT(log->column(std::string("loop.pd.command.") + cable),
+    EXPECT_THAT(log->column(std::string("loop.command.") + cable),
                 ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Le(800))));
     EXPECT_THAT(log->column(std::string("loop.plant.cables.tension.") + cable),
                 ::testing::Each(::testing::Gt(0)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
 #include <tenon/systems/ports.h>
 #include <tenon/systems/state.h>
 #include <tenon/systems/system.h>
@@ -17,8 +18,20 @@ class Cart final : public tenon::LeafSystem<CartParams> {
   tenon::ContinuousState<tenon::Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   tenon::OutputPort<tenon::Vec<2>> state{this, x};
   tenon::TimeDerivative<tenon::Vec<2>> dx{x, tenon::Uses(x, force), &Cart::CalcDx};
+  // What a replay draws: a box that moves, and the force as an arrow of 0.2 m/N.
+  tenon::OutputPort<tenon::Geometry> geometry{
+      this,
+      {"geometry"},
+      {tenon::Shape::Box(tenon::ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
+       tenon::Shape::Arrow(tenon::ShapeRole::kForce, "force", 0.2)},
+      tenon::Uses(x, force),
+      &Cart::CalcGeometry};
 
  private:
+  void CalcGeometry(const tenon::Vec<2>& x, double force, tenon::Geometry* out) const {
+    for (tenon::Shape& shape : *out) shape.p_W = {x[0], 0, 0.05};
+    (*out)[1].vector_W = {force, 0, 0};
+  }
   tenon::Vec<2> CalcDx(const tenon::Vec<2>& x, double force) const { return {x[1], force / params.mass}; }
 };
 

@@ -1,6 +1,7 @@
 // A cart, a digital PD controller and a reference, wired into a diagram and simulated.
 
 #include <tenon/systems/diagram.h>
+#include <tenon/systems/report/report.h>
 #include <tenon/systems/simulator.h>
 
 #include <cstdio>
@@ -20,7 +21,10 @@ int main() {
 
   tenon::Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
   const auto log = simulator.AddLog(tenon::Hz(2), {&cart.state, &pd.u});
+  tenon::Report report({.title = "A cart under a digital PD controller"});
+  report.Log(simulator, {&cart.state, &ref, &pd.u}, {&cart.geometry});
   simulator.AdvanceTo(10);
+  report.Write("cart.html");
 
   for (std::size_t i = 0; i < log->rows(); ++i) {
     std::printf("t = %4.1f s   x = %6.4f m   u = %7.4f N\n", log->row(i)[0], log->row(i)[1], log->row(i)[3]);

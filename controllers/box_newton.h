@@ -1,0 +1,134 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace tenon {
+
+/// min 1/2 x^T H x + g^T x   subject to   lower <= x <= upper,   H symmetric, positive definite.
+///
+/// Projected Newton: the entries that are at a bound and would be pushed beyond it stay there, the others
+/// take a Newton step, cut at the bounds, with a backtracking search along the projected path (Bertsekas,
+/// SIAM J. Control Optim. 20, 1982; in differential dynamic programming: Tassa, Mansard and Todorov, ICRA
+/// 2014). Ends after finitely many steps at the exact solution, up to rounding.
+///
+/// N is the size, or Eigen::Dynamic; then the constructor's size counts. Solve() does not allocate.
+template <int N>
+class BoxNewton {
+ public:
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Matrix = Eigen::Matrix<double, N, N>;
+
+  explicit BoxNewton(int size = N)
+      : masked_(size, size),
+        gradient_(size),
+        step_(size),
+        trial_(size),
+        change_(size),
+        free_(size),
+        curvature_(size) {}
+
+  /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
+  /// something is not finite, or after 50 iterations without end.
+  bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper, Vector& x) {
+    constexpr int kMaxIterations = 50, kMaxHalvings = 30;
+    constexpr double kSufficientDecrease = 0.1;
+    x = x.cwiseMax(lower).cwiseMin(upper);
+    const double scale = 1e-12 * (1 + g.cwiseAbs().maxCoeff());
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+      gradient_ = g;
+      gradient_.noalias() += H * x;
+      bool changed = iteration == 0;
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const double is_free =
+            (x[i] <= lower[i] && gradient_[i] > 0) || (x[i] >= upper[i] && gradient_[i] < 0) ? 0 : 1;
+        changed = changed || is_free != free_[i];
+        free_[i] = is_free;
+      }
+      if (changed && !Factor(H)) return false;
+      step_ = -gradient_.cwiseProduct(free_);
+      const double steepest = step_.cwiseAbs().maxCoeff();
+      if (!(steepest < kHuge)) return false;
+      if (steepest <= scale) return true;
+      Substitute(step_.data());
+      double alpha = 1;
+      for (int halving = 0; halving <= kMaxHalvings; ++halving, alpha /= 2) {
+        trial_ = (x + alpha * step_).cwiseMax(lower).cwiseMin(upper);
+        // The change of the cost, from gradient and Hessian at x: no cancellation of large numbers.
+        change_ = trial_ - x;
+        const double slope = gradient_.dot(change_);
+        curvature_.noalias() = H * change_;
+        if (slope + change_.dot(curvature_) / 2 <= kSufficientDecrease * slope) break;
+      }
+      x = trial_;
+      if (change_.cwiseAbs().maxCoeff() <= 1e-15 * (1 + x.cwiseAbs().maxCoeff())) return true;  // rounding
+    }
+    return false;
+  }
+
+  /// All entries free: x = -H^{-1} g. False if H is not positive definite.
+  bool SolveFree(const Matrix& H, const Vector& g, Vector& x) {
+    free_.setOnes();
+    if (!Factor(H)) return false;
+    x = -g;
+    Substitute(x.data());
+    return true;
+  }
+
+  /// Of the last solution: 1 where an entry is free, 0 where it is held at a bound.
+  const Vector& free() const { return free_; }
+
+  /// Replaces C by -H_ff^{-1} C_f in the rows of free entries and by zero in the others: how the solution
+  /// moves when g moves by C y, as long as the same entries are free.
+  template <class Derived>
+  void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
+    for (Eigen::Index j = 0; j < C.cols(); ++j) {
+      double* column = C.derived().col(j).data();
+      for (Eigen::Index i = 0; i < C.rows(); ++i) column[i] *= -free_[i];
+      Substitute(column);
+    }
+  }
+
+ private:
+  static constexpr double kHuge = 1e300;
+
+  // H with the rows and columns of held entries replaced by those of the unit matrix.
+  bool Factor(const Matrix& H) {
+    masked_ = H;
+    for (Eigen::Index i = 0; i < free_.size(); ++i) {
+      if (free_[i] != 0) continue;
+      masked_.row(i).setZero();
+      masked_.col(i).setZero();
+      masked_(i, i) = 1;
+    }
+    // Cholesky, with the reciprocals of the diagonal.
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index j = 0; j < size; ++j) {
+      for (Eigen::Index k = 0; k < j; ++k)
+        for (Eigen::Index i = j; i < size; ++i) masked_(i, j) -= masked_(i, k) * masked_(j, k);
+      if (!(masked_(j, j) > 0)) return false;
+      const double inverse = 1 / std::sqrt(masked_(j, j));
+      for (Eigen::Index i = j + 1; i < size; ++i) masked_(i, j) *= inverse;
+      masked_(j, j) = inverse;
+    }
+    return true;
+  }
+
+  // x <- (L L^T)^{-1} x
+  void Substitute(double* x) const {
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index j = 0; j < size; ++j) {
+      x[j] *= masked_(j, j);
+      for (Eigen::Index i = j + 1; i < size; ++i) x[i] -= masked_(i, j) * x[j];
+    }
+    for (Eigen::Index j = size - 1; j >= 0; --j) {
+      for (Eigen::Index i = j + 1; i < size; ++i) x[j] -= masked_(i, j) * x[i];
+      x[j] *= masked_(j, j);
+    }
+  }
+
+  Matrix masked_;  // below the diagonal L, on it the reciprocals of L's diagonal
+  Vector gradient_, step_, trial_, change_, free_, curvature_;
+};
+
+}  // namespace tenon

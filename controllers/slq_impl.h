@@ -1,0 +1,237 @@
+#pragma once
+
+// The bodies of slq.h.
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+
+template <SlqProblem P>
+Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& options)
+    : problem_(std::move(problem)),
+      steps_(steps),
+      options_(options),
+      step_(problem_.num_states(), problem_.num_inputs()),
+      box_(problem_.num_inputs()) {
+  const int states = problem_.num_states(), inputs = problem_.num_inputs();
+  if (steps_.empty()) throw ParameterError("Slq: there are no steps; give at least one");
+  if (options_.max_iterations < 1) throw ParameterError("Slq: max_iterations must be at least 1");
+  policy_.assign(steps_.size() + 1,
+                 {0, State::Zero(states), Input::Zero(inputs), Gain::Zero(inputs, states)});
+  for (std::size_t k = 0; k < steps_.size(); ++k) {
+    if (!(steps_[k] > 0 && std::isfinite(steps_[k])))
+      throw ParameterError("Slq: step " + std::to_string(k) + " is " + std::to_string(steps_[k]) +
+                           " s; the steps must be positive");
+    policy_[k + 1].time = policy_[k].time + steps_[k];
+  }
+  nominal_.x.assign(steps_.size() + 1, State::Zero(states));
+  nominal_.u.assign(steps_.size(), Input::Zero(inputs));
+  candidate_ = nominal_;
+  tangents_.assign(steps_.size(), Tangent::Zero(states, states + inputs));
+  increment_.assign(steps_.size(), Input::Zero(inputs));
+  gain_.assign(steps_.size(), Gain::Zero(inputs, states));
+  gx_ = Vx_ = dx_ = State::Zero(states);
+  gu_ = du_ = lower_ = upper_ = Input::Zero(inputs);
+  V_ = StateMatrix::Zero(states, states);
+  VT_ = tangents_[0];
+  transposed_ = VT_.transpose();
+  H_.setZero(states + inputs, states + inputs);
+  Huu_.setZero(inputs, inputs);
+  Hux_ = gain_[0];
+}
+
+template <SlqProblem P>
+void Slq<P>::SetPolicy(const State& x, const Input& u) {
+  for (Node& node : policy_) {
+    node.x = x;
+    node.u = u;
+    node.K.setZero();
+  }
+}
+
+template <SlqProblem P>
+void Slq<P>::Shift(double elapsed) {
+  // Node i looks ahead to times that are not overwritten yet.
+  std::size_t j = 0;
+  for (std::size_t i = 0; i + 1 < policy_.size(); ++i) {
+    const double time = policy_[i].time + elapsed;
+    while (j + 2 < policy_.size() && policy_[j + 1].time <= time) ++j;
+    const Node &a = policy_[j], &b = policy_[j + 1];
+    const double s = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
+    policy_[i].x = (1 - s) * a.x + s * b.x;
+    policy_[i].u = (1 - s) * a.u + s * b.u;
+    policy_[i].K = (1 - s) * a.K + s * b.K;
+  }
+}
+
+template <SlqProblem P>
+typename Slq<P>::Input Slq<P>::Evaluate(double time, const State& x) const {
+  const auto after = std::upper_bound(policy_.begin(), policy_.end(), time,
+                                      [](double t, const Node& node) { return t < node.time; });
+  const int i = std::clamp(static_cast<int>(after - policy_.begin()) - 1, 0, num_steps() - 1);
+  const Node &a = policy_[i], &b = policy_[i + 1];
+  const double s = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
+  Input u = (1 - s) * a.u + s * b.u + a.K * (x - (1 - s) * a.x - s * b.x);
+  Clamp(i, u);
+  return u;
+}
+
+template <SlqProblem P>
+bool Slq<P>::Linearize(const State& x0, bool with_policy) {
+  nominal_.x[0] = x0;
+  nominal_.cost = 0;
+  for (int k = 0; k < num_steps(); ++k) {
+    const State& x = nominal_.x[k];
+    Input& u = nominal_.u[k];
+    if (with_policy) {
+      dx_ = x - policy_[k].x;
+      u = policy_[k].u;
+      u.noalias() += policy_[k].K * dx_;
+      Clamp(k, u);
+    }
+    nominal_.cost += steps_[k] * problem_.StageCost(k, x, u);
+    step_.Step(problem_, options_.method, steps_[k], x, u, nominal_.x[k + 1], tangents_[k]);
+  }
+  nominal_.cost += problem_.TerminalCost(nominal_.x.back());
+  return std::isfinite(nominal_.cost);
+}
+
+template <SlqProblem P>
+TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
+  const int states = problem_.num_states(), inputs = problem_.num_inputs();
+  slope_ = curvature_ = 0;
+  Vx_.setZero();
+  V_.setZero();
+  problem_.AddTerminalCost(nominal_.x.back(), Vx_, V_);
+  for (int k = num_steps() - 1; k >= 0; --k) {
+    // [A B]^T V [A B] and [A B]^T Vx
+    internal::Multiply(V_, tangents_[k], VT_);
+    transposed_ = tangents_[k].transpose();
+    internal::MultiplyLower(transposed_, VT_, H_);
+    gx_ = transposed_.topRows(states).lazyProduct(Vx_);
+    gu_ = transposed_.bottomRows(inputs).lazyProduct(Vx_);
+    V_ = H_.topLeftCorner(states, states);
+    Hux_ = H_.bottomLeftCorner(inputs, states);
+    Huu_ = H_.bottomRightCorner(inputs, inputs).template selfadjointView<Eigen::Lower>();
+    problem_.AddStageCost(k, nominal_.x[k], nominal_.u[k], steps_[k], gx_, gu_, V_, Huu_);
+
+    Input& du = increment_[k];
+    Gain& K = gain_[k];
+    Huu_.diagonal().array() += mu;
+    if (options_.bounds == SlqBounds::kProjectedNewton) {
+      lower_ = problem_.Lower(k) - nominal_.u[k];
+      upper_ = problem_.Upper(k) - nominal_.u[k];
+      du.setZero();
+      if (!box_.Solve(Huu_, gu_, lower_, upper_, du)) return false;
+    } else if (!box_.SolveFree(Huu_, gu_, du)) {
+      return false;
+    }
+    K = Hux_;
+    box_.Sensitivity(K);
+
+    slope_ += gu_.dot(du);
+    du_ = Huu_.lazyProduct(du);
+    curvature_ += (du.dot(du_) - mu * du.squaredNorm()) / 2;
+    // On the free inputs Huu K = -Hux and Huu du = -gu, mu included in Huu; the others have K = 0.
+    Vx_ = gx_ + Hux_.transpose().lazyProduct(du);
+    if (mu > 0) Vx_ -= mu * K.transpose().lazyProduct(du);
+    for (int c = 0; c < states; ++c) {
+      for (int r = c; r < states; ++r) {
+        double sum = V_(r, c);
+        for (int i = 0; i < inputs; ++i) sum += (Hux_(i, r) - mu * K(i, r)) * K(i, c);
+        V_(r, c) = V_(c, r) = sum;
+      }
+    }
+  }
+  return std::isfinite(slope_) && std::isfinite(curvature_);
+}
+
+template <SlqProblem P>
+bool Slq<P>::RollOut(double alpha) {
+  candidate_.x[0] = nominal_.x[0];
+  candidate_.cost = 0;
+  for (int k = 0; k < num_steps(); ++k) {
+    const State& x = candidate_.x[k];
+    Input& u = candidate_.u[k];
+    dx_ = x - nominal_.x[k];
+    u = nominal_.u[k] + alpha * increment_[k];
+    u.noalias() += gain_[k] * dx_;
+    Clamp(k, u);
+    candidate_.cost += steps_[k] * problem_.StageCost(k, x, u);
+    step_.Step(problem_, options_.method, steps_[k], x, u, candidate_.x[k + 1]);
+  }
+  candidate_.cost += problem_.TerminalCost(candidate_.x.back());
+  return std::isfinite(candidate_.cost);
+}
+
+template <SlqProblem P>
+bool Slq<P>::Search(SlqReport& report) {
+  constexpr double kFairPart = 1e-4, kShortest = 1e-3;
+  const double rounding = 1e-14 * (1 + std::abs(nominal_.cost));
+  for (double alpha = 1; alpha > kShortest; alpha /= 2) {
+    const double expected = -alpha * (slope_ + alpha * curvature_);
+    if (!RollOut(alpha)) continue;
+    if (nominal_.cost - candidate_.cost >= kFairPart * expected - rounding) {
+      report.step_length = alpha;
+      return true;
+    }
+  }
+  return false;
+}
+
+template <SlqProblem P>
+void Slq<P>::Adopt() {
+  for (int k = 0; k < num_steps(); ++k) {
+    policy_[k].x = nominal_.x[k];
+    policy_[k].u = nominal_.u[k];
+    policy_[k].K = gain_[k];
+  }
+  policy_.back().x = nominal_.x.back();
+  policy_.back().u = nominal_.u.back();
+  policy_.back().K = gain_.back();
+}
+
+template <SlqProblem P>
+SlqReport Slq<P>::Solve(const State& x0) {
+  constexpr double kLeastMu = 1e-6, kLargestMu = 1e10, kFactor = 10;
+  SlqReport report;
+  double mu = 0;
+  if (!x0.allFinite() || !Linearize(x0, true)) {
+    report.status = SlqStatus::kNotFinite;
+    return report;
+  }
+  report.initial_cost = report.cost = nominal_.cost;
+  for (;;) {
+    bool descends = false, converged = false;
+    for (; mu <= kLargestMu && !descends; mu = std::max(kLeastMu, kFactor * mu)) {
+      if (!Backward(mu)) continue;
+      report.regularisation = mu;
+      report.expected_reduction = -(slope_ + curvature_);
+      converged = report.expected_reduction <= options_.tolerance * (1 + std::abs(nominal_.cost));
+      if ((descends = converged || Search(report))) break;
+    }
+    if (!descends) {
+      report.status = SlqStatus::kNoDescent;
+      return report;
+    }
+    mu = mu <= kLeastMu ? 0 : mu / kFactor;
+    ++report.iterations;
+    if (converged) {
+      report.status = SlqStatus::kConverged;
+      break;
+    }
+    std::swap(nominal_, candidate_);
+    report.cost = nominal_.cost;
+    report.status = SlqStatus::kStepped;
+    if (report.iterations >= options_.max_iterations) break;
+    if (!Linearize(x0, false)) {
+      report.status = SlqStatus::kNotFinite;
+      return report;
+    }
+  }
+  Adopt();
+  return report;
+}
+
+}  // namespace tenon

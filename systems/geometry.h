@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "tenon/systems/fields.h"
+#include "tenon/systems/signal.h"
+
+namespace tenon {
+
+enum class ShapeKind {
+  kBox,       ///< about p_W, edges along its frame; size: the three edges [m]
+  kSphere,    ///< about p_W; size: radius [m]
+  kCylinder,  ///< about p_W, along its frame's z; size: radius, length [m]
+  kCapsule,   ///< the same with round ends; length is that of the cylinder between them
+  kSegment,   ///< a straight rod or cable from p_W to p_W + vector_W [m]; size: radius [m]
+  kArrow,     ///< from p_W along scale * vector_W, for forces and velocities
+  kTrace,     ///< the path that p_W takes in the whole run; size: radius of a ball at p_W, or 0 [m]
+};
+constexpr auto EnumNames(ShapeKind) {
+  return std::array{std::pair{ShapeKind::kBox, "box"},           std::pair{ShapeKind::kSphere, "sphere"},
+                    std::pair{ShapeKind::kCylinder, "cylinder"}, std::pair{ShapeKind::kCapsule, "capsule"},
+                    std::pair{ShapeKind::kSegment, "segment"},   std::pair{ShapeKind::kArrow, "arrow"},
+                    std::pair{ShapeKind::kTrace, "trace"}};
+}
+
+/// What a shape stands for: decides its colour, and can be shown and hidden together.
+enum class ShapeRole {
+  kRobot,
+  kCable,
+  kPayload,
+  kPerson,
+  kGround,
+  kFixture,
+  kForce,
+  kDisturbance,
+  kEstimate,
+  kReference
+};
+constexpr auto EnumNames(ShapeRole) {
+  return std::array{
+      std::pair{ShapeRole::kRobot, "robot"},        std::pair{ShapeRole::kCable, "cables"},
+      std::pair{ShapeRole::kPayload, "payload"},    std::pair{ShapeRole::kPerson, "person"},
+      std::pair{ShapeRole::kGround, "ground"},      std::pair{ShapeRole::kFixture, "fixtures"},
+      std::pair{ShapeRole::kForce, "forces"},       std::pair{ShapeRole::kDisturbance, "disturbances"},
+      std::pair{ShapeRole::kEstimate, "estimates"}, std::pair{ShapeRole::kReference, "reference"}};
+}
+
+/// One thing to look at. What stays the same during a run is set once, in the initial value of the port that
+/// puts it out; what moves is written at every evaluation, and that alone is logged.
+struct Shape {
+  ShapeKind kind = ShapeKind::kSphere;
+  ShapeRole role = ShapeRole::kRobot;
+  std::string name{};
+  Vec<3> size = Vec<3>::Zero();  ///< see ShapeKind [m]
+  double scale = 1;              ///< of an arrow: its length [m] per unit of vector_W, say m/N
+  std::string unit{};            ///< of `value`; if given, the value decides the colour (a cable's tension)
+
+  Vec<3> p_W = Vec<3>::Zero();       ///< [m]
+  Vec<4> q_W{1, 0, 0, 0};            ///< attitude (w, x, y, z)
+  Vec<3> vector_W = Vec<3>::Zero();  ///< of a segment [m], of an arrow in its own unit
+  double value = 0;
+  bool visible = true;
+
+  static Shape Box(ShapeRole role, std::string name, const Vec<3>& edges) {
+    return {ShapeKind::kBox, role, std::move(name), edges};
+  }
+  static Shape Sphere(ShapeRole role, std::string name, double radius) {
+    return {ShapeKind::kSphere, role, std::move(name), {radius, 0, 0}};
+  }
+  static Shape Cylinder(ShapeRole role, std::string name, double radius, double length) {
+    return {ShapeKind::kCylinder, role, std::move(name), {radius, length, 0}};
+  }
+  static Shape Capsule(ShapeRole role, std::string name, double radius, double length) {
+    return {ShapeKind::kCapsule, role, std::move(name), {radius, length, 0}};
+  }
+  static Shape Segment(ShapeRole role, std::string name, double radius, std::string unit = "") {
+    return {ShapeKind::kSegment, role, std::move(name), {radius, 0, 0}, 1, std::move(unit)};
+  }
+  static Shape Arrow(ShapeRole role, std::string name, double scale) {
+    return {ShapeKind::kArrow, role, std::move(name), Vec<3>::Zero(), scale};
+  }
+  static Shape Trace(ShapeRole role, std::string name, double ball_radius = 0) {
+    return {ShapeKind::kTrace, role, std::move(name), {ball_radius, 0, 0}};
+  }
+
+  /// What moves.
+  static constexpr auto Fields() {
+    return std::tuple{Field{"p_W", &Shape::p_W, "m"}, Field{"q_W", &Shape::q_W},
+                      Field{"vector_W", &Shape::vector_W}, Field{"value", &Shape::value},
+                      Field{"visible", &Shape::visible}};
+  }
+};
+
+/// What a block looks like: a signal like any other, which a plant, a reference or an observer puts out and a
+/// replay draws, so that whatever draws knows no robot. The number of shapes is that of the port's initial
+/// value and stays. W is the world, z up, SI units.
+///
+///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kRobot, "cart", {.3, .2,
+///     .1})},
+///                                   Uses(x), &Cart::CalcGeometry};
+///     void CalcGeometry(const Vec<2>& x, Geometry* out) const { (*out)[0].p_W = {x[0], 0, 0.05}; }
+using Geometry = std::vector<Shape>;
+
+}  // namespace tenon

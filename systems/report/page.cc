@@ -1,0 +1,93 @@
+#include "tenon/systems/report/page.h"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "tenon/systems/errors.h"
+#include "tenon/systems/report/page_parts.h"
+
+namespace tenon::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Part {
+  const char* slot;
+  const char* file;
+  const char* package;
+};
+constexpr Part kParts[] = {
+    {"dygraph.css", "dygraphs/dygraph.min.css", "libjs-dygraphs"},
+    {"dygraph.js", "dygraphs/dygraph.min.js", "libjs-dygraphs"},
+    {"three.js", "three/three.min.js", "libjs-three"},
+    {"OrbitControls.js", "three/examples/js/controls/OrbitControls.js", "libjs-three"},
+};
+
+fs::path FindPart(const Part& part) {
+  const char* own = std::getenv("TENON_JAVASCRIPT_DIR");
+  const fs::path file = fs::path(own != nullptr ? own : TENON_JAVASCRIPT_DIR) / part.file;
+  if (!fs::exists(file)) {
+    throw RunError(
+        fmt::format("a report needs '{}', which is not there: apt-get install {}, or set "
+                    "TENON_JAVASCRIPT_DIR to where it is",
+                    file.string(), part.package));
+  }
+  return file;
+}
+
+/// Without the line that names a source map, which would not lie beside the page.
+std::string ReadPart(const Part& part) {
+  std::ifstream in(FindPart(part), std::ios::binary);
+  std::string text, line;
+  while (std::getline(in, line)) {
+    if (line.find("# sourceMappingURL=") == std::string::npos) text += line + '\n';
+  }
+  return text;
+}
+
+void ReplaceAll(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+void CheckPageParts() {
+  for (const Part& part : kParts) FindPart(part);
+}
+
+void WritePage(const fs::path& file, const std::string& title, std::string data_json) {
+  ReplaceAll(data_json, "</", "<\\/");  // nothing in the data ends the script that holds it
+  ReplaceAll(data_json, "<!--", "<\\u0021--");
+  std::string escaped_title = title;
+  ReplaceAll(escaped_title, "&", "&amp;");
+  ReplaceAll(escaped_title, "<", "&lt;");
+
+  std::ofstream out(file, std::ios::binary);
+  // The template's slots are written as {{name}}.
+  std::string_view rest = kPageHtml;
+  for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
+    out << rest.substr(0, open);
+    const std::size_t close = rest.find("}}", open);
+    const std::string_view slot = rest.substr(open + 2, close - open - 2);
+    rest.remove_prefix(close + 2);
+    if (slot == "title") out << escaped_title;
+    if (slot == "report.css") out << kPageCss;
+    if (slot == "report.js") out << kPlotsJs << kShapesJs << kReplayJs << kReportJs;
+    if (slot == "data") out << data_json;
+    for (const Part& part : kParts) {
+      if (slot == part.slot) out << ReadPart(part);
+    }
+  }
+  out << rest;
+  out.close();
+  if (!out)
+    throw RunError(
+        fmt::format("cannot write the report '{}': is there such a directory, and room?", file.string()));
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,284 @@
+// The 3-D replay: all shapes of all runs in their surroundings, seen by a camera.
+
+class Replay {
+  // Throws if there is no WebGL.
+  constructor(stage, runs) {
+    const canvas = document.createElement('canvas');
+    const attributes = {antialias: true, alpha: false, preserveDrawingBuffer: true};
+    const context = canvas.getContext('webgl2', attributes) || canvas.getContext('webgl', attributes);
+    if (!context) throw new Error('no WebGL');
+    Actor.scratch = new THREE.Vector3();
+    Actor.y = new THREE.Vector3(0, 1, 0);
+    this.stage = stage;
+    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setClearColor(0xfbfcfd);
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    stage.prepend(canvas);
+
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(38, 1, 0.01, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.ranges = this.valueRanges(runs);
+    this.runs = runs.map((run) => this.makeRun(run));
+    this.inset = {camera: new THREE.PerspectiveCamera(38, 1, 0.01, 1000), frame: stage.querySelector('#inset'), size: 0};
+    this.shown = 0;
+    this.ghosts = false;
+    this.hiddenRoles = new Set();
+    this.measure();
+    this.addSurroundings();
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.screenSpacePanning = true;
+    this.controls.addEventListener('start', () => this.viewChosen = true);
+    this.controls.addEventListener('change', () => this.requestRender());
+    this.resetView();
+    new ResizeObserver(() => this.resize()).observe(stage);
+    this.resize();
+  }
+
+  get roles() {
+    return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => a.everSeen()).map((a) => a.shape.role)))];
+  }
+
+  // Of each unit, over all runs: one colour bar serves them all.
+  valueRanges(runs) {
+    const ranges = {};
+    for (const {frames} of runs) {
+      frames.shapes.forEach((shape, i) => {
+        if (!shape.unit) return;
+        const range = ranges[shape.unit] || (ranges[shape.unit] = [Infinity, -Infinity]);
+        for (let frame = 0; frame < frames.time.length; ++frame) {
+          const value = frames.at(i * WIDTH + VALUE, frame);
+          range[0] = Math.min(range[0], value);
+          range[1] = Math.max(range[1], value);
+        }
+      });
+    }
+    return ranges;
+  }
+
+  makeRun({frames}) {
+    const group = new THREE.Group();
+    const actors = frames.shapes.map((shape, i) => new Actor(shape, i, frames, this.ranges[shape.unit]));
+    for (const actor of actors) {
+      group.add(actor.object);
+      if (actor.line) group.add(actor.line);
+    }
+    this.scene.add(group);
+    return {frames, group, actors};
+  }
+
+  // The box that everything stays in, and the box that is there at the start: a robot that walks out of this is
+  // followed.
+  measure() {
+    this.box = new THREE.Box3();
+    this.home = new THREE.Box3();
+    for (const {frames, actors} of this.runs) {
+      const step = Math.max(1, Math.floor(frames.time.length / 100));
+      for (const actor of actors) {
+        if (actor.shape.role === 'ground' || !actor.everSeen()) continue;
+        for (let i = 0; i < frames.time.length; i += step) {
+          for (const point of actor.points(i)) {
+            this.box.expandByPoint(point);
+            if (i === 0 && actor.shape.kind !== 'trace') this.home.expandByPoint(point);
+          }
+        }
+      }
+    }
+    for (const box of [this.box, this.home]) {
+      if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
+      box.min.z = Math.min(box.min.z, 0);
+    }
+    this.extent = this.box.getSize(new THREE.Vector3()).length();
+    const homeExtent = this.home.getSize(new THREE.Vector3()).length();
+    this.travels = this.extent > 2 * homeExtent;
+    if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
+
+    // Of the robot's parts about their mean place.
+    this.setTime(0);
+    this.robotRadius = 0;
+    this.start = this.robotPlace() || new THREE.Vector3();
+    for (const actor of this.robotParts()) {
+      this.robotRadius = Math.max(this.robotRadius, actor.object.position.distanceTo(this.start) + actor.reach());
+    }
+    this.speck = this.robotRadius < 0.05 * homeExtent;
+    const arrowRadius = Math.max(0.002 * homeExtent, Math.min(0.02 * homeExtent, 0.04 * this.robotRadius));
+    for (const {actors} of this.runs) {
+      for (const actor of actors) actor.arrowRadius = arrowRadius;
+    }
+  }
+
+  addSurroundings() {
+    const size = this.box.getSize(new THREE.Vector3());
+    const center = this.box.getCenter(new THREE.Vector3());
+    const cell = Math.pow(10, Math.floor(Math.log10(Math.max(size.x, size.y, 0.5)) - 0.3));
+    const cells = 2 * Math.ceil(0.75 * Math.max(size.x, size.y, 4 * cell) / cell);
+    const grid = new THREE.GridHelper(cells * cell, cells, 0xc3c9d1, 0xe3e7ec);
+    grid.rotation.x = Math.PI / 2;
+    grid.position.set(Math.round(center.x / cell) * cell, Math.round(center.y / cell) * cell, 0);
+    const floor = new THREE.Mesh(new THREE.PlaneBufferGeometry(cells * cell, cells * cell),
+                                 new THREE.ShadowMaterial({opacity: 0.16}));
+    floor.position.set(grid.position.x, grid.position.y, -0.001);
+    floor.receiveShadow = true;
+    const axes = new THREE.AxesHelper(cell / 2);
+    axes.position.z = 0.002;
+    this.scene.add(grid, floor, axes);
+
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0xb8bec8, 0.75));
+    const sun = new THREE.DirectionalLight(0xffffff, 0.55);
+    sun.position.copy(center).add(new THREE.Vector3(0.25, -0.35, 1).multiplyScalar(this.extent));
+    sun.target.position.copy(center);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(2048, 2048);
+    const half = 0.6 * this.extent;
+    Object.assign(sun.shadow.camera, {left: -half, right: half, top: half, bottom: -half, near: 0.01, far: 3 * this.extent});
+    this.scene.add(sun, sun.target);
+  }
+
+  // So far away, in a fixed direction, that the box fits in the picture.
+  resetView() {
+    this.viewChosen = false;
+    const moved = this.follow && this.robotPlace() ? this.robotPlace().sub(this.start) : new THREE.Vector3();
+    this.view = this.home.clone().translate(moved);
+    const center = this.view.getCenter(new THREE.Vector3());
+    const direction = Replay.direction();
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).add(direction);
+    this.camera.lookAt(center);
+    this.camera.updateMatrixWorld();
+    const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
+    const tan = Math.tan(this.camera.fov * Math.PI / 360);
+    let distance = 0.1;
+    for (const p of this.corners()) {
+      p.applyMatrix4(inverse);
+      distance = Math.max(distance, Math.abs(p.y) / tan + p.z, Math.abs(p.x) / (tan * this.camera.aspect) + p.z);
+    }
+    this.camera.position.copy(center).addScaledVector(direction, 1.03 * (distance + 1));
+    this.center();
+    this.camera.near = distance / 500;
+    this.camera.far = 20 * distance + this.extent;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.requestRender();
+  }
+
+  // Moves the camera up or down until the box has as much room above as below.
+  center() {
+    this.camera.updateMatrixWorld();
+    const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
+    let low = Infinity, high = -Infinity;
+    for (const p of this.corners()) {
+      p.applyMatrix4(inverse);
+      low = Math.min(low, -p.y / p.z);
+      high = Math.max(high, -p.y / p.z);
+    }
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const up = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
+    up.multiplyScalar((low + high) / 2 * distance);
+    this.camera.position.add(up);
+    this.controls.target.add(up);
+  }
+
+  corners() {
+    const {min, max} = this.view;
+    return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+  }
+
+  resize() {
+    const width = this.stage.clientWidth, height = this.stage.clientHeight;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (!this.viewChosen) this.resetView();
+    this.inset.size = this.speck ? Math.round(Math.min(0.36 * width, 0.36 * height)) : 0;
+    this.inset.frame.hidden = this.inset.size === 0;
+    this.inset.frame.style.width = this.inset.frame.style.height = `${this.inset.size}px`;
+    this.requestRender();
+  }
+
+  robotParts() {
+    const solid = ['box', 'sphere', 'cylinder', 'capsule'];
+    return this.runs[this.shown].actors.filter((a) => a.shape.role === 'robot' && solid.includes(a.shape.kind));
+  }
+
+  // The mean place of what is called robot, in the run that is shown.
+  robotPlace() {
+    const actors = this.robotParts();
+    const sum = new THREE.Vector3();
+    for (const actor of actors) sum.add(actor.object.position);
+    return actors.length ? sum.divideScalar(actors.length) : null;
+  }
+
+  setFollow(follow) {
+    this.follow = follow;
+    this.followed = null;
+    if (!follow) return;
+    const place = this.robotPlace();
+    if (!place) return;
+    this.followed = place;
+    if (!this.speck) return;
+    // Closer, so that the robot is more than a speck in a large room.
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.controls.target.copy(place);
+    this.camera.position.copy(place).addScaledVector(offset, 0.3);
+    this.viewChosen = true;
+    this.controls.update();
+  }
+
+  setTime(t) {
+    this.runs.forEach((run, r) => {
+      const ghost = r !== this.shown;
+      run.group.visible = !ghost || this.ghosts;
+      if (!run.group.visible) return;
+      run.frames.setTime(t);
+      for (const actor of run.actors) {
+        actor.update();
+        actor.setOpacity(ghost ? 0.25 : 1);
+        const hidden = this.hiddenRoles.has(actor.shape.role) || (ghost && actor.shape.role === 'fixtures');
+        if (hidden) actor.object.visible = false;
+        if (actor.line) actor.line.visible = !hidden;
+      }
+    });
+    if (this.follow && this.controls) {
+      const place = this.robotPlace();
+      if (place && this.followed) {
+        const step = place.clone().sub(this.followed);
+        this.camera.position.add(step);
+        this.controls.target.add(step);
+      }
+      this.followed = place;
+      this.controls.update();
+    }
+    this.requestRender();
+  }
+
+  static direction() {
+    return new THREE.Vector3(0.5, -0.9, 0.42).normalize();
+  }
+
+  requestRender() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => this.render());
+  }
+
+  render() {
+    this.pending = false;
+    const {renderer, scene, inset} = this;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, this.stage.clientWidth, this.stage.clientHeight);
+    renderer.render(scene, this.camera);
+    const place = inset.size > 0 && this.robotPlace();
+    if (!place) return;
+    // A robot that is a speck in its room gets a close-up.
+    renderer.setScissorTest(true);
+    renderer.setScissor(10, 10, inset.size, inset.size);
+    renderer.setViewport(10, 10, inset.size, inset.size);
+    inset.camera.up.set(0, 0, 1);
+    inset.camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.robotRadius);
+    inset.camera.lookAt(place);
+    renderer.render(scene, inset.camera);
+  }
+}

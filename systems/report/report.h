@@ -1,0 +1,100 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tenon/systems/geometry.h"
+#include "tenon/systems/simulator.h"
+
+namespace tenon {
+
+/// One diagram of signals over time.
+struct Plot {
+  std::string title{};
+  /// Names as in logs, "cart.x.position"; a name without its elements, "cart.x", stands for all of them.
+  std::vector<std::string> signals{};
+  /// What the signals should be, drawn dashed: one for each signal, in the same order, or in fewer.
+  std::vector<std::string> references{};
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("title", &Plot::title), Required("signals", &Plot::signals),
+                      Field{"references", &Plot::references}};
+  }
+};
+
+struct ReportParams {
+  std::string title{};
+  std::string description{};          ///< one line under the title
+  std::vector<Plot> plots{};          ///< none: one for each logged signal and unit
+  std::vector<std::string> events{};  ///< names of signals of which every change is marked
+  Rate signal_rate = Hz(200);         ///< of what is plotted
+  Rate frame_rate = Hz(50);           ///< of the replay; it interpolates between frames
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Makes a page to look at a run: title, verdict, table of figures, a 3-D replay of all Geometry ports, and
+/// plots, with one time cursor. The page is one file that needs no network.
+///
+///     Report report({.title = "cart"});
+///     report.Log(simulator, {&cart.state, &pd.u}, {&cart.geometry});
+///     simulator.AdvanceTo(10);
+///     report.Write("report.html");
+///
+/// Several runs in one page, over each other in the plots and side by side in the table: a Report for each,
+/// and one more to which they are added.
+///
+///     Report comparison({.title = "cart", .plots = plots});
+///     comparison.Add("soft", soft);
+///     comparison.Add("stiff", stiff);
+///     comparison.Write("comparison.html");
+///
+/// Plots keep the first, the smallest and the largest sample of every short interval, so that no peak is
+/// lost; columns of the replay that never change are stored once. The page draws with three.js and Dygraphs,
+/// which are read from where Debian installs them (libjs-three, libjs-dygraphs; another directory than
+/// /usr/share/javascript can be given in the environment variable TENON_JAVASCRIPT_DIR) and copied into it.
+class Report {
+ public:
+  /// Throws RunError that names the package to install if three.js or Dygraphs is not there, and
+  /// ParameterError for a plot without signals: now, not after a long run.
+  explicit Report(ReportParams params);
+  ~Report();
+  Report(Report&&) noexcept;
+
+  /// Adds logs to the simulator; call it before the run, once. Geometry may come from several blocks. Throws
+  /// ParameterError with the nearest name if a plot names a signal that is not among `signals`.
+  void Log(Simulator& simulator, const std::vector<const Source*>& signals,
+           const std::vector<const OutputPort<Geometry>*>& geometry = {});
+
+  /// A row of the table; an empty value is shown as a dash. Units belong into the name: "error_max_m".
+  void AddFigure(const std::string& name, std::optional<double> value);
+  void AddFigure(const std::string& name, const std::string& text);
+  /// A mark in all plots.
+  void AddEvent(double time, const std::string& label);
+  /// The verdict: what came out, and whether that is what was asked for.
+  void Conclude(bool good, const std::string& verdict);
+  /// The same from how the run ended; a monitor that ended it gives the reason and an event.
+  void Conclude(const RunStatus& status);
+
+  /// Takes over the run of another report, under the name of a variant. Later changes of that are seen.
+  void Add(const std::string& variant, const Report& other);
+
+  /// Throws RunError if the file cannot be written, or if there is nothing to show.
+  void Write(const std::filesystem::path& file) const;
+
+ private:
+  struct Run;
+  struct Variant {
+    std::string name;
+    std::shared_ptr<Run> run;
+  };
+  Run& own();
+  ReportParams params_;
+  std::vector<Variant> variants_;
+};
+
+}  // namespace tenon

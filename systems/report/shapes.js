@@ -1,0 +1,186 @@
+// The shapes of a run at any time, as objects of three.js. Knows shapes, no robots.
+
+const ROLE_COLORS = {
+  robot: 0x3d5a80, cables: 0x777777, payload: 0xb5651d, person: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
+  forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
+};
+// From low to high values: viridis, which also reads in grey and by the colour-blind.
+const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 200, 37]];
+
+// Columns of a shape in a frame, as Shape::Fields() lists them.
+const WIDTH = 12, P = 0, Q = 3, VECTOR = 7, VALUE = 10, VISIBLE = 11;
+
+function scaleColor(fraction) {
+  const at = Math.min(Math.max(fraction, 0), 1) * (SCALE.length - 1);
+  const i = Math.min(Math.floor(at), SCALE.length - 2);
+  return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
+}
+
+// The frames of one run: value(column, t) between them, and whole columns.
+class Frames {
+  constructor(json) {
+    this.shapes = json.shapes;
+    this.time = decode(json.time, Float64Array);
+    this.first = decode(json.first, Float32Array);
+    this.data = decode(json.data, Float32Array);
+    this.row = new Map(json.moving.map((column, i) => [column, i]));
+  }
+  setTime(t) {
+    const n = this.time.length;
+    this.a = indexAt(this.time, t);
+    this.b = Math.min(this.a + 1, n - 1);
+    const span = this.time[this.b] - this.time[this.a];
+    this.fraction = span > 0 ? Math.min(Math.max((t - this.time[this.a]) / span, 0), 1) : 0;
+  }
+  at(column, frame) {
+    const row = this.row.get(column);
+    return row === undefined ? this.first[column] : this.data[row * this.time.length + frame];
+  }
+  value(column) {
+    const a = this.at(column, this.a);
+    return this.row.has(column) ? a + this.fraction * (this.at(column, this.b) - a) : a;
+  }
+  vector(column, out) {
+    return out.set(this.value(column), this.value(column + 1), this.value(column + 2));
+  }
+  // The shorter way from one attitude to the next; q and -q are the same.
+  quaternion(column, out) {
+    const q = (frame) => [1, 2, 3, 0].map((k) => this.at(column + k, frame));
+    out.set(...q(this.a));
+    return this.fraction > 0 ? out.slerp(new THREE.Quaternion(...q(this.b)), this.fraction) : out;
+  }
+}
+
+// One shape as objects of three.js.
+class Actor {
+  constructor(shape, index, frames, unitRange) {
+    this.shape = shape;
+    this.base = index * WIDTH;
+    this.frames = frames;
+    this.range = shape.unit ? unitRange : null;
+    const color = ROLE_COLORS[shape.role] || 0x888888;
+    this.material = new THREE.MeshPhongMaterial({color, shininess: 25, specular: 0x222222});
+    this.object = new THREE.Group();
+    const add = (geometry) => {
+      const mesh = new THREE.Mesh(geometry, this.material);
+      mesh.castShadow = shape.role !== 'ground';
+      mesh.receiveShadow = shape.role === 'ground';
+      this.object.add(mesh);
+      return mesh;
+    };
+    const [x, y, z] = shape.size;
+    switch (shape.kind) {
+      case 'box': {
+        add(new THREE.BoxBufferGeometry(x, y, z));
+        const edges = new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(x, y, z));
+        this.edges = new THREE.LineBasicMaterial({color: new THREE.Color(color).multiplyScalar(0.55)});
+        this.object.add(new THREE.LineSegments(edges, this.edges));
+        break;
+      }
+      case 'sphere': add(new THREE.SphereBufferGeometry(x, 24, 16)); break;
+      case 'capsule':
+        for (const end of [-1, 1]) add(new THREE.SphereBufferGeometry(x, 20, 14)).position.z = end * y / 2;
+        // falls through
+      case 'cylinder': add(new THREE.CylinderBufferGeometry(x, x, y, 24)).rotation.x = Math.PI / 2; break;
+      case 'segment': add(new THREE.CylinderBufferGeometry(1, 1, 1, 10)); break;
+      case 'arrow':
+        this.head = add(new THREE.ConeBufferGeometry(1, 1, 16));
+        this.shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 12));
+        break;
+      case 'trace': this.makeTrace(x, color, add); break;
+      default: throw new Error(`no shape is called '${shape.kind}'`);
+    }
+  }
+
+  makeTrace(radius, color, add) {
+    const n = this.frames.time.length;
+    const points = new Float32Array(3 * n);
+    for (let i = 0; i < n; ++i) {
+      for (let k = 0; k < 3; ++k) points[3 * i + k] = this.frames.at(this.base + P + k, i);
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
+    this.edges = this.shape.role === 'reference' ?
+        new THREE.LineDashedMaterial({color, dashSize: 0.06, gapSize: 0.04}) :
+        new THREE.LineBasicMaterial({color});
+    this.line = new THREE.Line(geometry, this.edges);
+    this.line.computeLineDistances();
+    this.line.frustumCulled = false;
+    if (radius > 0) this.ball = add(new THREE.SphereBufferGeometry(radius, 20, 14));
+  }
+
+  // How far the solid goes from its middle.
+  reach() {
+    const [x, y, z] = this.shape.size;
+    return this.shape.kind === 'box' ? Math.hypot(x, y, z) / 2 : x + y / 2;
+  }
+
+  // Where it is in a frame, and where it ends.
+  points(frame) {
+    const read = (column) => new THREE.Vector3(...[0, 1, 2].map((k) => this.frames.at(this.base + column + k, frame)));
+    if (this.frames.at(this.base + VISIBLE, frame) === 0) return [];
+    const p = read(P);
+    if (this.shape.kind === 'segment') return [p, read(VECTOR).add(p)];
+    const reach = ['trace', 'arrow'].includes(this.shape.kind) ? 0 : this.reach();
+    return [p.clone().addScalar(reach), p.clone().subScalar(reach)];
+  }
+
+  // False for what is hidden all the time and for forces that stay zero.
+  everSeen() {
+    const {frames, base, shape} = this;
+    const vector = shape.kind === 'segment' || shape.kind === 'arrow';
+    for (let i = 0; i < frames.time.length; ++i) {
+      if (frames.at(base + VISIBLE, i) === 0) continue;
+      if (!vector || [0, 1, 2].some((k) => frames.at(base + VECTOR + k, i) !== 0)) return true;
+    }
+    return false;
+  }
+
+  setOpacity(opacity) {
+    for (const material of [this.material, this.edges]) {
+      if (!material) continue;
+      material.transparent = opacity < 1;
+      material.opacity = opacity;
+      material.depthWrite = opacity === 1;
+    }
+  }
+
+  update() {
+    const {frames, base, object} = this;
+    object.visible = frames.at(base + VISIBLE, frames.a) !== 0;
+    frames.vector(base + P, object.position);
+    if (this.range) {
+      const [low, high] = this.range;
+      const [r, g, b] = scaleColor(high > low ? (frames.value(base + VALUE) - low) / (high - low) : 0.5);
+      this.material.color.setRGB(r / 255, g / 255, b / 255);
+    }
+    if (this.shape.kind === 'segment' || this.shape.kind === 'arrow') {
+      this.updateVector();
+    } else if (this.shape.kind !== 'trace') {
+      frames.quaternion(base + Q, object.quaternion);
+    }
+  }
+
+  updateVector() {
+    const vector = this.frames.vector(this.base + VECTOR, Actor.scratch);
+    const arrow = this.shape.kind === 'arrow';
+    const length = vector.length() * (arrow ? Math.abs(this.shape.scale) : 1);
+    if (arrow && this.shape.scale < 0) vector.negate();
+    if (length < 1e-6) {
+      this.object.visible = false;
+      return;
+    }
+    this.object.quaternion.setFromUnitVectors(Actor.y, vector.normalize());
+    if (!arrow) {
+      const radius = this.shape.size[0];
+      this.object.children[0].scale.set(radius, length, radius);
+      this.object.children[0].position.y = length / 2;
+      return;
+    }
+    const head = Math.min(0.35 * length, 4 * this.arrowRadius);
+    this.head.scale.set(0.45 * head, head, 0.45 * head);
+    this.head.position.y = length - head / 2;
+    this.shaft.scale.set(0.16 * head, length - head, 0.16 * head);
+    this.shaft.position.y = (length - head) / 2;
+  }
+}

@@ -1,0 +1,191 @@
+// Looks at the report of a short flight in a browser: from disk, without network.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "../systems/report/browser.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::Ge;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Json = nlohmann::json;
+using tenon::testing::Browser;
+
+#define NEED_BROWSER()                                     \
+  if (!Browser::IsInstalled()) {                           \
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr)   \
+      FAIL() << "chromium is missing: tools/install_deps"; \
+    GTEST_SKIP() << "needs chromium";                      \
+  }
+
+class ReportPageTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    out = fs::temp_directory_path() / "tenon_report_page_test";
+    fs::remove_all(out);
+    const std::string command = std::string(TENON_CDPR) +
+                                " D1 --duration 2 --set 'payload={mass_kg: 3, position_m: [0.05, 0, 0.1], "
+                                "attach_s: 0.5, release_s: 1.5}' --out " +
+                                out.string() + " >/dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  static void TearDownTestSuite() { fs::remove_all(out); }
+  static fs::path out;
+
+  void Open(Browser& browser) {
+    browser.Open(out / "report.html");
+    ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true)
+        << Json(browser.complaints()).dump();
+  }
+};
+fs::path ReportPageTest::out;
+
+/// Draws the replay at a time: how many colours there are, and a number that changes with the picture.
+Json Picture(Browser& browser, double t) {
+  browser.Evaluate("tenonReport.seek(" + std::to_string(t) + ")");
+  return browser.Evaluate(R"((() => {
+    tenonReport.replay.render();
+    const canvas = document.querySelector('#stage canvas');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const context = copy.getContext('2d');
+    context.drawImage(canvas, 0, 0);
+    const pixels = new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer);
+    return {colors: new Set(pixels).size, hash: pixels.reduce((h, p, i) => (h * 31 + p + i) % 4294967291, 7)};
+  })())");
+}
+
+TEST_F(ReportPageTest, OpensFromDiskWithoutComplaintAndAsksForNothingElse) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  Picture(browser, 1);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+  EXPECT_THAT(browser.requests(), ElementsAre(HasSubstr("report.html")));
+}
+
+TEST_F(ReportPageTest, ShowsVerdictAndFigures) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  const Json summary = Json::parse(std::ifstream(out / "summary.json"));
+  EXPECT_THAT(browser.Evaluate("document.querySelector('h1').textContent").get<std::string>(),
+              HasSubstr("D1"));
+  EXPECT_EQ(browser.Evaluate("document.querySelector('.verdict.good').textContent"), "finished after 2 s");
+  const Json shown = browser.Evaluate(
+      "Object.fromEntries([...document.querySelectorAll('#figures tr')].map((row) => "
+      "[row.cells[0].title, row.cells[1].textContent]))");
+  ASSERT_TRUE(shown.contains("tracking_error_rms_m"));
+  const double error = summary.at("tracking_error_rms_m");
+  EXPECT_NEAR(std::stod(shown["tracking_error_rms_m"].get<std::string>()), error, 1e-3 * error);
+  EXPECT_EQ(shown.size(), summary.size() - 3) << "finished, fell and end_reason are the verdict";
+}
+
+TEST_F(ReportPageTest, ReplayShowsSomethingElseAtAnotherTime) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  const Json at_start = Picture(browser, 0), at_end = Picture(browser, 2);
+  EXPECT_THAT(at_start["colors"].get<int>(), Ge(100));
+  EXPECT_NE(at_start["hash"], at_end["hash"]);
+  EXPECT_EQ(Picture(browser, 0)["hash"], at_start["hash"]) << "the same time gives the same picture";
+}
+
+TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  // Columns of signals.csv: time, position of the CoM; the row at t = 1 s.
+  std::ifstream csv(out / "signals.csv");
+  std::string line;
+  while (std::getline(csv, line) && !line.starts_with("1,")) {
+  }
+  double x = 0, y = 0, z = 0;
+  ASSERT_EQ(std::sscanf(line.c_str(), "1,%lf,%lf,%lf", &x, &y, &z), 3) << line;
+
+  browser.Evaluate("tenonReport.seek(1)");
+  const Json shapes =
+      browser.Evaluate(R"(Object.fromEntries(tenonReport.replay.runs[0].actors.map((actor) => {
+    const at = (y) => actor.object.localToWorld(new THREE.Vector3(0, y, 0)).toArray();
+    actor.object.updateMatrixWorld();
+    const length = actor.shape.kind === 'segment' ? actor.object.children[0].scale.y : 0;
+    return [actor.shape.name, {from: at(0), to: at(length), visible: actor.object.visible}];
+  })))");
+  const auto near = [](const Json& p, std::array<double, 3> q) {
+    return std::hypot(p[0].get<double>() - q[0], p[1].get<double>() - q[1], p[2].get<double>() - q[2]) < 1e-5;
+  };
+  EXPECT_TRUE(near(shapes["platform"]["from"], {x, y, z})) << shapes["platform"];
+  EXPECT_TRUE(near(shapes["cable 0"]["to"], {3.5, 4.5, 4})) << shapes["cable 0"];
+  EXPECT_TRUE(near(shapes["cable 2"]["to"], {-3.5, -4.5, 4})) << shapes["cable 2"];
+  // It hangs below its cables, by 0.093 m, and the payload is on for as long as it is.
+  EXPECT_NEAR(shapes["cable 0"]["from"][2].get<double>() - z, 0.093, 0.02);
+  EXPECT_EQ(shapes["payload"]["visible"], true);
+  browser.Evaluate("tenonReport.seek(1.8)");
+  EXPECT_EQ(browser.Evaluate(
+                "tenonReport.replay.runs[0].actors.find((a) => a.shape.name === 'payload').object.visible"),
+            false);
+}
+
+TEST_F(ReportPageTest, ScrubbingMovesTheCursorsOfAllPlots) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  const std::string left =
+      "[...document.querySelectorAll('.plot .cursor')].map((c) => parseFloat(c.style.left))";
+  const Json before = browser.Evaluate(left);
+  browser.Evaluate(
+      "(() => { const scrub = document.querySelector('#scrub'); scrub.value = 1.5; "
+      "scrub.dispatchEvent(new Event('input')); })()");
+  const Json after = browser.Evaluate(left);
+  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1.5);
+  ASSERT_EQ(after.size(), 5) << "D1 has five plots";
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const double width =
+        browser.Evaluate("document.querySelectorAll('.plot .area')[" + std::to_string(i) + "].clientWidth");
+    EXPECT_NEAR(after[i].get<double>() - before[i].get<double>(), 0.75 * width, 0.1 * width);
+  }
+}
+
+TEST_F(ReportPageTest, ClickInAPlotSeeksAndPlayPlays) {
+  NEED_BROWSER();
+  Browser browser;
+  Open(browser);
+  const Json chart =
+      browser.Evaluate("document.querySelector('.plot .chart').getBoundingClientRect().toJSON()");
+  const double width = chart["width"];
+  browser.Click(chart["left"].get<double>() + 0.6 * width, chart["top"].get<double>() + 30);
+  const double cursor = browser.Evaluate("parseFloat(document.querySelector('.plot .cursor').style.left)");
+  EXPECT_NEAR(cursor, 0.6 * width, 2);
+  EXPECT_NEAR(browser.Evaluate("tenonReport.time()").get<double>(), 1.1, 0.2);
+  const double played = browser.Evaluate(R"(new Promise((resolve) => {
+    tenonReport.play();
+    const wait = () => tenonReport.playing() ? requestAnimationFrame(wait) : resolve(tenonReport.time());
+    wait();
+  }))");
+  EXPECT_EQ(played, 2) << "plays to the end and stops";
+}
+
+TEST_F(ReportPageTest, WithoutWebGlPlotsAndTableAreThereAndAMessage) {
+  NEED_BROWSER();
+  Browser browser({"--disable-3d-apis"});
+  Open(browser);
+  EXPECT_EQ(browser.Evaluate("tenonReport.webgl"), false);
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#no-webgl').checkVisibility()"), true);
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('.plot .chart canvas').length > 0"), true);
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures tr').length > 10"), true);
+  browser.Evaluate("tenonReport.seek(1)");
+  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+}  // namespace

@@ -1,0 +1,70 @@
+// One real-time iteration of the SLQ on the cable robot: 15 kg on four cables, horizon 1 s, along the circle
+// of 0.5 m radius in 10 s. The start is 2 cm off, so that every call has something to do.
+
+#include <benchmark/benchmark.h>
+#include <tenon/controllers/cdpr_tracking_problem.h>
+#include <tenon/controllers/equilibrium_path.h>
+#include <tenon/controllers/slq.h>
+#include <tenon/plants/description/resources.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+namespace tenon {
+namespace {
+
+using Problem = CdprTrackingProblem<4>;
+
+Slq<Problem> MakeSlq(int steps, const SlqOptions& options) {
+  static const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  static const EquilibriumPath path(robot, Path::Circle({0, 0, 2}, 0.5, 10, 0.5));
+  const double h = 1.0 / steps;
+  Problem problem(robot, steps);
+  problem.Q << 20, 20, 20, 5000, 5000, 5000, 1000, 1000, 1000, 20, 20, 20;
+  problem.R.setConstant(1e-3);
+  problem.Q_f = (0.3 * problem.Q).asDiagonal();
+  for (int k = 0; k <= steps; ++k) {
+    const CdprReference at = path.At(5 + k * h);
+    problem.targets[k].x << at.velocity, Eigen::Vector3d::Zero(), at.position, at.euler;
+    problem.targets[k].u = at.tension;
+    problem.targets[k].upper.setConstant(robot.cable.tension_max);
+  }
+  const Problem::Target start = problem.targets[0];
+  Slq<Problem> slq(std::move(problem), std::vector<double>(steps, h), options);
+  slq.SetPolicy(start.x, start.u);
+  return slq;
+}
+
+void Iterate(benchmark::State& state, int steps, const SlqOptions& options) {
+  Slq<Problem> slq = MakeSlq(steps, options);
+  CentroidalState x0 = slq.problem().targets[0].x;
+  std::vector<double> times;
+  times.reserve(1 << 20);
+  for (auto _ : state) {
+    x0[6] = slq.problem().targets[0].x[6] + (times.size() % 2 == 0 ? 0.02 : -0.02);
+    const auto begin = std::chrono::steady_clock::now();
+    const SlqReport report = slq.Solve(x0);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    if (!report.ok()) state.SkipWithError("no descent");
+    if (times.size() < times.capacity()) times.push_back(1e6 * elapsed.count());
+  }
+  std::sort(times.begin(), times.end());
+  state.counters["min_us"] = times.front();
+  state.counters["median_us"] = times[times.size() / 2];
+  state.counters["p99_us"] = times[times.size() * 99 / 100];
+}
+
+void Register(const char* name, int steps, const SlqOptions& options) {
+  benchmark::RegisterBenchmark(name, Iterate, steps, options)->Unit(benchmark::kMicrosecond);
+}
+
+const bool kRegistered = [] {
+  Register("slq/100", 100, {});
+  Register("slq/50", 50, {});
+  Register("slq_midpoint/50", 50, {.method = StepMethod::kMidpoint});
+  return true;
+}();
+
+}  // namespace
+}  // namespace tenon

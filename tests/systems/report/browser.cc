@@ -1,0 +1,212 @@
+#include "browser.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+namespace tenon::testing {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr const char* kChromium = "/usr/bin/chromium";
+constexpr int kPatience = 120;  // seconds for one answer: only a browser that hangs takes longer
+
+std::string DecodeBase64(const std::string& text) {
+  std::array<int, 256> digit;
+  digit.fill(-1);
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < digits.size(); ++i)
+    digit[static_cast<unsigned char>(digits[i])] = static_cast<int>(i);
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const int value = digit[static_cast<unsigned char>(c)];
+    if (value < 0) break;
+    bits = bits << 6 | static_cast<unsigned>(value);
+    if ((count += 6) < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+bool Browser::IsInstalled() {
+  return fs::exists(kChromium);
+}
+
+Browser::Browser(const std::vector<std::string>& more_arguments) {
+  std::string profile = (fs::temp_directory_path() / "tenon_browser_XXXXXX").string();
+  if (mkdtemp(profile.data()) == nullptr) throw std::runtime_error("no directory for the browser's profile");
+  profile_ = profile;
+
+  std::vector<std::string> arguments{kChromium,
+                                     "--headless=new",
+                                     "--remote-debugging-pipe",
+                                     "--user-data-dir=" + profile,
+                                     "--no-sandbox",
+                                     "--disable-quic",
+                                     "--no-first-run",
+                                     "--disable-background-networking",
+                                     "--disable-component-update",
+                                     "--disable-sync",
+                                     "--disable-breakpad",
+                                     "--disable-dev-shm-usage",
+                                     "--host-resolver-rules=MAP * ~NOTFOUND"};
+  if (more_arguments.empty()) {
+    arguments.insert(arguments.end(),
+                     {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
+  }
+  arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  int to[2], from[2];
+  if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
+    throw std::runtime_error("no pipe to the browser");
+  process_ = fork();
+  if (process_ == 0) {
+    setpgid(0, 0);
+    // The browser reads commands from descriptor 3 and answers on 4; move ours out of the way first.
+    const int commands = fcntl(to[0], F_DUPFD, 10), answers = fcntl(from[1], F_DUPFD, 10);
+    const int null = open("/dev/null", O_WRONLY);
+    dup2(null, STDOUT_FILENO);
+    dup2(null, STDERR_FILENO);
+    dup2(commands, 3);
+    dup2(answers, 4);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  close(to[0]);
+  close(from[1]);
+  to_ = to[1];
+  from_ = from[0];
+  signal(SIGPIPE, SIG_IGN);
+
+  try {
+    const Json target = Call("Target.createTarget", {{"url", "about:blank"}});
+    const Json attached =
+        Call("Target.attachToTarget", {{"targetId", target.at("targetId")}, {"flatten", true}});
+    session_ = attached.at("sessionId");
+    for (const char* domain : {"Page", "Runtime", "Log", "Network"}) Call(std::string(domain) + ".enable");
+    Call("Emulation.setDeviceMetricsOverride",
+         {{"width", 1400}, {"height", 900}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+Browser::~Browser() {
+  Stop();
+}
+
+/// The process group holds the browser's helpers, too.
+void Browser::Stop() {
+  kill(-process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
+  close(to_);
+  close(from_);
+  std::error_code ignored;
+  fs::remove_all(profile_, ignored);
+}
+
+Json Browser::Receive() {
+  for (;;) {
+    if (const std::size_t end = received_.find('\0'); end != std::string::npos) {
+      Json message = Json::parse(received_.substr(0, end));
+      received_.erase(0, end + 1);
+      return message;
+    }
+    pollfd waiting{from_, POLLIN, 0};
+    const int ready = poll(&waiting, 1, kPatience * 1000);
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0) throw std::runtime_error("the browser does not answer");
+    std::array<char, 65536> buffer;
+    const ssize_t size = read(from_, buffer.data(), buffer.size());
+    if (size <= 0) throw std::runtime_error("the browser ended");
+    received_.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+}
+
+void Browser::Note(const Json& event) {
+  const std::string method = event.value("method", "");
+  const Json params = event.value("params", Json::object());
+  if (method == "Page.loadEventFired") loaded_ = true;
+  if (method == "Runtime.exceptionThrown") complaints_.push_back(params.at("exceptionDetails").dump());
+  if (method == "Runtime.consoleAPICalled") {
+    const std::string type = params.at("type");
+    if (type == "error" || type == "warning" || type == "assert")
+      complaints_.push_back(params.at("args").dump());
+  }
+  if (method == "Log.entryAdded") {
+    const std::string level = params.at("entry").at("level");
+    if (level == "error" || level == "warning") complaints_.push_back(params.at("entry").at("text"));
+  }
+  if (method == "Network.requestWillBeSent") {
+    const std::string url = params.at("request").at("url");
+    if (!url.starts_with("data:") && !url.starts_with("blob:")) requests_.push_back(url);
+  }
+}
+
+Json Browser::Call(const std::string& method, Json params) {
+  Json message{{"id", ++last_id_}, {"method", method}, {"params", std::move(params)}};
+  if (!session_.empty()) message["sessionId"] = session_;
+  const std::string text = message.dump() + '\0';
+  for (std::size_t sent = 0; sent < text.size();) {
+    const ssize_t size = write(to_, text.data() + sent, text.size() - sent);
+    if (size <= 0) throw std::runtime_error("the browser ended");
+    sent += static_cast<std::size_t>(size);
+  }
+  for (;;) {
+    const Json answer = Receive();
+    if (answer.value("id", 0) == last_id_) {
+      if (answer.contains("error")) throw std::runtime_error(method + ": " + answer["error"].dump());
+      return answer.at("result");
+    }
+    Note(answer);
+  }
+}
+
+void Browser::Open(const fs::path& file) {
+  loaded_ = false;
+  Call("Page.navigate", {{"url", "file://" + fs::absolute(file).string()}});
+  while (!loaded_) Note(Receive());
+}
+
+Json Browser::Evaluate(const std::string& expression) {
+  const Json answer =
+      Call("Runtime.evaluate", {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
+  if (answer.contains("exceptionDetails")) throw std::runtime_error(answer["exceptionDetails"].dump());
+  return answer.at("result").value("value", Json());
+}
+
+void Browser::Click(double x, double y) {
+  for (const char* type : {"mouseMoved", "mousePressed", "mouseReleased"}) {
+    Call("Input.dispatchMouseEvent",
+         {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
+  }
+}
+
+void Browser::Screenshot(const fs::path& file) {
+  const std::string bytes = DecodeBase64(Call("Page.captureScreenshot", {{"format", "png"}}).at("data"));
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+}  // namespace tenon::testing

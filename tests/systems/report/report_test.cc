@@ -1,0 +1,370 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/report/report.h>
+#include <tenon/systems/report/run_log.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "../test_blocks.h"
+#include "browser.h"
+
+namespace tenon {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using ::testing::AllOf;
+using testing::Browser;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+std::string Read(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// The data that a page holds.
+Json DataOf(const fs::path& file) {
+  const std::string page = Read(file), open = R"(<script type="application/json" id="data">)";
+  const std::size_t begin = page.find(open) + open.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+/// Decodes what Base64 made.
+template <class T>
+std::vector<T> Numbers(const Json& json) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bits, bytes;
+  for (const char c : json.get<std::string>()) {
+    if (c == '=') break;
+    for (int bit = 5; bit >= 0; --bit) bits += digits.find(c) >> bit & 1 ? '1' : '0';
+  }
+  for (std::size_t i = 0; i + 8 <= bits.size(); i += 8)
+    bytes += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+/// A cart of the tests' framework, with something to look at: it moves, and a wall stands.
+class ReportTest : public ::testing::Test {
+ protected:
+  ReportTest() {
+    cart = &builder.Add<Cart>("cart");
+    force = &builder.AddFunction({"force", "N"}, Sampled{Hz(10)}, Uses(builder.time),
+                                 [](double t) { return t < 0.45 ? 2.0 : -1.5; });
+    builder.Connect(*force, cart->force);
+    Geometry model{Shape::Box(ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
+                   Shape::Arrow(ShapeRole::kForce, "push", 0.1),
+                   Shape::Box(ShapeRole::kGround, "wall", {0.1, 1, 1})};
+    model[2].p_W = {2, 0, 0.5};
+    geometry = &builder.Add<Look>("look", model).geometry;
+    builder.Connect(cart->state, static_cast<Look&>(const_cast<System&>(geometry->owner())).x);
+    diagram = builder.Build();
+    file = fs::temp_directory_path() /
+           ("tenon_report_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) +
+            ".html");
+  }
+  ~ReportTest() override { fs::remove(file); }
+
+  /// What the cart looks like.
+  class Look final : public Leaf {
+   public:
+    explicit Look(const Geometry& model) : geometry(this, {"geometry"}, model, Uses(x), &Look::Calc) {}
+    InputPort<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
+    OutputPort<Geometry> geometry;
+
+   private:
+    void Calc(const Vec<2>& x, Geometry* out) const {
+      (*out)[0].p_W = {x[0], 0, 0.05};
+      (*out)[1].p_W = (*out)[0].p_W;
+      (*out)[1].vector_W = {x[1], 0, 0};
+    }
+  };
+
+  Report Run(ReportParams params) {
+    Report report(std::move(params));
+    Simulator simulator(*diagram);
+    report.Log(simulator, {&cart->state, force}, {geometry});
+    report.Conclude(simulator.AdvanceTo(1));
+    return report;
+  }
+
+  DiagramBuilder builder;
+  Cart* cart;
+  OutputPort<double>* force;
+  const OutputPort<Geometry>* geometry;
+  std::unique_ptr<Diagram> diagram;
+  fs::path file;
+};
+
+TEST_F(ReportTest, ThreeLinesMakeAPage) {
+  Simulator simulator(*diagram);
+  Report report({.title = "cart"});
+  report.Log(simulator, {&cart->state}, {geometry});
+  simulator.AdvanceTo(1);
+  report.Write(file);
+  const Json run = DataOf(file).at("runs").at(0);
+  ASSERT_THAT(run["plots"], SizeIs(2)) << "position and velocity have two units";
+  EXPECT_EQ(run["plots"][0]["series"][0]["name"], "cart.x.position");
+  EXPECT_EQ(run["plots"][1]["series"][0]["unit"], "m/s");
+  const std::string page = Read(file);
+  for (const char* part :
+       {"<title>cart</title>", "OrbitControls = function", "Dygraph", "class Replay", ".dygraph-axis-label"})
+    EXPECT_TRUE(page.find(part) != std::string::npos) << part;
+  EXPECT_EQ(page.find("sourceMappingURL"), std::string::npos) << "a page of one file has no source maps";
+}
+
+TEST_F(ReportTest, PlotsHoldWhatWasLogged) {
+  Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {"force.output"}}}, .signal_rate = Hz(10)})
+      .Write(file);
+  const Json plot = DataOf(file).at("runs").at(0).at("plots").at(0);
+  EXPECT_EQ(plot["title"], "speed");
+  const auto time = Numbers<double>(plot["time"]);
+  ASSERT_THAT(time, SizeIs(11));
+  EXPECT_EQ(time[3], 0.3);
+  const auto speed = Numbers<float>(plot["series"][0]["values"]);
+  EXPECT_FLOAT_EQ(speed[4], 2.0F / 2 * 0.4F) << "v = F t / m";
+  EXPECT_EQ(plot["series"][0]["reference"], false);
+  EXPECT_EQ(plot["series"][1]["reference"], true);
+  EXPECT_EQ(plot["series"][1]["pair"], 0) << "the reference of the first signal";
+}
+
+TEST_F(ReportTest, NameOfASignalStandsForItsElements) {
+  Run({.title = "cart", .plots = {{"all", {"cart.x"}, {}}}}).Write(file);
+  EXPECT_THAT(DataOf(file).at("runs").at(0).at("plots").at(0).at("series"), SizeIs(2));
+}
+
+TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
+  Run({.title = "cart", .frame_rate = Hz(20)}).Write(file);
+  const Json frames = DataOf(file).at("runs").at(0).at("frames");
+  EXPECT_EQ(frames["shapes"][0], (Json{{"kind", "box"},
+                                       {"role", "robot"},
+                                       {"name", "cart"},
+                                       {"size", {0.3, 0.2, 0.1}},
+                                       {"scale", 1.0},
+                                       {"unit", ""}}));
+  EXPECT_EQ(frames["shapes"][1]["scale"], 0.1);
+  // Twelve numbers a shape: position x of cart and arrow, and the arrow's vector x move.
+  EXPECT_THAT(frames["moving"], ElementsAre(0, 12, 12 + 7));
+  const auto first = Numbers<float>(frames["first"]);
+  ASSERT_THAT(first, SizeIs(36));
+  EXPECT_EQ(first[24], 2) << "the wall";
+  const auto data = Numbers<float>(frames["data"]);
+  ASSERT_THAT(data, SizeIs(3 * 21));
+  EXPECT_FLOAT_EQ(data[8], 0.5F * 0.4F * 0.4F) << "x = F t^2 / 2 m at 0.4 s";
+}
+
+TEST_F(ReportTest, ChangesOfASignalAreEvents) {
+  Run({.title = "cart", .plots = {{"x", {"cart.x"}, {}}}, .events = {"force.output"}, .signal_rate = Hz(10)})
+      .Write(file);
+  const Json events = DataOf(file).at("runs").at(0).at("events");
+  ASSERT_THAT(events, SizeIs(1));
+  EXPECT_EQ(events[0]["time"], 0.5);
+  EXPECT_EQ(events[0]["label"], "force.output 2 → -1.5 N");
+}
+
+TEST_F(ReportTest, VerdictFiguresAndEvents) {
+  Report report = Run({.title = "cart"});
+  report.AddFigure("error_max_m", 0.25);
+  report.AddFigure("settling_time_s", std::nullopt);
+  report.AddFigure("controller", "pd");
+  report.AddEvent(0.3, "kick");
+  report.Write(file);
+  Json run = DataOf(file).at("runs").at(0);
+  EXPECT_EQ(run["good"], true);
+  EXPECT_EQ(run["verdict"], "finished after 1 s");
+  EXPECT_EQ(run["figures"],
+            Json::parse(R"([["error_max_m", 0.25], ["settling_time_s", null], ["controller", "pd"]])"));
+  EXPECT_EQ(run["events"][0]["label"], "kick");
+
+  report.Conclude({.time = 0.7, .ended = true, .reason = "monitor: too fast"});
+  report.Write(file);
+  run = DataOf(file).at("runs").at(0);
+  EXPECT_EQ(run["good"], false);
+  EXPECT_EQ(run["verdict"], "ended at 0.7 s: monitor: too fast");
+  EXPECT_EQ(run["events"][1]["label"], "monitor: too fast");
+}
+
+TEST_F(ReportTest, TextCannotBreakThePage) {
+  Report report = Run({.title = "a <b> & </script><script>alert(1)</script>", .description = "<!-- \xff"});
+  report.Write(file);
+  EXPECT_EQ(DataOf(file).at("title"), "a <b> & </script><script>alert(1)</script>");
+  EXPECT_TRUE(Read(file).find("<title>a &lt;b> &amp; &lt;/script>") != std::string::npos);
+}
+
+TEST_F(ReportTest, WrongNameIsRefusedBeforeTheRun) {
+  Simulator simulator(*diagram);
+  Report plots({.title = "cart", .plots = {{"speed", {"cart.x.velocty"}, {}}}});
+  EXPECT_TRUE(Throws<ParameterError>([&] { plots.Log(simulator, {&cart->state}); }, "plot 'speed'",
+                                     "no signal 'cart.x.velocty'", "did you mean 'cart.x.velocity'?"));
+  Report references({.title = "cart", .plots = {{"speed", {"cart.x"}, {"cart.y"}}}});
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { references.Log(simulator, {&cart->state}); }, "no signal 'cart.y'"));
+  Report events({.title = "cart", .events = {"forc"}});
+  EXPECT_TRUE(Throws<ParameterError>([&] { events.Log(simulator, {force}); }, "events of the report",
+                                     "no signal 'forc'"));
+}
+
+TEST_F(ReportTest, WrongUseIsRefused) {
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        Report({.title = "cart", .plots = {{"empty", {}, {}}}});
+      },
+      "the plot 'empty' has no signals"));
+  Simulator simulator(*diagram);
+  Report report({.title = "cart"});
+  EXPECT_TRUE(Throws<RunError>([&] { report.Write(file); }, "the report is empty", "Log a run"));
+  report.Log(simulator, {&cart->state});
+  EXPECT_TRUE(
+      Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "logs a run already", "Add them"));
+  EXPECT_TRUE(Throws<RunError>([&] { report.Write("/nowhere/report.html"); },
+                               "cannot write the report '/nowhere/report.html'"));
+  Report none({.title = "none"});
+  EXPECT_TRUE(Throws<Error>([&] { report.Add("variant", none); }, "cannot add the variant 'variant'"));
+}
+
+TEST_F(ReportTest, MissingLibraryIsToldWithItsPackageBeforeTheRun) {
+  setenv("TENON_JAVASCRIPT_DIR", "/nowhere", 1);
+  EXPECT_TRUE(Throws<RunError>([] { Report({.title = "cart"}); }, "/nowhere/dygraphs/dygraph.min.css",
+                               "apt-get install libjs-dygraphs", "TENON_JAVASCRIPT_DIR"));
+  unsetenv("TENON_JAVASCRIPT_DIR");
+}
+
+TEST_F(ReportTest, ReportMayEndBeforeTheSimulator) {
+  Simulator simulator(*diagram);
+  { Report({.title = "cart"}).Log(simulator, {&cart->state}, {geometry}); }
+  EXPECT_NO_THROW(simulator.AdvanceTo(0.1));
+}
+
+TEST_F(ReportTest, VariantsShareOnePage) {
+  Report slow = Run({.title = "slow"}), fast = Run({.title = "fast"});
+  slow.AddFigure("error_m", 1.0);
+  fast.AddFigure("error_m", 2.0);
+  Report both({.title = "both", .plots = {{"x", {"cart.x.position"}, {}}}});
+  both.Add("slow", slow);
+  both.Add("fast", fast);
+  both.Write(file);
+  const Json runs = DataOf(file).at("runs");
+  ASSERT_THAT(runs, SizeIs(2));
+  EXPECT_EQ(runs[0]["name"], "slow");
+  EXPECT_EQ(runs[1]["figures"][0][1], 2.0);
+  EXPECT_THAT(runs[1]["plots"][0]["series"], SizeIs(1));
+}
+
+/// A hundred arrows that all move.
+class Swarm final : public LeafSystem<void> {
+ public:
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                Geometry(100, Shape::Arrow(ShapeRole::kForce, "arrow", 1)),
+                                Uses(time),
+                                [](double t, Geometry* out) {
+                                  for (Shape& shape : *out) {
+                                    shape.p_W.setConstant(t);
+                                    shape.vector_W.setConstant(2 * t);
+                                  }
+                                }};
+};
+
+TEST(ReportSizeTest, LongRunOfManyShapesStaysBelowTenMegabytes) {
+  DiagramBuilder builder;
+  auto& swarm = builder.Add<Swarm>("swarm");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  Report report({.title = "swarm"});
+  report.Log(simulator, {}, {&swarm.geometry});
+  simulator.AdvanceTo(60);
+  const fs::path file = fs::temp_directory_path() / "tenon_report_size.html";
+  report.Write(file);
+  EXPECT_LT(fs::file_size(file), 10'000'000);
+  const Json frames = DataOf(file).at("runs").at(0).at("frames");
+  EXPECT_THAT(frames["moving"], SizeIs(600));
+  const auto time = Numbers<double>(frames["time"]);
+  EXPECT_GE(time.size(), 1000) << "16 frames a second are left";
+  EXPECT_EQ(time.back(), 60) << "the end is kept";
+  fs::remove(file);
+}
+
+TEST_F(ReportTest, ComparisonInTheBrowser) {
+  if (!Browser::IsInstalled()) {
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
+    GTEST_SKIP() << "needs chromium";
+  }
+  Report slow = Run({.title = "slow"}), fast = Run({.title = "fast"});
+  fast.AddFigure("error_m", 2.0);
+  Report both({.title = "both", .plots = {{"x", {"cart.x.position"}, {}}}});
+  both.Add("slow", slow);
+  both.Add("fast", fast);
+  both.Write(file);
+
+  Browser browser;
+  browser.Open(file);
+  ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true) << Json(browser.complaints());
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures thead th').length"), 4)
+      << "name, slow, fast, unit";
+  const std::string curves = "[...document.querySelectorAll('.readout > div')].map((line) => !line.hidden)";
+  EXPECT_EQ(browser.Evaluate(curves), Json({true, true}));
+  browser.Evaluate("document.querySelectorAll('.verdict input')[0].click()");
+  EXPECT_EQ(browser.Evaluate(curves), Json({false, true}));
+  const std::string groups = "tenonReport.replay.runs.map((run) => run.group.visible)";
+  EXPECT_EQ(browser.Evaluate(groups), Json({true, false}));
+  browser.Evaluate("tenonReport.show(1)");
+  EXPECT_EQ(browser.Evaluate(groups), Json({false, true}));
+  browser.Evaluate("document.querySelector('#ghosts').click()");
+  EXPECT_EQ(browser.Evaluate(groups), Json({true, true}));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
+  internal::ColumnLog log(nullptr, nullptr);
+  log.Begin({"time", "a", "b"}, {"s", "", ""});
+  for (int i = 0; i < 100000; ++i) {
+    const double t = 1e-3 * i;
+    log.Row(std::vector<double>{t, std::sin(t) + (i == 31415 ? 9 : 0), i == 77777 ? -5 : std::cos(3 * t)});
+  }
+  const std::vector<std::size_t> rows = internal::DecimatePeaks(log, {0, 1}, 1000);
+  EXPECT_LE(rows.size(), 1001);
+  EXPECT_GE(rows.size(), 300);
+  EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
+  EXPECT_EQ(rows.front(), 0);
+  EXPECT_EQ(rows.back(), 99999);
+  EXPECT_TRUE(std::binary_search(rows.begin(), rows.end(), 31415));
+  EXPECT_TRUE(std::binary_search(rows.begin(), rows.end(), 77777));
+  // In each 5 % of the run the extremes are those of all rows.
+  for (std::size_t begin = 0; begin < 100000; begin += 5000) {
+    float all = -10, kept = -10;
+    for (std::size_t i = begin; i < begin + 5000; ++i) all = std::max(all, log.at(i, 0));
+    for (const std::size_t i : rows) {
+      if (i >= begin && i < begin + 5000) kept = std::max(kept, log.at(i, 0));
+    }
+    EXPECT_NEAR(kept, all, 1e-6);
+  }
+}
+
+TEST(DecimatePeaksTest, KeepsAllRowsOfAShortLog) {
+  internal::ColumnLog log(nullptr, nullptr);
+  EXPECT_THAT(internal::DecimatePeaks(log, {}, 10), IsEmpty());
+  log.Begin({"time", "a"}, {"s", ""});
+  for (int i = 0; i < 4; ++i) log.Row(std::vector<double>{1.0 * i, 1.0});
+  EXPECT_THAT(internal::DecimatePeaks(log, {0}, 10), ElementsAre(0, 1, 2, 3));
+}
+
+TEST(Base64Test, AgreesWithOthers) {
+  // python3 -c "import base64, struct; print(base64.b64encode(struct.pack('<d', 1)))"
+  EXPECT_EQ(internal::Base64(std::vector<double>{1}), "AAAAAAAA8D8=");
+  EXPECT_EQ(internal::Base64(std::vector<float>{1}), "AACAPw==");
+  EXPECT_EQ(internal::Base64(std::vector<float>{-2.5F, 3e7F, 0.1F}), "AAAgwMDh5EvNzMw9");
+  EXPECT_EQ(internal::Base64(std::vector<float>{}), "");
+}
+
+}  // namespace
+}  // namespace tenon
