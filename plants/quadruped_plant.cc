@@ -119,6 +119,11 @@ LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
   return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
 }
 
+void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
+                                  const ExternalForces& external, Geometry* out) const {
+  MoveQuadrupedGeometry(params.robot, x, feet, external, out);
+}
+
 LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,
                                            const LeggedAcceleration& acceleration) const {
   return {x.v_W,

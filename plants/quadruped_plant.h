@@ -3,6 +3,7 @@
 #include <tenon/plants/description/legged_signals.h>
 #include <tenon/plants/foot_contact.h>
 #include <tenon/plants/quadruped_body.h>
+#include <tenon/plants/quadruped_geometry.h>
 #include <tenon/plants/terrain.h>
 #include <tenon/systems/ports.h>
 #include <tenon/systems/state.h>
@@ -54,6 +55,7 @@ struct LeggedEnergy {
 ///                foot_depths   of each foot in the ground [m]
 ///                joint_torque  what the drives give after their limits [N m]
 ///                energy        kinetic, potential
+///                geometry      what it looks like, terrain included
 ///
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,
@@ -97,6 +99,11 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}, Uses(contacts), &QuadrupedPlant::CalcFootForces};
   OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m"}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
   OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                MakeQuadrupedGeometry(params.robot, params.terrain),
+                                Uses(state, foot_forces, external),
+                                &QuadrupedPlant::CalcGeometry};
 
   TimeDerivative<LeggedState> motion_rate{motion, Uses(motion, acceleration),
                                           &QuadrupedPlant::CalcMotionRate};
@@ -113,6 +120,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   LeggedEnergy CalcEnergy(const QuadrupedBody& body) const;
+  void CalcGeometry(const LeggedState& x, const FootForces& feet, const ExternalForces& external,
+                    Geometry* out) const;
   LeggedState CalcMotionRate(const LeggedState& x, const LeggedAcceleration& acceleration) const;
   FootBristles CalcBristleRate(const FootContacts& contacts) const;
 };

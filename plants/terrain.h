@@ -103,6 +103,8 @@ class Terrain {
   /// For spheres of up to kMaxRadius.
   Contacts Touch(const Vec<3>& centre_W, double radius) const;
   const std::vector<TerrainBox>& boxes() const { return boxes_; }
+  /// The plane's axes, in which boxes are given: its normal is the last.
+  const Eigen::Matrix3d& R_WS() const { return R_WS_; }
 
   static constexpr double kMaxRadius = 0.1;  ///< [m]
 

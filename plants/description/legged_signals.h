@@ -43,6 +43,16 @@ struct LeggedAcceleration {
   }
 };
 
+/// Joint angles and speeds, as encoders give them.
+struct JointMotion {
+  Vec<12> q = Vec<12>::Zero();   ///< [rad]
+  Vec<12> qd = Vec<12>::Zero();  ///< [rad/s]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"q", &JointMotion::q, "rad"}, Field{"qd", &JointMotion::qd, "rad/s"}};
+  }
+};
+
 /// The force of the ground on each foot [N].
 struct FootForces {
   Vec<3> front_left = Vec<3>::Zero();

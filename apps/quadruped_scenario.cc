@@ -1,0 +1,64 @@
+#include "tenon/apps/quadruped_scenario.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+
+#include "tenon/plants/description/resources.h"
+
+namespace tenon::apps {
+
+void QuadrupedScenario::Validate() const {
+  Demand(app == "tenon-quadruped",
+         fmt::format("app is '{}': this is a scenario of another app, not of tenon-quadruped", app));
+  Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
+  Demand(start_height_m >= 0,
+         fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
+                     start_height_m));
+  Demand(fall.min_height_ratio >= 0 && fall.min_height_ratio < 1,
+         fmt::format("fall.min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
+                     fall.min_height_ratio));
+}
+
+QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  QuadrupedStandParams params;
+  QuadrupedPlantParams& plant = params.plant;
+  plant.robot = LoadQuadruped(FindResource("robots", scenario.robot));
+  plant.terrain = scenario.terrain;
+  plant.limit_speed = scenario.limit_speed;
+  // Parallel to the plane, its feet above it.
+  const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
+  const double height = plant.robot.StanceHeight();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
+  plant.initial.p_WB = height * ground.normal_W + Vec<3>(0, 0, ground.height + scenario.start_height_m);
+  plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
+  plant.initial.q = plant.robot.stance;
+
+  params.pd = {plant.robot,
+               scenario.pd.stiffness_N_m_per_rad,
+               scenario.pd.damping_N_m_s_per_rad,
+               scenario.pd.gravity_compensation,
+               plant.gravity,
+               Hz(scenario.pd.rate_hz)};
+  params.encoders = {Hz(scenario.encoders.rate_hz),
+                     {.absolute = scenario.encoders.angle_noise_rad},
+                     {.absolute = scenario.encoders.speed_noise_rad_per_s}};
+  params.min_height = scenario.fall.min_height_ratio * height;
+  params.max_tilt = scenario.fall.max_tilt_rad;
+  return params;
+}
+
+SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {
+  const LeggedIntegratorScenario& integrator = scenario.integrator;
+  return {.method = Method::kErk,
+          .order = integrator.order,
+          .rtol = integrator.rtol,
+          .atol = integrator.atol_position,
+          .state_atol = {{"loop.plant.motion.v_W", integrator.atol_velocity},
+                         {"loop.plant.motion.w_W", integrator.atol_velocity},
+                         {"loop.plant.motion.qd", integrator.atol_velocity},
+                         {"loop.plant.bristles", integrator.atol_bristles}},
+          .seed = scenario.seed};
+}
+
+}  // namespace tenon::apps
