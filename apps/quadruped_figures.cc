@@ -9,8 +9,9 @@
 namespace tenon::apps {
 
 std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {
-  return {&loop.plant.state, &loop.plant.joint_torque, &loop.plant.foot_forces, &loop.plant.energy,
-          &loop.encoders.joints};
+  return {&loop.plant.state,          &loop.plant.joint_torque, &loop.plant.foot_forces,
+          &loop.plant.energy,         &loop.encoders.joints,    &loop.torque_sensor.measured,
+          &loop.foot_sensor.measured, &loop.imu.measurement};
 }
 
 void StandFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {

@@ -16,12 +16,12 @@ class StandFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
 
-  double height_min() const { return height_min_; }    ///< of the trunk, p_WB's z [m]
-  double height_end() const { return height_end_; }    ///< [m]
-  double drift() const { return drift_; }              ///< horizontal, from where it began to the end [m]
-  double tilt_max() const { return tilt_max_; }        ///< [rad]
-  double torque_max() const { return torque_max_; }    ///< of the drives, in magnitude [N m]
-  double foot_force_max() const { return force_max_; } ///< in magnitude [N]
+  double height_min() const { return height_min_; }     ///< of the trunk, p_WB's z [m]
+  double height_end() const { return height_end_; }     ///< [m]
+  double drift() const { return drift_; }               ///< horizontal, from where it began to the end [m]
+  double tilt_max() const { return tilt_max_; }         ///< [rad]
+  double torque_max() const { return torque_max_; }     ///< of the drives, in magnitude [N m]
+  double foot_force_max() const { return force_max_; }  ///< in magnitude [N]
 
  private:
   std::vector<std::size_t> position_, attitude_, torque_, force_;

@@ -7,6 +7,28 @@
 #include "tenon/plants/description/resources.h"
 
 namespace tenon::apps {
+namespace {
+
+/// Where a force acts, without the force.
+ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
+  if (force.on == Part::kTrunk) return {};
+  return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
+}
+
+}  // namespace
+
+void RandomForceScenario::Validate() const {
+  Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
+}
+
+RigidInertia TrunkLoadScenario::Make() const {
+  const Eigen::Vector3d squares = edges_m.cwiseAbs2();
+  RigidInertia load;
+  load.mass = mass_kg;
+  load.com = position_m;
+  load.inertia.diagonal() = mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+  return load;
+}
 
 void QuadrupedScenario::Validate() const {
   Demand(app == "tenon-quadruped",
@@ -29,7 +51,8 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
   // Parallel to the plane, its feet above it.
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
   const double height = plant.robot.StanceHeight();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
   plant.initial.p_WB = height * ground.normal_W + Vec<3>(0, 0, ground.height + scenario.start_height_m);
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
   plant.initial.q = plant.robot.stance;
@@ -40,9 +63,30 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
                scenario.pd.gravity_compensation,
                plant.gravity,
                Hz(scenario.pd.rate_hz)};
-  params.encoders = {Hz(scenario.encoders.rate_hz),
-                     {.absolute = scenario.encoders.angle_noise_rad},
-                     {.absolute = scenario.encoders.speed_noise_rad_per_s}};
+  const SensorScenario& sensors = scenario.sensors;
+  const Rate rate = Hz(sensors.rate_hz);
+  params.encoders = {
+      rate, {.absolute = sensors.encoder_angle_rad}, {.absolute = sensors.encoder_speed_rad_per_s}};
+  params.torque_sensor = {rate, {.relative = sensors.torque_ratio}};
+  params.foot_sensor = {rate, {.relative = sensors.foot_force_ratio}};
+  params.imu.rate = rate;
+  params.imu.angular_velocity_noise.setConstant(sensors.angular_velocity_rad_per_s);
+  params.imu.specific_force_noise.setConstant(sensors.acceleration_m_per_s2);
+
+  for (const ForceScenario& force : scenario.forces) {
+    ExternalForce push = PointOf(plant.robot, force);
+    push.force_W = force.force_N;
+    push.torque_W = force.torque_N_m;
+    if (force.frequency_rad_per_s > 0)
+      params.sines.push_back(
+          {push, force.frequency_rad_per_s, force.start_s, force.start_s + force.duration_s});
+    else
+      params.pulses.push_back({push, force.start_s, force.duration_s});
+  }
+  for (const RandomForceScenario& force : scenario.random_forces)
+    params.random.push_back(
+        {plant.robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
+  plant.robot = WithPayload(plant.robot, scenario.payload.Make());  // after all that does not know of it
   params.min_height = scenario.fall.min_height_ratio * height;
   params.max_tilt = scenario.fall.max_tilt_rad;
   return params;

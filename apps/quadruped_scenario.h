@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "tenon/apps/common/outputs.h"
 #include "tenon/diagrams/quadruped_stand.h"
@@ -37,22 +40,90 @@ struct FallScenario {
   }
 };
 
-/// One standard deviation each.
-struct EncoderScenario {
-  double angle_noise_rad = 0;
-  double speed_noise_rad_per_s = 0;
+/// One standard deviation each; the ratios are to the signal.
+struct SensorScenario {
+  double encoder_angle_rad = 0;
+  double encoder_speed_rad_per_s = 0;
+  double torque_ratio = 0;
+  double foot_force_ratio = 0;
+  double angular_velocity_rad_per_s = 0;
+  double acceleration_m_per_s2 = 0;
   double rate_hz = 1000;
 
   static constexpr auto Fields() {
-    return std::tuple{Field{"angle_noise_rad", &EncoderScenario::angle_noise_rad},
-                      Field{"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
-                      Field{"rate_hz", &EncoderScenario::rate_hz}};
+    return std::tuple{Field{"encoder_angle_rad", &SensorScenario::encoder_angle_rad},
+                      Field{"encoder_speed_rad_per_s", &SensorScenario::encoder_speed_rad_per_s},
+                      Field{"torque_ratio", &SensorScenario::torque_ratio},
+                      Field{"foot_force_ratio", &SensorScenario::foot_force_ratio},
+                      Field{"angular_velocity_rad_per_s", &SensorScenario::angular_velocity_rad_per_s},
+                      Field{"acceleration_m_per_s2", &SensorScenario::acceleration_m_per_s2},
+                      Field{"rate_hz", &SensorScenario::rate_hz}};
   }
 };
 
-/// The defaults are those that QuadrupedPlant recommends.
+enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
+constexpr auto EnumNames(Part) {
+  return std::array{std::pair{Part::kTrunk, "trunk"}, std::pair{Part::kFrontLeft, "front_left"},
+                    std::pair{Part::kFrontRight, "front_right"}, std::pair{Part::kRearLeft, "rear_left"},
+                    std::pair{Part::kRearRight, "rear_right"}};
+}
+
+/// A constant force, or a sine of the time since its start if there is a frequency.
+struct ForceScenario {
+  Part on = Part::kTrunk;
+  double height = 0.5;  ///< on a leg: 0 the foot, 0.5 the knee, 1 the hip
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();
+  double start_s = 0;
+  double duration_s = 0;
+  double frequency_rad_per_s = 0;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"on", &ForceScenario::on},
+                      Field{"height", &ForceScenario::height},
+                      Field{"force_N", &ForceScenario::force_N},
+                      Field{"torque_N_m", &ForceScenario::torque_N_m},
+                      Field{"start_s", &ForceScenario::start_s},
+                      Required("duration_s", &ForceScenario::duration_s),
+                      Field{"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
+  }
+};
+
+/// A force that changes every period, see RandomForce.
+struct RandomForceScenario {
+  bool on_trunk = false;
+  double lower_N = 0;
+  double upper_N = 0;
+  double period_s = 2;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"on_trunk", &RandomForceScenario::on_trunk},
+                      Required("lower_N", &RandomForceScenario::lower_N),
+                      Required("upper_N", &RandomForceScenario::upper_N),
+                      Field{"period_s", &RandomForceScenario::period_s}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A uniform box on the trunk for the whole run; the controller does not know of it.
+struct TrunkLoadScenario {
+  double mass_kg = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of its centre in the trunk's frame
+  Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"mass_kg", &TrunkLoadScenario::mass_kg},
+                      Field{"position_m", &TrunkLoadScenario::position_m},
+                      Field{"edges_m", &TrunkLoadScenario::edges_m}};
+  }
+  RigidInertia Make() const;
+};
+
+/// The tolerances that QuadrupedPlant recommends, with order 2: against order 5 with rtol = 1e-9, a drop from
+/// 0.1 m is then within 0.013 mm for DogBot and 0.035 mm for the A1, and standing takes 3 evaluations per ms
+/// in place of the 4 of order 3.
 struct LeggedIntegratorScenario {
-  int order = 3;
+  int order = 2;
   double rtol = 1e-3;
   double atol_position = 1e-5;  ///< [m, rad]
   double atol_velocity = 1e-3;  ///< [m/s, rad/s]
@@ -78,7 +149,10 @@ struct QuadrupedScenario {
   double start_height_m = 0;  ///< of the feet above the plane's origin, at rest in the nominal stance
   TerrainParams terrain;
   JointPdScenario pd;
-  EncoderScenario encoders;
+  SensorScenario sensors;
+  std::vector<ForceScenario> forces;
+  std::vector<RandomForceScenario> random_forces;
+  TrunkLoadScenario payload;
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
   LeggedIntegratorScenario integrator;
@@ -95,7 +169,10 @@ struct QuadrupedScenario {
                       Field{"start_height_m", &QuadrupedScenario::start_height_m},
                       Field{"terrain", &QuadrupedScenario::terrain},
                       Required("pd", &QuadrupedScenario::pd),
-                      Field{"encoders", &QuadrupedScenario::encoders},
+                      Field{"sensors", &QuadrupedScenario::sensors},
+                      Field{"forces", &QuadrupedScenario::forces},
+                      Field{"random_forces", &QuadrupedScenario::random_forces},
+                      Field{"payload", &QuadrupedScenario::payload},
                       Field{"fall", &QuadrupedScenario::fall},
                       Field{"limit_speed", &QuadrupedScenario::limit_speed},
                       Field{"integrator", &QuadrupedScenario::integrator},

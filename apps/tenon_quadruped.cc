@@ -15,12 +15,12 @@ int RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario)
   DiagramBuilder builder;
   auto& loop = builder.Add<QuadrupedStand>("loop", MakeStandParams(scenario));
   const auto diagram = builder.Build();
-  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description =
-                     fmt::format("{}, {} s, seed {}", scenario.robot, scenario.duration_s, scenario.seed),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  Report report(
+      {.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+       .description = fmt::format("{}, {} s, seed {}", scenario.robot, scenario.duration_s, scenario.seed),
+       .plots = scenario.report.plots,
+       .events = scenario.report.events,
+       .signal_rate = Hz(scenario.log_rate_hz)});
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = StandFigures::Signals(loop);

@@ -32,8 +32,9 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
   }
   const auto solver = balance.completeOrthogonalDecomposition();
   if (solver.rank() < 3)
-    throw ParameterError(fmt::format(
-        "the feet of '{}' are in a line in its nominal stance: nothing can stand so; spread them", robot.name));
+    throw ParameterError(
+        fmt::format("the feet of '{}' are in a line in its nominal stance: nothing can stand so; spread them",
+                    robot.name));
   const Eigen::Vector4d normal = solver.solve(Eigen::Vector3d(robot.mass() * gravity, 0, 0));
 
   Vec<12> torque = dynamics.gravity.tail<kNumJoints>();

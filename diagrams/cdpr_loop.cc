@@ -48,7 +48,7 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
 
   Connect(plant.cables, slack.cables);
   Connect(plant.platform, pose_sensor.platform);
-  Connect(plant.platform, imu.platform);
+  Connect(plant.platform, imu.body);
   Connect(plant.acceleration, imu.acceleration);
 
   Connect(plant.platform, platform);

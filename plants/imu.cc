@@ -15,10 +15,12 @@ void ImuParams::Validate() const {
   if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
 }
 
-ImuMeasurement Imu::CalcMeasurement(const PlatformState& platform, const PlatformAcceleration& acceleration,
-                                    RandomStream& noise) const {
-  const Eigen::Matrix3d R_BW = platform.R_WB().transpose();
-  const Vec<3> w_B = R_BW * platform.w_W;
+template <class State, class Acceleration>
+ImuMeasurement BasicImu<State, Acceleration>::CalcMeasurement(const State& body,
+                                                              const Acceleration& acceleration,
+                                                              RandomStream& noise) const {
+  const Eigen::Matrix3d R_BW = body.R_WB().transpose();
+  const Vec<3> w_B = R_BW * body.w_W;
   const Vec<3> f_B = R_BW * (acceleration.a_W + Vec<3>(0, 0, params.gravity));
   ImuMeasurement out;
   out.angular_velocity_B =
@@ -26,5 +28,8 @@ ImuMeasurement Imu::CalcMeasurement(const PlatformState& platform, const Platfor
   out.specific_force_B = f_B + params.specific_force_bias + NormalVector(noise, params.specific_force_noise);
   return out;
 }
+
+template class BasicImu<PlatformState, PlatformAcceleration>;
+template class BasicImu<LeggedState, LeggedAcceleration>;
 
 }  // namespace tenon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/description/cdpr_signals.h>
+#include <tenon/plants/description/legged_signals.h>
 #include <tenon/systems/ports.h>
 #include <tenon/systems/state.h>
 #include <tenon/systems/system.h>
@@ -19,29 +20,37 @@ struct ImuParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// An inertial measurement unit at the CoM, aligned with B, with constant bias and white noise:
+/// An inertial measurement unit at B's origin, aligned with B, with constant bias and white noise:
 ///     angular velocity = R_WB^T w_W + b_w + n_w,
 ///     specific force   = R_WB^T (a_W - g) + b_f + n_f,   g = (0, 0, -gravity).
 /// At rest the specific force points up and is 9.81 m/s^2; in free fall it is 0.
 ///
-///     ports in  platform      the true state
+///     ports in  body          the true state
 ///               acceleration  the true acceleration
 ///     port out  measurement   sampled
-class Imu final : public LeafSystem<ImuParams> {
+///
+/// Imu is for the platform of a cable robot, TrunkImu for the trunk of a quadruped.
+template <class State, class Acceleration>
+class BasicImu final : public LeafSystem<ImuParams> {
  public:
   using LeafSystem::LeafSystem;
-  InputPort<PlatformState> platform{this, {"platform"}};
-  InputPort<PlatformAcceleration> acceleration{this, {"acceleration"}};
+  InputPort<State> body{this, {"body"}};
+  InputPort<Acceleration> acceleration{this, {"acceleration"}};
   Random noise{this, "noise"};
   OutputPort<ImuMeasurement> measurement{this,
                                          {"measurement"},
                                          Sampled{params.rate},
-                                         Uses(platform, acceleration, noise),
-                                         &Imu::CalcMeasurement};
+                                         Uses(body, acceleration, noise),
+                                         &BasicImu::CalcMeasurement};
 
  private:
-  ImuMeasurement CalcMeasurement(const PlatformState& platform, const PlatformAcceleration& acceleration,
+  ImuMeasurement CalcMeasurement(const State& body, const Acceleration& acceleration,
                                  RandomStream& noise) const;
 };
+
+using Imu = BasicImu<PlatformState, PlatformAcceleration>;
+using TrunkImu = BasicImu<LeggedState, LeggedAcceleration>;
+extern template class BasicImu<PlatformState, PlatformAcceleration>;
+extern template class BasicImu<LeggedState, LeggedAcceleration>;
 
 }  // namespace tenon

@@ -152,7 +152,7 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
     const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(at.body)];
     const Vec<3> arm = at.p_W - ToEigen(body.getBodyTransform(work.state).p());
     work.body_forces[body.getMobilizedBodyIndex()] +=
-        SimTK::SpatialVec(ToSimbody(arm.cross(at.force_W)), ToSimbody(at.force_W));
+        SimTK::SpatialVec(ToSimbody(arm.cross(at.force_W) + at.torque_W), ToSimbody(at.force_W));
   }
   // What is left of the forces at u' = 0, and what accelerations take it: M u' = -residual.
   model_->matter.calcResidualForceIgnoringConstraints(work.state, work.mobility_forces, work.body_forces,

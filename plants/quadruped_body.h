@@ -9,11 +9,12 @@
 
 namespace tenon {
 
-/// A force on a point of a quadruped, the point given in W.
+/// A force on a point of a quadruped, the point given in W, and a torque.
 struct PointForce {
-  int body;        ///< 0 the trunk, 1 + j the body that joint j moves
-  Vec<3> p_W;      ///< [m]
-  Vec<3> force_W;  ///< [N]
+  int body;                          ///< 0 the trunk, 1 + j the body that joint j moves
+  Vec<3> p_W;                        ///< [m]
+  Vec<3> force_W;                    ///< [N]
+  Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
 };
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.

@@ -8,10 +8,10 @@
 namespace tenon {
 namespace {
 
-constexpr double kGravity = 9.81;       // [m/s^2], for the length of arrows alone
-constexpr double kPlaneSize = 12;       // [m], of a slope
+constexpr double kGravity = 9.81;         // [m/s^2], for the length of arrows alone
+constexpr double kPlaneSize = 12;         // [m], of a slope
 constexpr double kPlaneThickness = 0.02;  // [m]
-constexpr double kBoxDepth = 0.01;      // [m], of boxes in the plane, so that no gap shows
+constexpr double kBoxDepth = 0.01;        // [m], of boxes in the plane, so that no gap shows
 constexpr int kNumBodies = 1 + kNumJoints;
 
 // The order of the shapes: these, the links, the feet, their forces, the external forces, the terrain.
@@ -34,6 +34,14 @@ Vec<3> BoxEdges(const RigidInertia& body) {
   const Vec<3> I = body.inertia.diagonal();
   const Vec<3> squares = 6 / body.mass * (Vec<3>::Constant(I.sum()) - 2 * I);
   return squares.cwiseMax(0.0).cwiseSqrt();
+}
+
+/// The trunk: that box, widened to the first joints of the legs if they lie outside.
+Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
+  Vec<3> edges = BoxEdges(robot.trunk);
+  for (const LegDescription& leg : robot.legs)
+    edges = edges.cwiseMax(2 * (leg.joints[0].p_PJ - robot.trunk.com).cwiseAbs());
+  return edges;
 }
 
 /// Where a link ends, in its joint's frame: at the next joint, or at the foot.
@@ -66,7 +74,7 @@ void AddTerrain(const TerrainParams& params, Geometry* shapes) {
 Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const TerrainParams& terrain) {
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
-  shapes[kTrunk] = Shape::Box(ShapeRole::kRobot, "trunk", BoxEdges(robot.trunk));
+  shapes[kTrunk] = Shape::Box(ShapeRole::kRobot, "trunk", TrunkEdges(robot));
   shapes[kPath] = Shape::Trace(ShapeRole::kRobot, "path of the trunk");
   for (int j = 0; j < kNumJoints; ++j)
     shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kRobot, "link of " + robot.joint(j).name,

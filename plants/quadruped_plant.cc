@@ -94,8 +94,8 @@ LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const 
           fmt::format("an external force acts on body {}; give 0 for the trunk or 1 to {} for the body "
                       "that a joint moves",
                       force.body, kNumJoints));
-    if (!force.force_W.isZero(0))
-      forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W};
+    if (!force.force_W.isZero(0) || !force.torque_W.isZero(0))
+      forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W, force.torque_W};
   }
   Vec<12> torque;
   for (int j = 0; j < kNumJoints; ++j)

@@ -48,7 +48,7 @@ struct LeggedEnergy {
 /// A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), feet that stick (foot_contact.h).
 ///
 ///     ports in   torque        command to the joints' drives [N m]
-///                external      up to eight forces on points of the robot; none if not connected
+///                external      up to eight forces and torques on the robot; none if not connected
 ///     ports out  state         pose and velocity of the trunk, joint angles and speeds
 ///                acceleration  of B's origin and of the joints, as an inertial unit needs it
 ///                foot_forces   of the ground on each foot [N]

@@ -75,15 +75,17 @@ struct FootForces {
 inline constexpr std::array<Vec<3> FootForces::*, kNumLegs> FootForces::kMembers{
     &FootForces::front_left, &FootForces::front_right, &FootForces::rear_left, &FootForces::rear_right};
 
-/// A force on a point of the robot.
+/// A force on a point of the robot, and a torque.
 struct ExternalForce {
-  int body = 0;                     ///< 0 the trunk, 1 + j the body that joint j moves
-  Vec<3> p_B = Vec<3>::Zero();      ///< where, in that body's frame [m]
-  Vec<3> force_W = Vec<3>::Zero();  ///< [N]
+  int body = 0;                      ///< 0 the trunk, 1 + j the body that joint j moves
+  Vec<3> p_B = Vec<3>::Zero();       ///< where, in that body's frame [m]
+  Vec<3> force_W = Vec<3>::Zero();   ///< [N]
+  Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
 
   static constexpr auto Fields() {
     return std::tuple{Field{"body", &ExternalForce::body}, Field{"p_B", &ExternalForce::p_B, "m"},
-                      Field{"force_W", &ExternalForce::force_W, "N"}};
+                      Field{"force_W", &ExternalForce::force_W, "N"},
+                      Field{"torque_W", &ExternalForce::torque_W, "N m"}};
   }
 };
 

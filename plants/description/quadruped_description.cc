@@ -138,6 +138,13 @@ double QuadrupedDescription::StanceHeight() const {
   return sum / kNumLegs;
 }
 
+QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload) {
+  if (!(payload.mass >= 0))
+    throw ParameterError(fmt::format("a payload of {} kg makes no sense; give 0 for none", payload.mass));
+  if (payload.mass > 0) robot.trunk = robot.trunk + payload;
+  return robot;
+}
+
 QuadrupedDescription LoadQuadruped(const std::filesystem::path& path) {
   const auto file = YamlDocument::Load(path).Read<RobotFile>();
   QuadrupedDescription robot;

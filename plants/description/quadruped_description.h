@@ -104,6 +104,10 @@ struct QuadrupedDescription {
   double StanceHeight() const;
 };
 
+/// The robot with a rigid body fixed to its trunk, given in B; exact. Controllers may keep the robot without.
+/// Throws ParameterError unless the payload's mass is 0 or more.
+QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload);
+
 /// Reads a robot: a YAML file such as plants/robots/dogbot.yaml, which names a URDF file beside it and tells
 /// what URDF cannot. Throws ParameterError, beginning with the file and the place in it, for
 ///  - what the YAML reader refuses, among others unknown and missing keys;

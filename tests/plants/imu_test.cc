@@ -32,16 +32,14 @@ PlatformState Tilted() {
 
 TEST(ImuTest, AtRestReadsGravityUpwards) {
   Rig rig(Noiseless());
-  rig.Fix(rig.system().platform, PlatformState{})
-      .Fix(rig.system().acceleration, PlatformAcceleration{})
-      .Tick();
+  rig.Fix(rig.system().body, PlatformState{}).Fix(rig.system().acceleration, PlatformAcceleration{}).Tick();
   EXPECT_EQ(rig[rig.system().measurement].specific_force_B, Vec<3>(0, 0, 9.81));
   EXPECT_EQ(rig[rig.system().measurement].angular_velocity_B, Vec<3>::Zero());
 }
 
 TEST(ImuTest, ReadsInTheBodysAxes) {
   Rig rig(Noiseless());
-  rig.Fix(rig.system().platform, Tilted())
+  rig.Fix(rig.system().body, Tilted())
       .Fix(rig.system().acceleration, PlatformAcceleration{{1, 2, 3}, {7, 8, 9}})
       .Tick();
   const Eigen::Matrix3d R_WB = RotationFromEuler({0.3, -0.2, 1});
@@ -52,7 +50,7 @@ TEST(ImuTest, ReadsInTheBodysAxes) {
 
 TEST(ImuTest, InFreeFallReadsNothing) {
   Rig rig(Noiseless());
-  rig.Fix(rig.system().platform, Tilted())
+  rig.Fix(rig.system().body, Tilted())
       .Fix(rig.system().acceleration, PlatformAcceleration{.a_W = {0, 0, -9.81}})
       .Tick();
   EXPECT_EQ(rig[rig.system().measurement].specific_force_B, Vec<3>::Zero());
@@ -66,7 +64,7 @@ TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
   params.angular_velocity_bias = {0.1, 0, -0.2};
   params.specific_force_bias = {0, 0.3, -0.4};
   Rig rig(params);
-  rig.Fix(rig.system().platform, PlatformState{}).Fix(rig.system().acceleration, PlatformAcceleration{});
+  rig.Fix(rig.system().body, PlatformState{}).Fix(rig.system().acceleration, PlatformAcceleration{});
   Vec<6> expected, deviation;
   expected << params.angular_velocity_bias, params.specific_force_bias + Vec<3>(0, 0, 9.81);
   deviation << params.angular_velocity_noise, params.specific_force_noise;
@@ -92,9 +90,7 @@ TEST(ImuTest, SamplesAtItsRate) {
   ImuParams params;
   params.rate = Hz(400);
   Rig rig(params);
-  rig.Fix(rig.system().platform, PlatformState{})
-      .Fix(rig.system().acceleration, PlatformAcceleration{})
-      .Tick();
+  rig.Fix(rig.system().body, PlatformState{}).Fix(rig.system().acceleration, PlatformAcceleration{}).Tick();
   EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 400);
 }
 
@@ -104,7 +100,7 @@ TEST(ImuTest, OnAHangingPlatformFeedsASampledController) {
   DiagramBuilder builder;
   auto& plant = builder.Add<CdprPlant>("plant", hanging);
   auto& imu = builder.Add<Imu>("imu", Noiseless());
-  builder.Connect(plant.platform, imu.platform);
+  builder.Connect(plant.platform, imu.body);
   builder.Connect(plant.acceleration, imu.acceleration);
   auto& command =
       builder.AddFunction("command", Sampled{Hz(1000)}, Uses(imu.measurement), [&](const ImuMeasurement& m) {
@@ -122,9 +118,7 @@ TEST(ImuTest, OnAHangingPlatformFeedsASampledController) {
 TEST(ImuTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Rig rig;
-  rig.Fix(rig.system().platform, Tilted())
-      .Fix(rig.system().acceleration, PlatformAcceleration{})
-      .AdvanceTo(0.1);
+  rig.Fix(rig.system().body, Tilted()).Fix(rig.system().acceleration, PlatformAcceleration{}).AdvanceTo(0.1);
   AllocationGuard guard;
   rig.AdvanceTo(0.2);
   EXPECT_EQ(guard.count(), 0);

@@ -1,0 +1,151 @@
+// Runs the binary as its users do.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Result {
+  int exit_code;
+  std::string text;  // stdout and stderr
+};
+
+Result RunApp(const std::string& arguments) {
+  const std::string command = std::string(TENON_QUADRUPED) + " " + arguments + " 2>&1";
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::string text;
+  char buffer[4096];
+  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
+  return {WEXITSTATUS(pclose(pipe)), text};
+}
+
+std::string Read(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class TenonQuadrupedTest : public ::testing::Test {
+ protected:
+  TenonQuadrupedTest()
+      : out(fs::temp_directory_path() /
+            ("tenon_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+    fs::remove_all(out);
+  }
+  ~TenonQuadrupedTest() override { fs::remove_all(out); }
+  std::string Out() const { return " --out " + out.string(); }
+  fs::path out;
+};
+
+TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
+  const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
+  const Result result = RunApp("stand --duration 0.2 --seed 7" + Out() + " --graph " + out.string() + ".dot");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key :
+       {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s", "real_time_factor", "robot",
+        "height_min_m", "height_end_m", "drift_m", "tilt_max_rad", "torque_max_N_m", "foot_force_max_N"}) {
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
+  }
+  EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),
+                             HasSubstr("\"robot\": \"dogbot\""), HasSubstr("\"simulated_s\": 0.2")));
+  EXPECT_THAT(Read(out / "signals.csv"),
+              AllOf(HasSubstr("time [s],"), HasSubstr("loop.plant.foot_forces.front_left.z [N]"),
+                    HasSubstr("loop.imu.measurement.specific_force_B.z [m/s^2]"), HasSubstr("\n0.2,")));
+  EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: stand"), HasSubstr("atol_bristles")));
+  EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("cluster_loop"), HasSubstr("encoders")));
+  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>stand: holds its stance"));
+  fs::remove(out.string() + ".dot");
+}
+
+TEST_F(TenonQuadrupedTest, DropsBothRobots) {
+  for (const char* robot : {"dogbot", "a1"}) {
+    const Result result = RunApp("drop --duration 1 --set robot=" + std::string(robot) + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
+  }
+}
+
+TEST_F(TenonQuadrupedTest, WrittenScenarioRepeatsTheRun) {
+  ASSERT_EQ(RunApp("stand --duration 0.2 --set sensors.encoder_angle_rad=1e-4 --set "
+                   "'random_forces=[{lower_N: 10, upper_N: 35, period_s: 0.1}]'" +
+                   Out())
+                .exit_code,
+            0);
+  const std::string first = Read(out / "signals.csv");
+  const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
+  ASSERT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
+}
+
+TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
+  const Result result =
+      RunApp("stand --duration 4 --set 'forces=[{force_N: [0, 400, 0], duration_s: 2}]'" + Out());
+  EXPECT_EQ(result.exit_code, 3) << result.text;
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"fell\": true"), HasSubstr("the robot fell: its trunk is")));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
+}
+
+TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
+  const Result result = RunApp(
+      "stand --duration 2 --set 'terrain={grade: [0.1, 0.1]}' --set payload.mass_kg=5 --set "
+      "'forces=[{on: front_left, force_N: [20, 0, 0], duration_s: 2, frequency_rad_per_s: 1}]'" +
+      Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("slope"));
+}
+
+struct BadUsage {
+  const char* arguments;
+  const char* message;
+  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
+};
+class TenonQuadrupedUsageTest : public ::testing::TestWithParam<BadUsage> {};
+
+TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
+  const fs::path out = fs::temp_directory_path() / "tenon_quadruped_usage";
+  const Result result = RunApp(std::string(GetParam().arguments) + " --out " + out.string());
+  EXPECT_EQ(result.exit_code, 2) << result.text;
+  EXPECT_THAT(result.text, HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, TenonQuadrupedUsageTest,
+    ::testing::Values(
+        BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
+        BadUsage{"D1", "this is a scenario of another app"},
+        BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
+        BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
+        BadUsage{"stand --set start_height_m=-0.1", "start_height_m = -0.1 must not be negative"},
+        BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
+        BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
+        BadUsage{"stand --set sensors.torque_ratio=-1", "the noise of the force sensor"},
+        BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
+        BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
+        BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'", "height 2 is not on the leg"},
+        BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
+                 "period_s = 0 must be positive"},
+        BadUsage{"stand --set 'terrain={friction: -1}'", "friction"}));
+
+TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
+  const Result result = RunApp("--list");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.text, AllOf(HasSubstr("holds its stance"), HasSubstr("lands from 0.1 m")));
+}
+
+}  // namespace
