@@ -8,7 +8,7 @@
 namespace tenon {
 
 struct JointPdParams {
-  QuadrupedDescription robot;        ///< what the controller believes
+  QuadrupedDescription robot = {};   ///< what the controller believes
   double stiffness = 0;              ///< K_p [N m/rad]
   double damping = 0;                ///< K_d [N m s/rad]
   bool gravity_compensation = true;  ///< add StandingTorque

@@ -10,17 +10,17 @@
 
 namespace tenon {
 
-/// Forces of the surroundings on a quadruped. Each of these blocks puts out one force; a ForceBundle makes the
-/// ExternalForces of them that QuadrupedPlant takes.
+/// Forces of the surroundings on a quadruped. Each of these blocks puts out one force; a ForceBundle makes
+/// the ExternalForces of them that QuadrupedPlant takes.
 
-/// A point on a leg, without a force: `height` runs along the leg from 0 at the foot over 0.5 at the knee to 1
-/// at the hip's pitch joint. Throws ParameterError for a leg or a height that is not there.
+/// A point on a leg, without a force: `height` runs along the leg from 0 at the foot over 0.5 at the knee to
+/// 1 at the hip's pitch joint. Throws ParameterError for a leg or a height that is not there.
 ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double height);
 
 struct SineForceParams {
-  ExternalForce amplitude;       ///< where, and how much [N], [N m]
-  double angular_frequency = 1;  ///< w [rad/s]
-  double start = 0;              ///< [s]
+  ExternalForce amplitude = {};                          ///< where, and how much [N], [N m]
+  double angular_frequency = 1;                          ///< w [rad/s]
+  double start = 0;                                      ///< [s]
   double end = std::numeric_limits<double>::infinity();  ///< [s]
 
   void Validate() const;  ///< throws ParameterError
@@ -39,10 +39,10 @@ class SineForce final : public LeafSystem<SineForceParams> {
 };
 
 struct PulseForceParams {
-  ExternalForce push;    ///< where, and how much [N], [N m]
-  double start = 0;      ///< [s]
-  double duration = 0;   ///< [s]; infinity for a force that stays
-  Rate rate = Hz(1000);  ///< the instants are rounded up to its ticks, which end integration steps
+  ExternalForce push = {};  ///< where, and how much [N], [N m]
+  double start = 0;         ///< [s]
+  double duration = 0;      ///< [s]; infinity for a force that stays
+  Rate rate = Hz(1000);     ///< the instants are rounded up to its ticks, which end integration steps
 
   void Validate() const;  ///< throws ParameterError
 };
@@ -53,15 +53,14 @@ struct PulseForceParams {
 class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  OutputPort<ExternalForce> force{
-      this, {"force"}, Sampled{params.rate}, Uses(time), &PulseForce::CalcForce};
+  OutputPort<ExternalForce> force{this, {"force"}, Sampled{params.rate}, Uses(time), &PulseForce::CalcForce};
 
  private:
   ExternalForce CalcForce(const double& time) const;
 };
 
 struct RandomForceParams {
-  QuadrupedDescription robot;
+  QuadrupedDescription robot = {};
   bool on_trunk = false;  ///< at B's origin instead of a leg
   double lower = 0;       ///< magnitude, at least [N]
   double upper = 0;       ///< at most [N]

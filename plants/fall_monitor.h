@@ -9,7 +9,7 @@
 namespace tenon {
 
 struct FallMonitorParams {
-  TerrainParams terrain;
+  TerrainParams terrain = {};
   double min_height = 0;  ///< of B's origin above the ground [m]
   double max_tilt = 1;    ///< of the trunk's z axis from the vertical [rad]
   Rate rate = Hz(1000);

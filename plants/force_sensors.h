@@ -11,7 +11,7 @@ namespace tenon {
 /// Defaults: without errors.
 struct ForceSensorParams {
   Rate rate = Hz(1000);
-  SensorError error;  ///< [N m] or [N]; `relative` is to each component
+  SensorError error = {};  ///< [N m] or [N]; `relative` is to each component
 
   void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
 };
@@ -25,11 +25,8 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
   using LeafSystem::LeafSystem;
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   Random noise{this, "noise"};
-  OutputPort<Vec<12>> measured{this,
-                               {"measured", "N m"},
-                               Sampled{params.rate},
-                               Uses(torque, noise),
-                               &JointTorqueSensor::CalcMeasured};
+  OutputPort<Vec<12>> measured{
+      this, {"measured", "N m"}, Sampled{params.rate}, Uses(torque, noise), &JointTorqueSensor::CalcMeasured};
 
  private:
   Vec<12> CalcMeasured(const Vec<12>& torque, RandomStream& noise) const;

@@ -11,8 +11,8 @@ namespace tenon {
 /// Defaults: without errors.
 struct JointEncodersParams {
   Rate rate = Hz(1000);
-  SensorError angle;  ///< [rad]
-  SensorError speed;  ///< [rad/s]
+  SensorError angle = {};  ///< [rad]
+  SensorError speed = {};  ///< [rad/s]
 
   void Validate() const;  ///< throws ParameterError
 };

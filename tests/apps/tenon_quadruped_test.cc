@@ -49,16 +49,12 @@ class TenonQuadrupedTest : public ::testing::Test {
 };
 
 TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
-  const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
-  ASSERT_EQ(result.exit_code, 0) << result.text;
-  const std::string summary = Read(out / "summary.json");
-TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
   const Result result = RunApp("stand --duration 0.2 --seed 7" + Out() + " --graph " + out.string() + ".dot");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string summary = Read(out / "summary.json");
-  for (const char* key :
-       {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s", "real_time_factor", "robot",
-        "height_min_m", "height_end_m", "drift_m", "tilt_max_rad", "torque_max_N_m", "foot_force_max_N"}) {
+  for (const char* key : {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s",
+                          "real_time_factor", "robot", "height_min_m", "height_end_m", "drift_m",
+                          "tilt_max_rad", "torque_max_N_m", "foot_force_max_N"}) {
     EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
   }
   EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),
@@ -126,21 +122,22 @@ TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, TenonQuadrupedUsageTest,
-    ::testing::Values(
-        BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
-        BadUsage{"D1", "this is a scenario of another app"},
-        BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
-        BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
-        BadUsage{"stand --set start_height_m=-0.1", "start_height_m = -0.1 must not be negative"},
-        BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
-        BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
-        BadUsage{"stand --set sensors.torque_ratio=-1", "the noise of the force sensor"},
-        BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
-        BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
-        BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'", "height 2 is not on the leg"},
-        BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
-                 "period_s = 0 must be positive"},
-        BadUsage{"stand --set 'terrain={friction: -1}'", "friction"}));
+    ::testing::Values(BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
+                      BadUsage{"stand --set app=tenon-cdpr", "this is a scenario of another app"},
+                      BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
+                      BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
+                      BadUsage{"stand --set start_height_m=-0.1",
+                               "start_height_m = -0.1 must not be negative"},
+                      BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
+                      BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
+                      BadUsage{"stand --set sensors.torque_ratio=-1", "the noise of the force sensor"},
+                      BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
+                      BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
+                      BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
+                               "height 2 is not on the leg"},
+                      BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
+                               "period_s = 0 must be positive"},
+                      BadUsage{"stand --set 'terrain={friction: -1}'", "friction"}));
 
 TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
   const Result result = RunApp("--list");

@@ -53,8 +53,8 @@ TEST(StandingTorqueTest, RefusesFeetInALine) {
     for (JointDescription& joint : leg.joints) joint.p_PJ[1] = 0;
     leg.foot_J[1] = 0;
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); }, "the feet of 'dogbot' are in a line",
-                                     "spread them"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); },
+                                     "the feet of 'dogbot' are in a line", "spread them"));
 }
 
 TEST(JointPdTest, IsTheEquationWithinTheLimits) {

@@ -49,8 +49,10 @@ TEST(PointOnLegTest, RunsFromTheFootOverTheKneeToTheHip) {
     EXPECT_THAT(at(1), IsNear(hip, 1e-12));
     EXPECT_THAT(at(0.75), IsNear(Vec<3>((hip + knee) / 2), 1e-12));
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { PointOnLeg(params.robot, 4, 0.5); }, "leg 4 is not there", "0 to 3"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { PointOnLeg(params.robot, 0, 1.5); }, "height 1.5", "0 for the foot"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PointOnLeg(params.robot, 4, 0.5); }, "leg 4 is not there", "0 to 3"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PointOnLeg(params.robot, 0, 1.5); }, "height 1.5", "0 for the foot"));
 }
 
 TEST(SineForceTest, IsTheEquation) {

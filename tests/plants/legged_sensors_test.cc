@@ -120,7 +120,8 @@ TEST(LeggedSensorsTest, BlocksHaveStreamsOfTheirOwnAndRunsRepeat) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.seed = seed});
     simulator.AdvanceTo(0.01);
-    return std::pair{Vec<12>(simulator.context().Eval(a.measured)), Vec<12>(simulator.context().Eval(b.measured))};
+    return std::pair{Vec<12>(simulator.context().Eval(a.measured)),
+                     Vec<12>(simulator.context().Eval(b.measured))};
   };
   EXPECT_NE(run(1).first, run(1).second);
   EXPECT_EQ(run(1), run(1));
