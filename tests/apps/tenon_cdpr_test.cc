@@ -108,7 +108,8 @@ TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
   const Result result =
-      RunApp("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" + Out());
+      RunApp("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" +
+             Out());
   EXPECT_EQ(result.exit_code, 3) << result.text;
   EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr("is slack")));
 }

@@ -76,7 +76,8 @@ TEST(CdprEstimator, FiltersNoise) {
   std::mt19937 generator(1);
   std::normal_distribution<double> normal;
   const auto noise = [&](double deviation) {
-    return Vec<3>(deviation * normal(generator), deviation * normal(generator), deviation * normal(generator));
+    return Vec<3>(deviation * normal(generator), deviation * normal(generator),
+                  deviation * normal(generator));
   };
   double p = 0, v = 0, turn = 0;
   int count = 0;

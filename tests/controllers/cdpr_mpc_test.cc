@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <algorithm>
 #include <numeric>
 
 #include "cdpr_test_robots.h"
@@ -23,8 +23,7 @@ CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
   params.path = std::make_shared<EquilibriumPath>(robot, Path::Hold(at), options);
   params.horizon = 1.2;
   params.num_steps = 25;
-  params.weights = {
-      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  params.weights = {.position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
   return params;
 }
 
@@ -66,7 +65,8 @@ TEST_P(CdprMpcOfRobots, HoldsTheEquilibriumAndPullsBackToIt) {
                           : GetParam() == 6 ? test::SixCableRobot()
                                             : test::EightCableRobot();
   robot.cables.resize(GetParam());
-  if (GetParam() == 7) robot.cables[6] = test::SixCableRobot().cables[0], robot.cables[6].anchor_W = {0, 0, 0};
+  if (GetParam() == 7)
+    robot.cables[6] = test::SixCableRobot().cables[0], robot.cables[6].anchor_W = {0, 0, 0};
   const CdprMpcParams params = Holding(robot, {0.1, -0.1, 1.8});
   TestRig<CdprMpc> rig(params);
   rig.Fix(rig.system().estimate, At(params, 0, {0, 0, 0})).Tick();
@@ -135,9 +135,7 @@ TEST(CdprMpc, ReferenceAccelerates) {
   params.path =
       std::make_shared<EquilibriumPath>(test::FourCableRobot(), Path::Circle({0, 0, 2}, 0.5, 10, 0.1));
   TestRig<CdprMpc> rig(params);
-  rig.AdvanceTo(0);
-  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0}));
-  rig.AdvanceTo(3);
+  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0})).AdvanceTo(3);
   const auto& plan = rig[rig.system().plan];
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const CdprReference reference = params.path->At(3 + plan.nodes[k].time);
@@ -152,7 +150,7 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.005);
   const CdprPlan before = rig[rig.system().plan];
   PlatformEstimate broken = At(params, 0, {0.1, 0, 0});
-  broken.platform.p_WB[0] = std::numeric_limits<double>::quiet_NaN();
+  broken.platform.p_WB[0] = 1e200;  // its square is not finite
   rig.Fix(rig.system().estimate, broken).AdvanceTo(0.01);
   const CdprPlan& after = rig[rig.system().plan];
   EXPECT_EQ(after.diagnostics.fallbacks, 1);
@@ -161,7 +159,8 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
   EXPECT_NEAR(status.time, 0.04, 1e-9);
-  EXPECT_THAT(status.reason, ::testing::HasSubstr("no better policy 4 times in a row (4 of 5 solves failed)"));
+  EXPECT_THAT(status.reason,
+              ::testing::HasSubstr("no better policy 4 times in a row (4 of 5 solves failed)"));
 }
 
 TEST(CdprMpc, DoesNotAllocate) {
