@@ -1,17 +1,14 @@
 #include "tenon/plants/description/cdpr_description.h"
 
 #include <fmt/format.h>
+#include <tenon/plants/description/rigid_inertia.h>
 #include <tenon/systems/errors.h>
 #include <tenon/systems/yaml.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace tenon {
 namespace {
-
-/// Relative to the largest entry; files give inertias with a few digits.
-constexpr double kInertiaTolerance = 1e-9;
 
 void CheckPositive(const char* what, double value, const char* unit, const char* remedy) {
   if (!(std::isfinite(value) && value > 0))
@@ -21,34 +18,6 @@ void CheckPositive(const char* what, double value, const char* unit, const char*
 void CheckNotNegative(const char* what, double value, const char* unit, const char* remedy) {
   if (!(std::isfinite(value) && value >= 0))
     throw ParameterError(fmt::format("{} is {} {} but must not be negative; {}", what, value, unit, remedy));
-}
-
-void CheckInertia(const Eigen::Matrix3d& inertia) {
-  const double tolerance = kInertiaTolerance * inertia.cwiseAbs().maxCoeff();
-  if (!inertia.allFinite())
-    throw ParameterError("the inertia has entries that are not finite; give all in kg m^2");
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < r; ++c)
-      if (std::abs(inertia(r, c) - inertia(c, r)) > tolerance)
-        throw ParameterError(fmt::format(
-            "the inertia is not symmetric: row {} column {} is {} kg m^2, row {} column {} is {} kg m^2; "
-            "give both the same value, the negative of the product of inertia",
-            c, r, inertia(c, r), r, c, inertia(r, c)));
-
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  const std::string moments =
-      fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", principal[0], principal[1], principal[2]);
-  if (principal[0] <= 0)
-    throw ParameterError(
-        fmt::format("the inertia is not positive definite: its principal moments are {}; "
-                    "all must be positive, check signs and units",
-                    moments));
-  if (principal[0] + principal[1] < principal[2] - tolerance)
-    throw ParameterError(fmt::format(
-        "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
-        "other two; check the values and that they are about the CoM",
-        moments));
 }
 
 std::string Point(const Eigen::Vector3d& p) {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tenon {
+
+/// Mass, centre of mass and inertia of a rigid body in some frame.
+struct RigidInertia {
+  double mass = 0;                                    ///< [kg]
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();      ///< from the frame's origin [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the CoM, in the frame's axes [kg m^2]
+
+  /// The same body in a frame in which this one has the origin p and the axes R.
+  RigidInertia In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const;
+};
+
+/// Two bodies of one frame as one, by Steiner's theorem.
+RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
+
+/// Throws ParameterError if no rigid body has this inertia about its CoM [kg m^2]: not finite, not symmetric,
+/// not positive definite, or one principal moment above the sum of the other two.
+void CheckInertia(const Eigen::Matrix3d& inertia);
+
+}  // namespace tenon

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <tenon/plants/description/legged_signals.h>
+#include <tenon/plants/foot_contact.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+
+namespace tenon {
+
+/// A force on a point of a quadruped, the point given in W.
+struct PointForce {
+  int body;        ///< 0 the trunk, 1 + j the body that joint j moves
+  Vec<3> p_W;      ///< [m]
+  Vec<3> force_W;  ///< [N]
+};
+
+/// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.
+///
+/// Simbody gives kinematics, the forces that remain at zero acceleration, and the accelerations that take
+/// them; stages of its System are not used. Gravity accelerates all masses alike, so it is added to the
+/// trunk's acceleration at the end, as is exact. Rotors of inertia D at the joints are a diagonal addition to
+/// the mass matrix: from the accelerations u0' without them follow those with them,
+/// u' = u0' - (M + D)^-1 D u0', at the price of the whole M, half as much again.
+///
+/// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
+/// one of them each; hence forces are arguments and no force subsystem is in the System. What is returned
+/// depends on the arguments alone.
+class QuadrupedBody {
+ public:
+  /// No robot yet: good to be assigned to.
+  QuadrupedBody();
+  explicit QuadrupedBody(const QuadrupedDescription& robot);
+  QuadrupedBody(const QuadrupedBody& other);
+  QuadrupedBody& operator=(const QuadrupedBody& other);
+  ~QuadrupedBody();
+
+  /// Everything below is for this state. The quaternion may have any length but zero.
+  void SetState(const LeggedState& x);
+
+  FootMotion Foot(int leg) const;
+  /// A point in a body's frame, in W [m].
+  Vec<3> Position(int body, const Vec<3>& p_B) const;
+  double KineticEnergy() const;  ///< rotors included [J]
+  Vec<3> Com() const;            ///< [m]
+
+  /// Accelerations under joint torques, forces and gravity [m/s^2].
+  LeggedAcceleration Acceleration(const Vec<12>& torque, std::span<const PointForce> forces,
+                                  double gravity) const;
+
+ private:
+  struct Model;
+  struct Work;
+  std::shared_ptr<const Model> model_;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace tenon

@@ -1,0 +1,139 @@
+#include "tenon/plants/quadruped_plant.h"
+
+#include <fmt/format.h>
+#include <tenon/systems/errors.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kNormRate = 5;         // [1/s], with which the quaternion's length returns to 1
+constexpr double kFrictionSpeed = 0.1;  // [rad/s], below which Coulomb's friction is smooth
+
+/// The torque of a drive, see the header.
+double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
+                   bool limit_speed) {
+  double upper = joint.torque_limit, lower = -joint.torque_limit;
+  if (limit_speed) {
+    const double fall = joint.speed_limit * (1 - drive.full_torque_speed_ratio);
+    upper = std::clamp(joint.torque_limit * (joint.speed_limit - qd) / fall, lower, upper);
+    lower = std::clamp(-joint.torque_limit * (joint.speed_limit + qd) / fall, lower, upper);
+  }
+  if (command > upper) return upper;  // written so that nan stays nan
+  return command < lower ? lower : command;
+}
+
+/// Friction and end stops of a joint.
+double PassiveTorque(double q, double qd, const JointDescription& joint, const DriveProperties& drive) {
+  double torque = -drive.damping * qd - drive.friction * std::tanh(qd / kFrictionSpeed);
+  const double above = q - joint.upper, below = joint.lower - q;
+  if (above > 0) torque -= drive.stop_stiffness * above * std::max(0.0, 1 + drive.stop_dissipation * qd);
+  if (below > 0) torque += drive.stop_stiffness * below * std::max(0.0, 1 - drive.stop_dissipation * qd);
+  return torque;
+}
+
+}  // namespace
+
+void QuadrupedPlantParams::Validate() const {
+  if (!(robot.mass() > 0))
+    throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+  if (robot.foot_radius > Terrain::kMaxRadius)
+    throw ParameterError(
+        fmt::format("the feet of '{}' have a radius of {} m, but the terrain takes at most {} m", robot.name,
+                    robot.foot_radius, Terrain::kMaxRadius));
+  if (internal::FinitenessOf(initial) != internal::Finiteness::kFinite || initial.q_WB.norm() == 0)
+    throw ParameterError(
+        "the initial state has entries that are not finite, or a quaternion of length 0; give "
+        "all in SI units and a unit quaternion");
+  if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  terrain.Validate();
+}
+
+void QuadrupedPlant::CalcBody(const LeggedState& x, QuadrupedBody* out) const {
+  out->SetState(x);
+}
+
+void QuadrupedPlant::CalcContacts(const QuadrupedBody& body, const FootBristles& bristles,
+                                  FootContacts* out) const {
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    out->feet[static_cast<std::size_t>(leg)] =
+        CalcFootContact(terrain, params.robot.contact, params.robot.foot_radius, body.Foot(leg),
+                        bristles.z.segment<2>(2 * leg));
+}
+
+LeggedState QuadrupedPlant::CalcState(const LeggedState& x) const {
+  LeggedState state = x;
+  state.q_WB.normalize();
+  return state;
+}
+
+Vec<12> QuadrupedPlant::CalcJointTorque(const LeggedState& x, const Vec<12>& command) const {
+  Vec<12> torque;
+  for (int j = 0; j < kNumJoints; ++j)
+    torque[j] =
+        DriveTorque(command[j], x.qd[j], params.robot.joint(j), params.robot.drive, params.limit_speed);
+  return torque;
+}
+
+LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
+                                                    const FootContacts& contacts, const Vec<12>& joint_torque,
+                                                    const ExternalForces& external) const {
+  std::array<PointForce, kNumLegs + kMaxExternalForces> forces;
+  std::size_t count = 0;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const FootContact& foot = contacts.feet[leg];
+    if (foot.depth > 0)
+      forces[count++] = {static_cast<int>(kJointsPerLeg * (leg + 1)), foot.p_W, foot.force_W};
+  }
+  for (const ExternalForce& force : external) {
+    if (force.body < 0 || force.body > kNumJoints)
+      throw RunError(
+          fmt::format("an external force acts on body {}; give 0 for the trunk or 1 to {} for the body "
+                      "that a joint moves",
+                      force.body, kNumJoints));
+    if (!force.force_W.isZero(0))
+      forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W};
+  }
+  Vec<12> torque;
+  for (int j = 0; j < kNumJoints; ++j)
+    torque[j] = joint_torque[j] + PassiveTorque(x.q[j], x.qd[j], params.robot.joint(j), params.robot.drive);
+  return body.Acceleration(torque, {forces.data(), count}, params.gravity);
+}
+
+FootForces QuadrupedPlant::CalcFootForces(const FootContacts& contacts) const {
+  FootForces forces;
+  for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = contacts.feet[static_cast<std::size_t>(leg)].force_W;
+  return forces;
+}
+
+Vec<4> QuadrupedPlant::CalcFootDepths(const FootContacts& contacts) const {
+  Vec<4> depths;
+  for (int leg = 0; leg < kNumLegs; ++leg) depths[leg] = contacts.feet[static_cast<std::size_t>(leg)].depth;
+  return depths;
+}
+
+LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
+  return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
+}
+
+LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,
+                                           const LeggedAcceleration& acceleration) const {
+  return {x.v_W,
+          QuaternionRate(x.q_WB, x.w_W) + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
+          x.qd,
+          acceleration.a_W,
+          acceleration.alpha_W,
+          acceleration.qdd};
+}
+
+FootBristles QuadrupedPlant::CalcBristleRate(const FootContacts& contacts) const {
+  FootBristles rate;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    rate.z.segment<2>(2 * leg) = contacts.feet[static_cast<std::size_t>(leg)].bristle_rate;
+  return rate;
+}
+
+}  // namespace tenon
