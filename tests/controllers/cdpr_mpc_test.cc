@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "cdpr_test_robots.h"
 #include "tenon/plants/description/euler.h"
+#include "tenon/tests/cdpr_test_robots.h"
 #include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
