@@ -78,14 +78,20 @@ class BoxNewton {
   /// Of the last solution: 1 where an entry is free, 0 where it is held at a bound.
   const Vector& free() const { return free_; }
 
-  /// Replaces C by -H_ff^{-1} C_f in the rows of free entries and by zero in the others: how the solution
-  /// moves when g moves by C y, as long as the same entries are free.
+  /// `C` holds the transpose of a matrix G; of -H_ff^{-1} G_f, in the rows of free entries, and zero in the
+  /// others it becomes the transpose: how the solution moves when g moves by G y, as long as the same entries
+  /// are free.
   template <class Derived>
   void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
-    for (Eigen::Index j = 0; j < C.cols(); ++j) {
-      double* column = C.derived().col(j).data();
-      for (Eigen::Index i = 0; i < C.rows(); ++i) column[i] *= -free_[i];
-      Substitute(column);
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index j = 0; j < size; ++j) {
+      C.col(j) *= -free_[j];
+      for (Eigen::Index k = 0; k < j; ++k) C.col(j) -= masked_(j, k) * C.col(k);
+      C.col(j) *= masked_(j, j);
+    }
+    for (Eigen::Index j = size - 1; j >= 0; --j) {
+      for (Eigen::Index k = j + 1; k < size; ++k) C.col(j) -= masked_(k, j) * C.col(k);
+      C.col(j) *= masked_(j, j);
     }
   }
 

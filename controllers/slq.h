@@ -135,6 +135,8 @@ class Slq {
   Eigen::Matrix<double, Tangent::ColsAtCompileTime, Tangent::ColsAtCompileTime> H_;
   Eigen::Matrix<double, m, m> Huu_;
   Gain Hux_;
+  Eigen::Matrix<double, n, m> Hxu_, Kt_;
+  StateMatrix decrease_;
 };
 
 }  // namespace tenon

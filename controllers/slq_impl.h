@@ -39,6 +39,8 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
   H_.setZero(states + inputs, states + inputs);
   Huu_.setZero(inputs, inputs);
   Hux_ = gain_[0];
+  Hxu_ = Kt_ = Hux_.transpose();
+  decrease_ = V_;
 }
 
 template <SlqProblem P>
@@ -127,8 +129,9 @@ TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
     } else if (!box_.SolveFree(Huu_, gu_, du)) {
       return false;
     }
-    K = Hux_;
-    box_.Sensitivity(K);
+    Hxu_ = Kt_ = Hux_.transpose();
+    box_.Sensitivity(Kt_);
+    K = Kt_.transpose();
 
     slope_ += gu_.dot(du);
     du_ = Huu_.lazyProduct(du);
@@ -136,13 +139,10 @@ TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
     // On the free inputs Huu K = -Hux and Huu du = -gu, mu included in Huu; the others have K = 0.
     Vx_ = gx_ + Hux_.transpose().lazyProduct(du);
     if (mu > 0) Vx_ -= mu * K.transpose().lazyProduct(du);
-    for (int c = 0; c < states; ++c) {
-      for (int r = c; r < states; ++r) {
-        double sum = V_(r, c);
-        for (int i = 0; i < inputs; ++i) sum += (Hux_(i, r) - mu * K(i, r)) * K(i, c);
-        V_(r, c) = V_(c, r) = sum;
-      }
-    }
+    if (mu > 0) Hxu_ -= mu * Kt_;
+    internal::MultiplyLower(Hxu_, K, decrease_);
+    for (int c = 0; c < states; ++c)
+      for (int r = c; r < states; ++r) V_(r, c) = V_(c, r) = V_(r, c) + decrease_(r, c);
   }
   return std::isfinite(slope_) && std::isfinite(curvature_);
 }

@@ -14,34 +14,47 @@
 
 namespace tenon::internal {
 
+#if defined(__GNUC__)
+/// Four doubles, which lie anywhere; two registers without AVX.
+typedef double Packet __attribute__((vector_size(32), aligned(8), may_alias));
+#else
+struct Packet {
+  double value[4];
+  Packet& operator+=(const Packet& other) {
+    for (int i = 0; i < 4; ++i) value[i] += other.value[i];
+    return *this;
+  }
+  friend Packet operator*(const Packet& a, double b) {
+    return {a.value[0] * b, a.value[1] * b, a.value[2] * b, a.value[3] * b};
+  }
+};
+#endif
+
 /// C = A B for matrices of a size that the compiler knows, stored by columns with the leading dimensions lda,
 /// ldb, ldc; C overlaps neither A nor B. Two columns of C at a time stay in registers. Eigen hands products
 /// of this size (above 20 in the sum of their dimensions) to its kernel for large matrices, which packs them
-/// first.
+/// first. Always inlined, so that it is compiled for the target of its caller.
 template <int rows, int inner, int columns>
 [[gnu::always_inline]] inline void Product(const double* A, int lda, const double* B, int ldb,
                                            double* __restrict C, int ldc) {
-  int j = 0;
-  for (; j + 1 < columns; j += 2) {
-    double c0[rows] = {}, c1[rows] = {};
-    const double *b0 = B + j * ldb, *b1 = b0 + ldb;
+  constexpr int packets = rows / 4, rest = 4 * packets;
+  constexpr int width = columns % 2 == 0 ? 2 : 1;  // columns at a time
+  for (int j = 0; j < columns; j += width) {
+    Packet c[width][packets + 1] = {};
+    double tail[width][4] = {};
     for (int k = 0; k < inner; ++k) {
       const double* a = A + k * lda;
-      for (int r = 0; r < rows; ++r) {
-        c0[r] += a[r] * b0[k];
-        c1[r] += a[r] * b1[k];
+      for (int w = 0; w < width; ++w) {
+        const double b = B[(j + w) * ldb + k];
+        for (int p = 0; p < packets; ++p) c[w][p] += reinterpret_cast<const Packet*>(a + 4 * p)[0] * b;
+        for (int r = rest; r < rows; ++r) tail[w][r - rest] += a[r] * b;
       }
     }
-    for (int r = 0; r < rows; ++r) {
-      C[j * ldc + r] = c0[r];
-      C[(j + 1) * ldc + r] = c1[r];
+    for (int w = 0; w < width; ++w) {
+      double* out = C + (j + w) * ldc;
+      for (int p = 0; p < packets; ++p) reinterpret_cast<Packet*>(out + 4 * p)[0] = c[w][p];
+      for (int r = rest; r < rows; ++r) out[r] = tail[w][r - rest];
     }
-  }
-  for (; j < columns; ++j) {
-    double c0[rows] = {};
-    for (int k = 0; k < inner; ++k)
-      for (int r = 0; r < rows; ++r) c0[r] += A[k * lda + r] * B[j * ldb + k];
-    for (int r = 0; r < rows; ++r) C[j * ldc + r] = c0[r];
   }
 }
 

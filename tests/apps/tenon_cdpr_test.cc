@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --duration -1", "--duration"}, BadUsage{"D1 --set pd", "give it as key=value"},
         BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
         BadUsage{"D1 --controller mpc", "--set controller=mpc"},
-        BadUsage{"D1 --controller pd --compare", "--compare excludes --controller"},
+        BadUsage{"D1 --controller pd --compare", "--controller excludes --compare"},
         BadUsage{"D1 --set mpc=null", "there is no section mpc"},
         BadUsage{"D1 --set mpc.mass_error=-1", "the model would have no mass"},
         BadUsage{"D1 --set mpc.horizon_s=0.015", "no multiple of the period"},

@@ -79,11 +79,12 @@ TEST(BoxNewton, SensitivityIsThatOfTheSolution) {
   ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
   ASSERT_GT(box.free().sum(), 0);
   ASSERT_LT(box.free().sum(), 4);
-  Eigen::Matrix<double, 4, 3> C = Eigen::Matrix<double, 4, 3>::Random(), K = C;
+  Eigen::Matrix<double, 4, 3> G = Eigen::Matrix<double, 4, 3>::Random();
+  Eigen::Matrix<double, 3, 4> K = G.transpose();
   box.Sensitivity(K);
   const Eigen::Vector3d y(1e-4, -2e-4, 3e-4);
-  ASSERT_TRUE(box.Solve(problem.H, problem.g + C * y, problem.lower, problem.upper, moved));
-  EXPECT_THAT(moved, IsNear(x + K * y, 1e-12));
+  ASSERT_TRUE(box.Solve(problem.H, problem.g + G * y, problem.lower, problem.upper, moved));
+  EXPECT_THAT(moved, IsNear(x + K.transpose() * y, 1e-12));
 }
 
 TEST(BoxNewton, StartsFromAnywhere) {

@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <algorithm>
 #include <numeric>
 
-#include "cdpr_test_robots.h"
 #include "tenon/plants/description/euler.h"
+#include "tenon/tests/cdpr_test_robots.h"
 #include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
@@ -135,9 +135,7 @@ TEST(CdprMpc, ReferenceAccelerates) {
   params.path =
       std::make_shared<EquilibriumPath>(test::FourCableRobot(), Path::Circle({0, 0, 2}, 0.5, 10, 0.1));
   TestRig<CdprMpc> rig(params);
-  rig.AdvanceTo(0);
-  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0}));
-  rig.AdvanceTo(3);
+  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0})).AdvanceTo(3);
   const auto& plan = rig[rig.system().plan];
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const CdprReference reference = params.path->At(3 + plan.nodes[k].time);
@@ -152,7 +150,7 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.005);
   const CdprPlan before = rig[rig.system().plan];
   PlatformEstimate broken = At(params, 0, {0.1, 0, 0});
-  broken.platform.p_WB[0] = std::numeric_limits<double>::quiet_NaN();
+  broken.platform.p_WB[0] = 1e200;  // its square is not finite
   rig.Fix(rig.system().estimate, broken).AdvanceTo(0.01);
   const CdprPlan& after = rig[rig.system().plan];
   EXPECT_EQ(after.diagnostics.fallbacks, 1);

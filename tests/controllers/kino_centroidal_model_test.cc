@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "cdpr_test_robots.h"
 #include "tenon/controllers/cdpr_kinematics.h"
 #include "tenon/plants/description/euler.h"
 #include "tenon/systems/errors.h"
+#include "tenon/tests/cdpr_test_robots.h"
 #include "tenon/tests/testing/derivative_check.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"

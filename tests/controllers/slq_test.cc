@@ -6,10 +6,10 @@
 #include <limits>
 #include <nlopt.hpp>
 
-#include "cdpr_test_robots.h"
 #include "slq_test_problems.h"
 #include "tenon/controllers/cdpr_tracking_problem.h"
 #include "tenon/controllers/inverse_geometrico_static.h"
+#include "tenon/tests/cdpr_test_robots.h"
 #include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
@@ -308,7 +308,8 @@ TEST(Slq, WarmStartSavesIterations) {
   slq.Shift(0.02);
   const SlqReport warm = slq.Solve(next);
   EXPECT_LT(warm.iterations, cold.iterations);
-  EXPECT_NEAR(warm.initial_cost, warm.cost, 0.01 * warm.cost);
+  // What is left to gain is little beside what the cold start had to gain.
+  EXPECT_LT(warm.initial_cost - warm.cost, 0.01 * (cold.initial_cost - cold.cost));
 }
 
 TEST(Slq, LeavesThePolicyAloneWhenItFails) {

@@ -30,8 +30,8 @@ CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<const Equil
 }
 
 /// The loop in a diagram of its own, run to `end`.
-struct Run {
-  Run(const CdprLoopParams& params, double end)
+struct Flight {
+  Flight(const CdprLoopParams& params, double end)
       : loop(builder.Add<CdprLoop>("loop", params)),
         diagram(builder.Build()),
         simulator(*diagram, kOptions),
@@ -66,7 +66,7 @@ TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
     CdprLoopParams params = WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Hold(goal)));
     params.start_offset = ball(1);
     params.start_turn = ball(0.3);
-    Run run(params, 6);
+    Flight run(params, 6);
     ASSERT_FALSE(run.status.ended) << i << ": " << run.status.reason;
     ASSERT_LT(run.Error(), 0.02) << i << " from " << params.start_offset.transpose() << " to "
                                  << goal.transpose();
@@ -82,8 +82,8 @@ TEST(CdprMpcLoop, FollowsTheCircleWithAWrongMass) {
   const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
   CdprDescription believed = robot;
   believed.mass *= 1.1;
-  Run run(WithMpc(robot, std::make_shared<EquilibriumPath>(believed, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
-          10);
+  Flight run(WithMpc(robot, std::make_shared<EquilibriumPath>(believed, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
+             10);
   EXPECT_FALSE(run.status.ended);
   EXPECT_GT(run.Error(), 0.005);  // the weight that is not there
   EXPECT_LT(run.Error(), 0.05);
@@ -92,8 +92,8 @@ TEST(CdprMpcLoop, FollowsTheCircleWithAWrongMass) {
 // All but the wall-clock time that the solves took.
 TEST(CdprMpcLoop, RestoredRunGoesOnBitForBit) {
   const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  Run run(WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
-          0.333);
+  Flight run(WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
+             0.333);
   auto context = run.diagram->CreateContext();
   context->Restore(run.simulator.context().Save());
   Simulator restored(std::move(context), kOptions);
