@@ -252,5 +252,30 @@ TEST(QuadrupedDescriptionTest, RefusesFilesThatAreNoUrdf) {
   EXPECT_TRUE(Refused(missing, "dogbto.urdf", "cannot be read"));
 }
 
+// Momentum and inertia about B's origin add up.
+TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
+  const QuadrupedDescription robot = test::DogBot();
+  RigidInertia payload;
+  payload.mass = 4;
+  payload.com = {0.1, -0.2, 0.15};
+  payload.inertia.diagonal() << 0.02, 0.03, 0.04;
+  const RigidInertia sum = WithPayload(robot, payload).trunk;
+  EXPECT_DOUBLE_EQ(sum.mass, robot.trunk.mass + 4);
+  EXPECT_TRUE((sum.mass * sum.com).isApprox(robot.trunk.mass * robot.trunk.com + 4 * payload.com, 1e-12));
+  const auto about_origin = [](const RigidInertia& body) -> Eigen::Matrix3d {
+    return body.inertia + body.mass * (body.com.squaredNorm() * Eigen::Matrix3d::Identity() -
+                                       body.com * body.com.transpose());
+  };
+  EXPECT_TRUE(about_origin(sum).isApprox(about_origin(robot.trunk) + about_origin(payload), 1e-12));
+  EXPECT_DOUBLE_EQ(WithPayload(robot, payload).mass(), robot.mass() + 4);
+}
+
+TEST(WithPayloadTest, RefusesNegativeMass) {
+  RigidInertia payload;
+  payload.mass = -1;
+  EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "a payload of -1 kg",
+                                     "give 0 for none"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -1,66 +1,22 @@
 // The model against MuJoCo, which shares nothing with it: mass matrix, bias and forward dynamics without
 // contact.
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <mujoco/mujoco.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <cstring>
-#include <memory>
-#include <string>
 
 #include "tenon/plants/description/quadruped_model.h"
+#include "tenon/tests/plants/quadruped_mujoco.h"
 #include "tenon/tests/plants/quadruped_test_robot.h"
 #include "tenon/tests/testing/matchers.h"
 
 namespace tenon {
 namespace {
 
-std::string Numbers(const Eigen::Vector3d& v) {
-  return fmt::format("{} {} {}", v[0], v[1], v[2]);
-}
-
-/// By principal axes, since MuJoCo's own way to them from a full inertia is good to 1e-8 only.
-std::string Inertial(const RigidInertia& body) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
-  Eigen::Matrix3d axes = principal.eigenvectors();
-  if (axes.determinant() < 0) axes.col(0) *= -1;
-  const Vec<4> q = QuaternionFromRotation(axes);
-  return fmt::format(R"(<inertial pos="{}" quat="{} {} {} {}" mass="{}" diaginertia="{}"/>)",
-                     Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues()));
-}
-
-/// The robot in MuJoCo's language; its joints are in our order.
-std::string Mjcf(const QuadrupedDescription& robot) {
-  std::string text =
-      "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody><body><freejoint/>" +
-      Inertial(robot.trunk);
-  for (const LegDescription& leg : robot.legs) {
-    for (std::size_t i = 0; i < kJointsPerLeg; ++i)
-      text += fmt::format("<body pos=\"{}\"><joint type=\"hinge\" axis=\"{}\" armature=\"{}\"/>{}",
-                          Numbers(leg.joints[i].p_PJ), Numbers(leg.joints[i].axis), robot.drive.rotor_inertia,
-                          Inertial(leg.bodies[i]));
-    text += "</body></body></body>";
-  }
-  return text + "</body></worldbody></mujoco>";
-}
-
 class MuJoCo {
  public:
-  explicit MuJoCo(const QuadrupedDescription& robot) {
-    const std::string text = Mjcf(robot);
-    mjVFS files;
-    mj_defaultVFS(&files);
-    mj_makeEmptyFileVFS(&files, "robot.xml", static_cast<int>(text.size()));
-    std::memcpy(files.filedata[0], text.data(), text.size());
-    char error[1000] = "";
-    model_.reset(mj_loadXML("robot.xml", &files, error, sizeof(error)));
-    mj_deleteVFS(&files);
-    if (model_ == nullptr) throw std::runtime_error(error);
-    data_.reset(mj_makeData(model_.get()));
-  }
+  explicit MuJoCo(const QuadrupedDescription& robot)
+      : model_(test::LoadMuJoCo(test::Mjcf(robot))), data_(mj_makeData(model_.get())) {}
   /// Mass matrix, bias and accelerations under torques, in our coordinates.
   void Calc(const LeggedState& x, const Vec<12>& tau) {
     const Eigen::Matrix3d R = x.R_WB();
@@ -84,12 +40,8 @@ class MuJoCo {
   }
 
  private:
-  struct Free {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
-  std::unique_ptr<mjModel, Free> model_;
-  std::unique_ptr<mjData, Free> data_;
+  test::MuJoCoModel model_;
+  test::MuJoCoData data_;
   Eigen::Matrix<double, 18, 18> T_;
 };
 
