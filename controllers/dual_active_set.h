@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tenon {
@@ -31,6 +33,15 @@ enum class QpStatus {
   kIterationLimit,  ///< constraints were exchanged too often
   kInaccurate,      ///< ended, but not within the tolerance: H or the constraints are nearly singular
 };
+
+constexpr auto EnumNames(QpStatus) {
+  return std::array{std::pair{QpStatus::kSolved, "solved"},
+                    std::pair{QpStatus::kInfeasible, "infeasible"},
+                    std::pair{QpStatus::kNotConvex, "not_convex"},
+                    std::pair{QpStatus::kNotFinite, "not_finite"},
+                    std::pair{QpStatus::kIterationLimit, "iteration_limit"},
+                    std::pair{QpStatus::kInaccurate, "inaccurate"}};
+}
 
 struct QpReport {
   QpStatus status = QpStatus::kSolved;
