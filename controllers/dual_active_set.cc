@@ -386,17 +386,19 @@ QpReport DualActiveSet::Solve(const QuadraticProgram& qp, std::span<const int> g
   num_equalities_ = static_cast<int>(qp.b_eq.size());
   num_inequalities_ = static_cast<int>(qp.b_in.size());
   QpReport report;
-  if (!qp.H.allFinite() || !qp.g.allFinite() || !qp.A_eq.allFinite() || !qp.b_eq.allFinite() ||
-      !qp.A_in.allFinite() || !qp.b_in.allFinite()) {
+  // What is not finite shows in the norms of rows, and keeps H from being factored.
+  for (int i = 0; i < num_equalities_ + num_inequalities_; ++i) row_norms_[i] = Row(qp, i).norm();
+  const double numbers =
+      row_norms_.head(num_equalities_ + num_inequalities_).sum() + qp.g.sum() + qp.b_eq.sum() + qp.b_in.sum();
+  if (!std::isfinite(numbers)) {
     report.status = QpStatus::kNotFinite;
     return report;
   }
   report.constraint = FactorCost(qp);
   if (report.constraint >= 0) {
-    report.status = QpStatus::kNotConvex;
+    report.status = qp.H.allFinite() ? QpStatus::kNotConvex : QpStatus::kNotFinite;
     return report;
   }
-  for (int i = 0; i < num_equalities_ + num_inequalities_; ++i) row_norms_[i] = Row(qp, i).norm();
   guess_.clear();
   for (const int i : guess)
     if (i >= 0 && i < num_inequalities_ && guess_.size() < active_.size())

@@ -16,7 +16,9 @@ namespace tenon {
 namespace {
 
 WholeBodyParams Params() {
-  return {.robot = test::DogBot()};
+  WholeBodyParams params;
+  params.robot = test::DogBot();
+  return params;
 }
 
 /// All that the controller reads, consistent with a robot that stands still where it should.
