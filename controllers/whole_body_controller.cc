@@ -1,0 +1,98 @@
+#include "tenon/controllers/whole_body_controller.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+
+#include "tenon/plants/description/quaternion.h"
+
+namespace tenon {
+
+void WholeBodyParams::Validate() const {
+  for (const auto& [name, value] :
+       {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
+        std::pair{"swing_stiffness", swing_stiffness}}) {
+    Demand(value > 0, fmt::format("{} = {} must be positive: errors would not be corrected", name, value));
+  }
+  for (const auto& [name, value] :
+       {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
+        std::pair{"swing_damping", swing_damping}}) {
+    Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
+  }
+  qp.Validate();
+}
+
+Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
+  Vec<12> limit;
+  for (int j = 0; j < kNumJoints; ++j) limit[j] = robot.joint(j).torque_limit;
+  return limit;
+}
+
+void WholeBodyController::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
+  model_.Calc(state, dynamics);
+}
+
+WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                                            const ContactSchedule& schedule, const BodyReference& body,
+                                            const FeetReference& feet, const WrenchEstimate& wrench,
+                                            const LegForceEstimate& leg_forces) const {
+  WholeBodyTask task;
+  const Eigen::Vector3d up(0, 0, model_.gravity());
+  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * state.R_WB().transpose());
+  task.wrench.head<3>() = params.com_stiffness * (body.com_W - dynamics.com_W) +
+                          params.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
+                          model_.mass() * (body.com_acceleration_W + up);
+  task.wrench.tail<3>() =
+      dynamics.centroidal_inertia_W * (params.trunk_stiffness * turn.angle() * turn.axis() +
+                                       params.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+  task.disturbance << wrench.force_W, wrench.torque_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    const FootReference& reference = feet[leg];
+    task.stance[i] = schedule.legs[i].stance();
+    task.foot_acceleration[i] = reference.a_W +
+                                params.swing_damping * (reference.v_W - dynamics.feet[i].v_W) +
+                                params.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+  }
+  if (params.compensation == LegCompensation::kExact) {
+    task.joint_disturbance = leg_forces.joint_torque;
+  } else {
+    const auto pushed = SwingFootAcceleration(dynamics, task.stance, leg_forces.foot_force);
+    for (std::size_t i = 0; i < pushed.size(); ++i) task.foot_acceleration[i] -= pushed[i];
+  }
+  return task;
+}
+
+void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                                   const ContactSchedule& schedule, const BodyReference& body,
+                                   const FeetReference& feet, const WrenchEstimate& wrench,
+                                   const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
+                                   WholeBodyPlan* plan) const {
+  const auto begin = std::chrono::steady_clock::now();
+  const WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces);
+  const QpReport report = qp.Solve(dynamics, task, &last.solution);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  WholeBodyDiagnostics& diagnostics = last.diagnostics;
+  ++diagnostics.solves;
+  diagnostics.failures += !report.ok();
+  diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
+  diagnostics.full_solves += !qp.eliminated();
+  diagnostics.iterations = report.iterations;
+  diagnostics.status = report.status;
+  diagnostics.constraint = report.constraint;
+  diagnostics.solve_time = elapsed.count();
+  *plan = last;
+}
+
+Vec<12> WholeBodyController::CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
+                                        const LegForceEstimate& leg_forces, Vec<12>& last) const {
+  if (plan.diagnostics.failures_in_a_row > 0) return last;
+  const Vec<12> disturbance =
+      params.compensation == LegCompensation::kExact ? leg_forces.joint_torque : Vec<12>(Vec<12>::Zero());
+  const Vec<12> limit = TorqueLimit(params.robot);
+  last = JointTorque(dynamics, plan.solution, disturbance).cwiseMin(limit).cwiseMax(-limit);
+  return last;
+}
+
+}  // namespace tenon

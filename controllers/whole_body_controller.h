@@ -1,0 +1,150 @@
+#pragma once
+
+#include <tenon/plants/description/disturbance_signals.h>
+#include <tenon/plants/description/gait_signals.h>
+#include <tenon/plants/description/motion_signals.h>
+#include <tenon/plants/description/quadruped_model.h>
+
+#include <array>
+#include <tuple>
+
+#include "tenon/controllers/whole_body_qp.h"
+#include "tenon/systems/ports.h"
+#include "tenon/systems/state.h"
+#include "tenon/systems/system.h"
+
+namespace tenon {
+
+/// How the forces that act on the legs are met.
+enum class LegCompensation {
+  kExact,   ///< by torques: F_hat is taken off the torques of all legs, within their limits
+  kThesis,  ///< by accelerations: eq. (2.41) for the swing feet, nothing in the torques
+};
+constexpr auto EnumNames(LegCompensation) {
+  return std::array{std::pair{LegCompensation::kExact, "exact"},
+                    std::pair{LegCompensation::kThesis, "thesis"}};
+}
+
+struct WholeBodyParams {
+  QuadrupedDescription robot;     ///< what the controller believes; gives the torque limits
+  double com_stiffness = 2500;    ///< [N/m]
+  double com_damping = 400;       ///< [N s/m]
+  double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
+  double trunk_damping = 50;      ///< [1/s]
+  double swing_stiffness = 2500;  ///< acceleration of a swing foot per error [1/s^2]
+  double swing_damping = 100;     ///< [1/s]
+  LegCompensation compensation = LegCompensation::kExact;
+  WholeBodyQpParams qp;
+  Rate qp_rate = Hz(1000);  ///< of the optimisation
+  Rate rate = Hz(1000);     ///< of the torques
+  void Validate() const;    ///< throws ParameterError unless stiffness > 0, damping >= 0, and the QP's
+};
+
+/// How the solves of the whole-body controller went.
+struct WholeBodyDiagnostics {
+  long solves = 0;    ///< since the start of the run
+  long failures = 0;  ///< of these found nothing, so that the last valid torque went on
+  long failures_in_a_row = 0;
+  long full_solves = 0;                 ///< in 30 variables instead of 12
+  int iterations = 0;                   ///< of the last
+  QpStatus status = QpStatus::kSolved;  ///< of the last
+  int constraint = -1;                  ///< that its status is about, see QpReport
+  double solve_time = 0;                ///< wall-clock time that the last took [s]; nothing depends on it
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"solves", &WholeBodyDiagnostics::solves},
+                      Field{"failures", &WholeBodyDiagnostics::failures},
+                      Field{"failures_in_a_row", &WholeBodyDiagnostics::failures_in_a_row},
+                      Field{"full_solves", &WholeBodyDiagnostics::full_solves},
+                      Field{"iterations", &WholeBodyDiagnostics::iterations},
+                      Field{"status", &WholeBodyDiagnostics::status},
+                      Field{"constraint", &WholeBodyDiagnostics::constraint},
+                      Field{"solve_time", &WholeBodyDiagnostics::solve_time, "s"}};
+  }
+};
+
+/// The last valid solution, and how the last solve went.
+struct WholeBodyPlan {
+  WholeBodySolution solution;
+  WholeBodyDiagnostics diagnostics;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"solution", &WholeBodyPlan::solution},
+                      Field{"diagnostics", &WholeBodyPlan::diagnostics}};
+  }
+};
+
+/// The whole-body controller (Morlando 2023, section 2.4.3): joint torques that make CoM, trunk and swing
+/// feet follow their references. At `qp_rate` a quadratic program (see WholeBodyQp) chooses accelerations and
+/// forces of the ground for the wrench (2.26) and the accelerations (2.40),
+///
+///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
+///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
+///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p)
+///
+/// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
+/// If a solve fails it is counted, and the last valid torques stay until one succeeds.
+///
+/// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
+/// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.
+///
+///     | port        | kind            | type                 |
+///     | state       | input           | LeggedState          |
+///     | schedule    | input           | ContactSchedule      |
+///     | body        | input           | BodyReference        |
+///     | feet        | input           | FeetReference        |
+///     | wrench      | input           | WrenchEstimate       |
+///     | leg_forces  | input           | LegForceEstimate     |
+///     | plan        | output, sampled | WholeBodyPlan        |
+///     | torque      | output, sampled | Vec<12> [N m]        |
+///     | diagnostics | output          | WholeBodyDiagnostics |
+class WholeBodyController final : public LeafSystem<WholeBodyParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<FeetReference> feet{this, {"feet"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}};
+  InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
+
+ private:
+  QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &WholeBodyController::CalcDynamics};
+  Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
+  Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot), params.qp)};
+  Scratch<Vec<12>> last_torque_{this, "last_torque", Vec<12>(Vec<12>::Zero())};
+
+ public:
+  OutputPort<WholeBodyPlan> plan{
+      this,
+      {"plan"},
+      Sampled{params.qp_rate},
+      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, last_plan_, qp_),
+      &WholeBodyController::CalcPlan};
+  OutputPort<Vec<12>> torque{this,
+                             {"torque", "N m"},
+                             Sampled{params.rate},
+                             Uses(dynamics_, plan, leg_forces, last_torque_),
+                             &WholeBodyController::CalcTorque};
+  OutputPort<WholeBodyDiagnostics> diagnostics{
+      this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan) { return plan.diagnostics; }};
+
+  /// The torque limits of the joints, in order [N m].
+  static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
+
+ private:
+  WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                         const ContactSchedule& schedule, const BodyReference& body,
+                         const FeetReference& feet, const WrenchEstimate& wrench,
+                         const LegForceEstimate& leg_forces) const;
+  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
+  void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
+                const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
+                const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
+                WholeBodyPlan* plan) const;
+  Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
+                     const LegForceEstimate& leg_forces, Vec<12>& last) const;
+};
+
+}  // namespace tenon

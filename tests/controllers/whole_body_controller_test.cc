@@ -1,0 +1,281 @@
+#include "tenon/controllers/whole_body_controller.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "tenon/systems/errors.h"
+#include "tenon/tests/plants/quadruped_test_robot.h"
+#include "tenon/tests/testing/allocation_guard.h"
+#include "tenon/tests/testing/expect_throws.h"
+#include "tenon/tests/testing/matchers.h"
+#include "tenon/tests/testing/test_rig.h"
+
+namespace tenon {
+namespace {
+
+WholeBodyParams Params() {
+  WholeBodyParams params;
+  params.robot = test::DogBot();
+  return params;
+}
+
+/// All that the controller reads, consistent with a robot that stands still where it should.
+struct Inputs {
+  explicit Inputs(const QuadrupedDescription& robot) : model(robot), state(test::Standing(robot)) {
+    Follow();
+  }
+  /// References at the present state, at rest.
+  void Follow() {
+    model.Calc(state, &dynamics);
+    body = {};
+    body.com_W = dynamics.com_W;
+    body.q_WB = state.q_WB;
+    feet = {};
+    for (int leg = 0; leg < kNumLegs; ++leg) feet[leg].p_W = dynamics.feet[leg].p_W;
+  }
+  void Swing(std::initializer_list<int> legs) {
+    for (const int leg : legs) schedule.legs[leg].state = ContactState::kSwing;
+  }
+  void Give(TestRig<WholeBodyController>& rig) const {
+    WholeBodyController& block = rig.system();
+    rig.Fix(block.state, state).Fix(block.schedule, schedule).Fix(block.body, body).Fix(block.feet, feet);
+    rig.Fix(block.wrench, wrench).Fix(block.leg_forces, leg_forces);
+  }
+
+  QuadrupedModel model;
+  QuadrupedDynamics dynamics;
+  LeggedState state;
+  ContactSchedule schedule;
+  BodyReference body;
+  FeetReference feet;
+  WrenchEstimate wrench;
+  LegForceEstimate leg_forces;
+};
+
+/// nu' of a robot whose stance feet the ground holds, under torques and a generalised force.
+Vec<18> StandingDynamics(const QuadrupedDynamics& dynamics, const ContactSchedule& schedule,
+                         const Vec<12>& torque, const Vec<18>& force) {
+  const int size = 18 + 3 * schedule.num_stance();
+  Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd right(size);
+  kkt.topLeftCorner(18, 18) = dynamics.M;
+  right.head(18) = force - dynamics.bias();
+  right.segment(6, 12) += torque;
+  int row = 18;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!schedule.legs[leg].stance()) continue;
+    kkt.block(row, 0, 3, 18) = dynamics.FootJacobian(leg);
+    kkt.block(0, row, 18, 3) = dynamics.FootJacobian(leg).transpose();
+    right.segment(row, 3) = -dynamics.feet[leg].bias;
+    row += 3;
+  }
+  return kkt.fullPivLu().solve(right).head(18);
+}
+
+TEST(WholeBodyController, StandsStill) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodyPlan& plan = rig[rig.system().plan];
+  Vec<3> sum = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) sum += plan.solution.force[leg];
+  EXPECT_THAT(sum, IsNear(Vec<3>(0, 0, inputs.model.mass() * 9.81), 1e-2));
+  const Vec<18> a =
+      StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  EXPECT_THAT(a, IsNear(Vec<18>(Vec<18>::Zero()), 1e-2));
+  EXPECT_EQ(rig[rig.system().diagnostics].failures, 0);
+  EXPECT_EQ(rig[rig.system().diagnostics].full_solves, 0);
+}
+
+// Each gain alone, by the acceleration that the constrained model then has.
+TEST(WholeBodyController, ErrorsAreCorrectedAsTheGainsSay) {
+  WholeBodyParams params = Params();
+  Inputs inputs(params.robot);
+  const double m = inputs.model.mass();
+  const auto realised = [&](const BodyReference& body) {
+    TestRig<WholeBodyController> rig(params);
+    Inputs given = inputs;
+    given.body = body;
+    given.Give(rig);
+    rig.Tick();
+    return StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  };
+  const auto com = [&](const Vec<18>& a) {
+    return Vec<3>(inputs.dynamics.M.topRows<3>() * a / m + inputs.dynamics.com_bias_W);
+  };
+  BodyReference body = inputs.body;
+  body.com_W += Vec<3>(0.01, -0.005, 0.004);
+  EXPECT_THAT(com(realised(body)), IsNear(Vec<3>(Vec<3>(25, -12.5, 10) / m), 5e-3));
+  body = inputs.body;
+  body.com_velocity_W += Vec<3>(0.05, 0.02, -0.03);
+  EXPECT_THAT(com(realised(body)), IsNear(Vec<3>(Vec<3>(20, 8, -12) / m), 5e-3));
+  body = inputs.body;
+  body.com_acceleration_W = Vec<3>(0.5, -1, 1.5);
+  EXPECT_THAT(com(realised(body)), IsNear(body.com_acceleration_W, 5e-3));
+
+  const auto spin = [&](const Vec<18>& a) {  // L' = I_com alpha wanted
+    return Vec<3>(inputs.dynamics.centroidal_inertia_W.llt().solve(inputs.dynamics.angular_map * a));
+  };
+  body = inputs.body;
+  body.q_WB = QuaternionProduct(QuaternionFromRotationVector({0.01, -0.02, 0.005}), inputs.body.q_WB);
+  EXPECT_THAT(spin(realised(body)), IsNear(Vec<3>(2.5, -5, 1.25), 2e-2));
+  body = inputs.body;
+  body.w_W = Vec<3>(0.02, 0.03, -0.01);
+  body.alpha_W = Vec<3>(1, 0, 2);
+  EXPECT_THAT(spin(realised(body)), IsNear(Vec<3>(2, 1.5, 1.5), 2e-2));
+}
+
+TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({kFrontRight, kRearLeft});
+  inputs.state.qd.segment<3>(3) << 0.3, -1, 0.5;  // of the front right leg
+  inputs.Follow();
+  FootReference& reference = inputs.feet[kFrontRight];
+  reference.p_W += Vec<3>(0.002, 0.001, 0.004);
+  reference.v_W = inputs.dynamics.feet[kFrontRight].v_W + Vec<3>(0.1, 0, -0.05);
+  reference.a_W = Vec<3>(1, 2, 3);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<18> a =
+      StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  const auto foot = [&](int leg) {
+    return Vec<3>(inputs.dynamics.FootJacobian(leg) * a + inputs.dynamics.feet[leg].bias);
+  };
+  EXPECT_THAT(foot(kFrontRight), IsNear(Vec<3>(1 + 10 + 5, 2 + 2.5, 3 - 5 + 10), 1e-3));
+  EXPECT_THAT(foot(kRearLeft), IsNear(Vec<3>(Vec<3>::Zero()), 1e-3));
+}
+
+// A foot in the air is pushed, and the observers know. It is to keep still: in both forms the push is
+// compensated once. Twice, or not at all, it would accelerate by several m/s^2.
+TEST(WholeBodyController, APushedSwingFootIsHeld) {
+  const Vec<3> push(12, -8, 10);
+  for (const LegCompensation form : {LegCompensation::kExact, LegCompensation::kThesis}) {
+    WholeBodyParams params = Params();
+    params.compensation = form;
+    Inputs inputs(params.robot);
+    inputs.Swing({kFrontRight, kRearLeft});
+    const Vec<18> force = inputs.dynamics.FootJacobian(kFrontRight).transpose() * push;
+    for (const bool known : {true, false}) {
+      if (known) {
+        inputs.leg_forces.joint_torque = force.tail<12>();
+        inputs.leg_forces.foot_force[kFrontRight] = push;
+        if (form == LegCompensation::kExact) {  // the thesis's form knows the legs only
+          inputs.wrench.force_W = push;
+          inputs.wrench.torque_W =
+              (inputs.dynamics.feet[kFrontRight].p_W - inputs.dynamics.com_W).cross(push);
+        }
+      } else {
+        inputs.leg_forces = {};
+        inputs.wrench = {};
+      }
+      TestRig<WholeBodyController> rig(params);
+      inputs.Give(rig);
+      rig.Tick();
+      const Vec<18> a = StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], force);
+      const Vec<3> foot = inputs.dynamics.FootJacobian(kFrontRight) * a;
+      if (known) {
+        EXPECT_THAT(foot, IsNear(Vec<3>(Vec<3>::Zero()), 1e-3)) << static_cast<int>(form);
+      } else {
+        EXPECT_GT(foot.norm(), 3) << static_cast<int>(form);
+      }
+      if (known && form == LegCompensation::kExact) {  // and the body stays where it is
+        EXPECT_THAT(a, IsNear(rig[rig.system().plan].solution.acceleration, 1e-6));
+      }
+    }
+  }
+}
+
+TEST(WholeBodyController, ALoadOnTheTrunkIsCarried) {
+  Inputs inputs(Params().robot);
+  const Vec<3> load(0, 0, -100), torque(3, -4, 0);
+  inputs.wrench.force_W = load;
+  inputs.wrench.torque_W = torque;
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  Vec<3> sum = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) sum += rig[rig.system().plan].solution.force[leg];
+  EXPECT_THAT(sum, IsNear(Vec<3>(0, 0, inputs.model.mass() * 9.81 + 100), 2e-2));
+  Vec<18> force = Vec<18>::Zero();
+  Vec<6> wrench;
+  wrench << load, torque;
+  force.head<6>() = AboutBase(inputs.dynamics, wrench);
+  const Vec<18> a = StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], force);
+  EXPECT_THAT(a, IsNear(Vec<18>(Vec<18>::Zero()), 1e-2));
+}
+
+TEST(WholeBodyController, AFailureIsCountedAndTheLastTorqueStays) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<12> before = rig[rig.system().torque];
+  Inputs impossible = inputs;
+  impossible.leg_forces.joint_torque.setConstant(1e4);
+  impossible.Give(rig);
+  rig.Tick().Tick();
+  EXPECT_EQ(rig[rig.system().torque], before);
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 3);
+  EXPECT_EQ(rig[rig.system().diagnostics].failures, 2);
+  EXPECT_EQ(rig[rig.system().diagnostics].failures_in_a_row, 2);
+  EXPECT_EQ(rig[rig.system().diagnostics].status, QpStatus::kInfeasible);
+  EXPECT_GE(rig[rig.system().diagnostics].constraint, 0);
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_THAT(rig[rig.system().torque], IsNear(before, 1e-6));
+  EXPECT_EQ(rig[rig.system().diagnostics].failures_in_a_row, 0);
+}
+
+// With a slower QP the torques still follow the state: those of a leg that turns quickly, by Coriolis.
+TEST(WholeBodyController, TorquesAreComputedAnewBetweenSolves) {
+  WholeBodyParams params = Params();
+  params.qp_rate = Hz(250);
+  Inputs inputs(params.robot);
+  inputs.Swing({kFrontRight});
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodySolution solution = rig[rig.system().plan].solution;
+  inputs.state.q[5] -= 0.2;
+  inputs.state.qd[5] = 4;
+  inputs.Follow();
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 1);
+  EXPECT_THAT(rig[rig.system().torque],
+              IsNear(JointTorque(inputs.dynamics, solution, Vec<12>::Zero()), 1e-12));
+  rig.Tick().Tick().Tick();
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 2);
+}
+
+TEST(WholeBodyController, DoesNotAllocate) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const AllocationGuard guard;
+  rig.AdvanceTo(0.02);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
+  const auto with = [](auto change) {
+    return [change] {
+      WholeBodyParams params = Params();
+      change(params);
+      WholeBodyController block(params);
+    };
+  };
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.com_stiffness = 0; }),
+                                     "com_stiffness = 0", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.swing_damping = -1; }),
+                                     "swing_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.qp.friction = 0; }), "friction = 0"));
+}
+
+}  // namespace
+}  // namespace tenon
