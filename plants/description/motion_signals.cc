@@ -1,0 +1,26 @@
+#include "tenon/plants/description/motion_signals.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace tenon {
+
+Eigen::Matrix2d PlanarPath::Heading() const {
+  return Eigen::Rotation2Dd(yaw).toRotationMatrix();
+}
+
+// The velocity in W at time s is R(yaw + yaw_rate s) velocity; its integral from 0 to t is t R(yaw) S
+// velocity with S = [a -b; b a], a = sin(angle) / angle, b = (1 - cos(angle)) / angle, angle = yaw_rate t.
+PlanarPath PlanarPath::At(double t) const {
+  const double angle = yaw_rate * t;
+  const bool small = std::abs(angle) < 1e-4;  // the series below are exact there
+  const double a = small ? 1 - angle * angle / 6 : std::sin(angle) / angle;
+  const double b = small ? angle / 2 : (1 - std::cos(angle)) / angle;
+  PlanarPath next = *this;
+  next.position_W +=
+      t * (Heading() * Eigen::Vector2d(a * velocity[0] - b * velocity[1], b * velocity[0] + a * velocity[1]));
+  next.yaw += angle;
+  return next;
+}
+
+}  // namespace tenon
