@@ -115,7 +115,7 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
 
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
-  Scratch<Memory> memory{this, "memory"};
+  Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},
                                        Sampled{params.rate},
