@@ -13,9 +13,8 @@ Eigen::Matrix2d PlanarPath::Heading() const {
 // velocity with S = [a -b; b a], a = sin(angle) / angle, b = (1 - cos(angle)) / angle, angle = yaw_rate t.
 PlanarPath PlanarPath::At(double t) const {
   const double angle = yaw_rate * t;
-  const bool small = std::abs(angle) < 1e-4;  // the series below are exact there
-  const double a = small ? 1 - angle * angle / 6 : std::sin(angle) / angle;
-  const double b = small ? angle / 2 : (1 - std::cos(angle)) / angle;
+  const double a = angle == 0 ? 1 : std::sin(angle) / angle;
+  const double b = angle == 0 ? 0 : std::sin(angle / 2) * std::sin(angle / 2) / (angle / 2);
   PlanarPath next = *this;
   next.position_W +=
       t * (Heading() * Eigen::Vector2d(a * velocity[0] - b * velocity[1], b * velocity[0] + a * velocity[1]));

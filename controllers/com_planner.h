@@ -1,0 +1,95 @@
+#pragma once
+
+#include <tuple>
+
+#include "tenon/controllers/nominal_stance.h"
+#include "tenon/controllers/periodic_pendulum.h"
+#include "tenon/plants/description/gait_signals.h"
+#include "tenon/plants/description/legged_signals.h"
+#include "tenon/plants/description/motion_signals.h"
+#include "tenon/systems/state.h"
+#include "tenon/systems/system.h"
+
+namespace tenon {
+
+struct ComPlannerParams {
+  QuadrupedDescription robot;
+  Vec<2> start_position = Vec<2>::Zero();  ///< of B at the beginning [m]
+  double start_yaw = 0;                    ///< [rad]
+  double blend = 0.5;     ///< time of going over to a new plan: about a cycle of the trot [s]
+  double gravity = 9.81;  ///< [m/s^2]
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A plan of the CoM's motion, made at one time and valid until the next.
+struct ComPlan {
+  int footsteps = -1;         ///< the schedule's count when it was made; none yet
+  double start = 0;           ///< when it was made [s]
+  PlanarPath path;            ///< then
+  PeriodicPendulum pendulum;  ///< the CoM over ground, after blending
+  double ground = 0;          ///< height of the ground below the robot [m]
+  double blend = 0;           ///< time until the old plan is forgotten [s]
+  /// What is left of the old plan: (x, y, z, yaw), coefficients of t^0 ... t^3.
+  std::array<Vec<4>, 4> remainder{Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero()};
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"footsteps", &ComPlan::footsteps}, Field{"start", &ComPlan::start, "s"},
+                      Field{"path", &ComPlan::path},           Field{"pendulum", &ComPlan::pendulum},
+                      Field{"ground", &ComPlan::ground, "m"},  Field{"blend", &ComPlan::blend, "s"},
+                      Field{"remainder", &ComPlan::remainder}};
+  }
+};
+
+/// Plans CoM and trunk (Morlando 2023, section 2.4.1), replanning whenever the schedule counts a footstep.
+///
+///     ports in   schedule   which feet stand and when they will swing
+///                command    velocities; the gait is the scheduler's
+///                state      for the height of the ground at the feet, nothing else
+///     ports out  plan       sampled
+///                reference  CoM position, velocity, acceleration; attitude with its rates; sampled
+///                path       the commanded path and its twist, for the footholds; sampled
+///
+/// The commanded path goes on from where the last plan has brought it, with the velocities commanded at the
+/// footstep. Along it the feet are planted so that each is at its nominal place below the robot in the middle
+/// of its stance. The CoM is at the nominal height h above the ground and moves over it as the linear
+/// inverted pendulum x'' = (g / h) (x - p) of which p is the centre of the feet that stand in each phase: of
+/// all its motions the one that repeats itself from cycle to cycle (PeriodicPendulum). So the ZMP, (2.4) and
+/// (2.5) with L' = z'' = 0, stays in the middle of the support polygon. Standing, the CoM rests over the
+/// path. The trunk is level and heads along the path.
+///
+/// Position, velocity, yaw and yaw rate do not jump at a new plan: what the old one said differently is taken
+/// over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing. The
+/// reference is never restarted at the actual state, or the tracking error would hide itself; only the mean
+/// height of the feet that stand is taken from it. A plan is a function of the time, and so goes on through a
+/// wait of the gait clock for a late foot.
+class ComPlanner final : public LeafSystem<ComPlannerParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  const NominalStance stance{params.robot};
+
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<WalkCommand> command{this, {"command"}};
+  InputPort<LeggedState> state{this, {"state"}};
+  Scratch<ComPlan> memory{this, "memory", ComPlan()};
+  OutputPort<ComPlan> plan{this,
+                           {"plan"},
+                           Sampled{params.rate},
+                           Uses(time, schedule, command, state, memory),
+                           &ComPlanner::CalcPlan};
+  OutputPort<BodyReference> reference{
+      this, {"reference"}, Sampled{params.rate}, Uses(time, plan), &ComPlanner::CalcReference};
+  OutputPort<PlanarPath> path{this, {"path"}, Sampled{params.rate}, Uses(time, plan), &ComPlanner::CalcPath};
+
+ private:
+  void CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
+                const LeggedState& state, ComPlan& memory, ComPlan* plan) const;
+  BodyReference CalcReference(const double& time, const ComPlan& plan) const;
+  PlanarPath CalcPath(const double& time, const ComPlan& plan) const;
+
+  ComPlan FirstPlan(double time) const;
+  void PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const;
+  double GroundHeight(const ContactSchedule& schedule, const LeggedState& state, double otherwise) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,158 @@
+#include "tenon/controllers/swing_planner.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tenon/controllers/quintic.h"
+
+namespace tenon {
+namespace {
+
+constexpr double kLeastWeight = 0.5;  // of the robot's, that its feet carry at least while it walks
+
+Eigen::Vector2d Shortened(const Eigen::Vector2d& v, double longest) {
+  const double length = v.norm();
+  return length > longest ? Eigen::Vector2d(v * (longest / length)) : v;
+}
+
+bool Searches(ContactState state) {
+  return state == ContactState::kLate || state == ContactState::kSearching;
+}
+
+}  // namespace
+
+void StepProperties::Validate() const {
+  Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
+  Demand(touchdown_speed > 0,
+         fmt::format("a touchdown at {} m/s: it must be positive, or a late foot never finds the ground",
+                     touchdown_speed));
+  Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
+  Demand(velocity_feedback >= 0,
+         fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
+  Demand(
+      shift_bandwidth > 0,
+      fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
+  Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
+}
+
+void SwingPlannerParams::Validate() const {
+  step.Validate();
+  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+}
+
+void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
+                            const BodyReference& body, const LeggedState& state, const WrenchEstimate& wrench,
+                            Memory& memory, Memory* plan) const {
+  const Eigen::Matrix3d R = state.R_WB();
+  std::array<Eigen::Vector3d, kNumLegs> foot;
+  double ground = 0;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
+    if (schedule.legs[i].stance()) ground += foot[i][2] / schedule.num_stance();
+  }
+  if (params.step.wrench_shift) {
+    const double gain = 1 - std::exp(-params.step.shift_bandwidth * params.rate.period());
+    memory.shift += gain * (Shift(wrench) - memory.shift);
+  }
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    LegMemory& leg = memory.legs[i];
+    const ContactState before = leg.state;
+    leg.state = schedule.legs[i].state;
+    if (leg.state == ContactState::kStance) {
+      if (before != leg.state || !memory.started) leg.foothold = foot[i];
+    } else if (leg.state == ContactState::kSwing) {
+      if (before == leg.state && memory.started) continue;
+      const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
+      const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
+      leg.begin = foot[i];
+      leg.foothold << Foothold(i, schedule, path, params.step.velocity_feedback * v_error + memory.shift),
+          schedule.num_stance() > 0 ? ground : foot[i][2];
+    } else if (Searches(before) && memory.started) {
+      leg.searching += params.rate.period();
+    } else {
+      leg.searching = 0;
+      if (leg.state == ContactState::kSearching) leg.foothold = foot[i];
+    }
+  }
+  memory.started = true;
+  *plan = memory;
+}
+
+Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench) const {
+  const Vec<3>&f = wrench.force_W, &t = wrench.torque_W;
+  const double weight = mass_ * params.gravity;
+  const double load = std::max(weight - f[2], kLeastWeight * weight);
+  const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
+  return Shortened(shift / load, params.step.largest_shift);
+}
+
+Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,
+                                       const PlanarPath& path, const Eigen::Vector2d& correction) const {
+  const double touchdown = schedule.legs[leg].time_to_touchdown;
+  const auto nominal = [&](double t) -> Eigen::Vector2d {
+    const PlanarPath there = path.At(t);
+    return there.position_W + there.Heading() * stance.foot[leg];
+  };
+  const Eigen::Vector2d at_touchdown = nominal(touchdown);
+  const Eigen::Vector2d wanted = nominal(touchdown + schedule.timing.leg_stance() / 2) + correction;
+  return at_touchdown + Shortened(wanted - at_touchdown, stance.reach[leg]);
+}
+
+FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan) const {
+  FeetReference reference;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    const LegMemory& leg = plan.legs[i];
+    FootReference& foot = reference.feet[i];
+    if (leg.state == ContactState::kSwing) {
+      foot = Swing(leg, schedule.legs[i].phase, schedule.timing.swing);
+    } else if (Searches(leg.state)) {
+      foot = Search(leg);
+    } else {
+      foot.p_W = leg.foothold;
+    }
+  }
+  return reference;
+}
+
+FootReference SwingPlanner::Swing(const LegMemory& leg, double phase, double duration) const {
+  const StepProperties& step = params.step;
+  const double t = phase * duration, half = duration / 2;
+  FootReference foot;
+  const auto set = [&](int axis, const MotionPoint& point) {
+    foot.p_W[axis] = point.position;
+    foot.v_W[axis] = point.velocity;
+    foot.a_W[axis] = point.acceleration;
+  };
+  for (const int axis : {0, 1}) {
+    set(axis, Quintic({leg.begin[axis]}, {leg.foothold[axis]}, duration, t));
+  }
+  const double z_begin = leg.begin[2], z_end = leg.foothold[2];
+  const double z_top = std::max(z_begin, z_end) + step.height;
+  // At the top, the mean of what cubics from rest to rest would have on its two sides.
+  const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
+  const double v = step.touchdown_speed;
+  const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
+  set(2, t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half));
+  return foot;
+}
+
+FootReference SwingPlanner::Search(const LegMemory& leg) const {
+  const double v = params.step.touchdown_speed, depth = params.step.search_depth;
+  const double decay = std::exp(-v * leg.searching / depth);
+  FootReference foot;
+  foot.p_W = leg.foothold;
+  foot.p_W[2] -= depth * (1 - decay);
+  foot.v_W[2] = -v * decay;
+  foot.a_W[2] = v * v / depth * decay;
+  return foot;
+}
+
+std::array<Vec<3>, kNumLegs> SwingPlanner::CalcFootholds(const Memory& plan) const {
+  std::array<Vec<3>, kNumLegs> footholds;
+  for (std::size_t i = 0; i < kNumLegs; ++i) footholds[i] = plan.legs[i].foothold;
+  return footholds;
+}
+
+}  // namespace tenon

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <tuple>
+
+#include "tenon/controllers/nominal_stance.h"
+#include "tenon/plants/description/disturbance_signals.h"
+#include "tenon/plants/description/gait_signals.h"
+#include "tenon/plants/description/legged_signals.h"
+#include "tenon/plants/description/motion_signals.h"
+#include "tenon/systems/state.h"
+#include "tenon/systems/system.h"
+
+namespace tenon {
+
+/// What a user chooses of the steps.
+struct StepProperties {
+  double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
+  double touchdown_speed = 0.2;     ///< downwards, at the planned touchdown and of a late foot [m/s]
+  double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
+  double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
+  bool wrench_shift = false;        ///< moves the footholds against the estimated wrench
+  double shift_bandwidth = 4;       ///< of its low-pass filter [rad/s]
+  double largest_shift = 0.1;       ///< [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"height_m", &StepProperties::height},
+                      Field{"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
+                      Field{"search_depth_m", &StepProperties::search_depth},
+                      Field{"velocity_feedback_s", &StepProperties::velocity_feedback},
+                      Field{"wrench_shift", &StepProperties::wrench_shift},
+                      Field{"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
+                      Field{"largest_shift_m", &StepProperties::largest_shift}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+struct SwingPlannerParams {
+  QuadrupedDescription robot;
+  StepProperties step;
+  double gravity = 9.81;  ///< [m/s^2]
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).
+///
+///     ports in   schedule   which feet stand; phases of those that swing
+///                path       of the CoM planner, with its twist
+///                body       the CoM planner's reference, for the velocity error
+///                state      where the feet are
+///                wrench     estimated disturbance, for the option wrench_shift; none if not connected
+///     ports out  feet       position, velocity, acceleration of all feet; sampled
+///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
+///
+/// **Foothold.** Chosen at lift-off, so that in the middle of its coming stance the foot is at its nominal
+/// place below the path, plus k (v - v_ref) with the CoM's horizontal velocity, plus the shift
+///
+///     ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
+///
+/// which is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
+/// filtered and limited. Then drawn into the reach of the leg, seen from its nominal place at touchdown. The
+/// height is the mean of the feet that stand.
+///
+/// **Swing.** From the measured place at lift-off. Over ground one polynomial of degree five from rest to
+/// rest; in height two, each half of the swing long: lift and lower, joined with equal acceleration.
+/// It arrives with a small speed downwards. A foot that is late, or searches, goes on from there,
+///
+///     z = z_0 - D (1 - e^(-v t / D)),
+///
+/// bounded by the search depth D. Throughout the swing the acceleration does not jump.
+class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  const NominalStance stance{params.robot};
+
+  /// One leg's motion since its last event.
+  struct LegMemory {
+    ContactState state = ContactState::kStance;
+    Vec<3> begin = Vec<3>::Zero();     ///< of the swing [m]
+    Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
+    double searching = 0;              ///< for how long, late included [s]
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"state", &LegMemory::state}, Field{"begin", &LegMemory::begin, "m"},
+                        Field{"foothold", &LegMemory::foothold, "m"},
+                        Field{"searching", &LegMemory::searching, "s"}};
+    }
+  };
+  struct Memory {
+    bool started = false;
+    Vec<2> shift = Vec<2>::Zero();  ///< of the footholds [m]
+    std::array<LegMemory, kNumLegs> legs;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"shift", &Memory::shift, "m"},
+                        Field{"legs", &Memory::legs}};
+    }
+  };
+
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<PlanarPath> path{this, {"path"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<Memory> plan{this,
+                          {"plan"},
+                          Sampled{params.rate},
+                          Uses(schedule, path, body, state, wrench, memory),
+                          &SwingPlanner::CalcPlan};
+  OutputPort<FeetReference> feet{
+      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan), &SwingPlanner::CalcFeet};
+  OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
+      this, {"footholds", "m"}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
+
+ private:
+  void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
+                const LeggedState& state, const WrenchEstimate& wrench, Memory& memory, Memory* plan) const;
+  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan) const;
+  std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
+
+  Eigen::Vector2d Shift(const WrenchEstimate& wrench) const;
+  Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
+                           const Eigen::Vector2d& correction) const;
+  FootReference Swing(const LegMemory& leg, double phase, double duration) const;
+  FootReference Search(const LegMemory& leg) const;
+
+  const double mass_ = params.robot.mass();
+};
+
+}  // namespace tenon
