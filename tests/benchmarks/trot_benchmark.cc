@@ -1,11 +1,13 @@
 // Work against precision: DogBot trots on the spot for a second by joint PD at 1 kHz, in Tenon and in MuJoCo.
 //
 //   x_real_time  simulated time over processor time, the best of three runs
-//   error_mm     largest distance of the trunk, over all ticks, from the same engine's run at its limit: order 5
+//   error_mm     largest distance of the trunk, over all ticks, from the same engine's run at its limit:
+//   order 5
 //                and rtol = 1e-9 here, RK4 with steps of 1/32 ms there
 //
-// Each engine against its own limit, because their contacts differ: compliant feet with bristle friction here,
-// MuJoCo's soft constraints with its default settings there. So this compares integration, not contact models.
+// Each engine against its own limit, because their contacts differ: compliant feet with bristle friction
+// here, MuJoCo's soft constraints with its default settings there. So this compares integration, not contact
+// models.
 
 #include <benchmark/benchmark.h>
 
@@ -65,8 +67,9 @@ Trotting RunTenon(int order, double rtol) {
       builder.Add<JointPd>("pd", JointPdParams{.robot = robot, .stiffness = kStiffness, .damping = kDamping});
   auto& trot = builder.AddFunction("trot", Sampled{Hz(1000)}, Uses(builder.time),
                                    [=](double t) -> Vec<12> { return Trot(robot.stance, t); });
-  auto& joints = builder.AddFunction("joints", Uses(plant.state),
-                                     [](const LeggedState& x) { return JointMotion{x.q, x.qd}; });
+  auto& joints = builder.AddFunction("joints", Uses(plant.state), [](const LeggedState& x) {
+    return JointMotion{x.q, x.qd};
+  });
   builder.Connect(trot, pd.reference);
   builder.Connect(joints, pd.joints);
   builder.Connect(pd.torque, plant.torque);

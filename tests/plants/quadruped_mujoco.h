@@ -41,9 +41,8 @@ inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false) 
                           Numbers(leg.joints[i].p_PJ), Numbers(leg.joints[i].axis), robot.drive.rotor_inertia,
                           Inertial(leg.bodies[i]));
     if (ground)
-      text += fmt::format(
-          "<geom type=\"sphere\" size=\"{}\" pos=\"{}\" contype=\"0\" conaffinity=\"1\"/>",
-          robot.foot_radius, Numbers(leg.foot_J));
+      text += fmt::format("<geom type=\"sphere\" size=\"{}\" pos=\"{}\" contype=\"0\" conaffinity=\"1\"/>",
+                          robot.foot_radius, Numbers(leg.foot_J));
     text += "</body></body></body>";
   }
   return text + "</body></worldbody></mujoco>";
