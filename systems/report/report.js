@@ -9,7 +9,7 @@
   const find = (selector) => document.querySelector(selector);
   const UNITS = {
     m: 'm', N: 'N', s: 's', rad: 'rad', us: 'µs', ms: 'ms', kg: 'kg', deg: '°', hz: 'Hz', m_per_s: 'm/s', m_per_s2: 'm/s²',
-    N_per_s: 'N/s', N_per_m: 'N/m', rad_per_s: 'rad/s', Nm: 'N m', W: 'W', J: 'J',
+    N_per_s: 'N/s', N_per_m: 'N/m', rad_per_s: 'rad/s', N_m: 'N m', W: 'W', J: 'J',
   };
 
   // "tracking_error_rms_m" -> ["tracking error rms", "m"]

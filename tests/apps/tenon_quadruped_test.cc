@@ -54,7 +54,7 @@ TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
   const std::string summary = Read(out / "summary.json");
   for (const char* key : {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s",
                           "real_time_factor", "robot", "height_min_m", "height_end_m", "drift_m",
-                          "tilt_max_rad", "torque_max_N_m", "foot_force_max_N"}) {
+                          "tilt_max_rad", "torque_max_N_m", "foot_force_max_N", "evaluations"}) {
     EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
   }
   EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "tenon/systems/errors.h"
+#include "tenon/tests/plants/quadruped_test_robot.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
 
