@@ -77,7 +77,7 @@ TEST(DualActiveSet, MeetsTheOptimalityConditionsOfRandomProblems) {
   std::mt19937 generator(1);
   DualActiveSet solver(30, 100);
   int active = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 450; ++i) {
     const int variables = 1 + i % 30;
     const int equalities = static_cast<int>(generator() % (variables + 1)) / 2;
     const int inequalities = static_cast<int>(generator() % 70);
@@ -87,13 +87,13 @@ TEST(DualActiveSet, MeetsTheOptimalityConditionsOfRandomProblems) {
     ASSERT_TRUE(IsOptimal(qp.view(), solver)) << "problem " << i;
     active += static_cast<int>(solver.active().size());
   }
-  EXPECT_GT(active, 2000);  // they are not all trivial
+  EXPECT_GT(active, 900);  // they are not all trivial
 }
 
 TEST(DualActiveSet, StandsWeightsThatDifferByTenOrdersOfMagnitude) {
   std::mt19937 generator(2);
   DualActiveSet solver(30, 60);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 40; ++i) {
     OwnedQp qp = RandomFeasible(generator, 30, 18, 40);
     Eigen::VectorXd scale(30);
     for (int k = 0; k < 30; ++k) scale[k] = std::pow(10, 2.5 * Uniform(generator));
@@ -108,7 +108,7 @@ TEST(DualActiveSet, ARightGuessTakesNoIterationAndAnyGuessIsSafe) {
   std::mt19937 generator(3);
   DualActiveSet solver(12, 40);
   int cold = 0, near = 0;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 100; ++i) {
     OwnedQp qp = RandomFeasible(generator, 12, i % 5, 35);
     cold += solver.Solve(qp.view()).iterations;
     const Eigen::VectorXd x = solver.x();
@@ -168,7 +168,7 @@ TEST(DualActiveSet, NamesTheConstraintThatContradictsTheOthers) {
 TEST(DualActiveSet, DetectsRandomInfeasibleProblemsWhateverTheGuess) {
   std::mt19937 generator(4);
   DualActiveSet solver(12, 60);
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 100; ++i) {
     OwnedQp qp = RandomFeasible(generator, 12, i % 4, 30);
     const int combined = 2 + i % 8;
     Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(12);
@@ -190,7 +190,7 @@ TEST(DualActiveSet, DetectsRandomInfeasibleProblemsWhateverTheGuess) {
 TEST(DualActiveSet, StandsDuplicatesAndRedundantConstraints) {
   std::mt19937 generator(5);
   DualActiveSet solver(10, 120);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 60; ++i) {
     const OwnedQp plain = RandomFeasible(generator, 10, 3, 16);
     OwnedQp qp(10, 6, 64);
     qp.H = plain.H;
