@@ -132,7 +132,7 @@ TEST(SwingPlannerTest, SwingLiftsAndLowersWithoutJumps) {
   EXPECT_THAT(swing.front().v_W, IsNear(Eigen::Vector3d(0, 0, 0), 1e-12));
   EXPECT_THAT(swing.front().a_W, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
   EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
-  EXPECT_THAT(swing.back().v_W, IsNear(Eigen::Vector3d(0, 0, -0.2), 1e-12));
+  EXPECT_THAT(swing.back().v_W, IsNear(Eigen::Vector3d(0, 0, -0.5), 1e-12));
   double top = 0;
   for (std::size_t n = 1; n < swing.size(); ++n) {
     top = std::max(top, swing[n].p_W[2] - begin[2]);
@@ -200,7 +200,7 @@ TEST(SwingPlannerTest, LateFootGoesOnDownwardsToItsBound) {
     motion.push_back(trot.Tick());
   }
   ExpectConsistent(motion);
-  EXPECT_LT(motion[kSwingTicks + 250].p_W[2], foothold - 0.035);
+  EXPECT_LT(motion[kSwingTicks + 250].p_W[2], foothold - 0.07);
   EXPECT_GE(motion.back().p_W[2], foothold - 0.1);
   EXPECT_NEAR(motion.back().p_W[2], foothold - 0.1, 0.003);
 }
@@ -212,7 +212,7 @@ TEST(SwingPlannerTest, StanceFootThatSearchesGoesDownFromWhereItIs) {
   trot.Set(kSearching);
   EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
   trot.Tick();
-  EXPECT_NEAR(trot.Reference(kFrontLeft).p_W[2], trot.Foot(kFrontLeft)[2] - 0.2e-3, 1e-6);
+  EXPECT_NEAR(trot.Reference(kFrontLeft).p_W[2], trot.Foot(kFrontLeft)[2] - 0.5e-3, 2e-6);
   trot.Set(kStance);
   EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
 }
