@@ -109,6 +109,9 @@ struct SundialsIntegrator::Run {
   int refused = 0;                // evaluations since the restart that were not finite
   bool first_evaluation = false;  // after the restart
   bool at_end = false;            // the last evaluation was for the end of the interval
+  // The midpoint rule has no stage at the end of a step. SUNDIALS evaluates there all the same, to find roots
+  // by interpolation and to start the next step: without roots, and with a restart to come, for nothing.
+  const bool needs_end = options.method != Method::kErk || options.order != 2 || !roots.empty();
   struct {
     int index = 0;
     double error = 0;
@@ -177,7 +180,6 @@ void SundialsIntegrator::Run::Count(double step) {
 int SundialsIntegrator::Run::Derivatives(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
   auto& self = *static_cast<Run*>(self_pointer);
   Context& context = self.context;
-  ++self.evaluations;
   const int size = self.program.num_continuous;
   double* derivatives = N_VGetArrayPointer(ydot);
   if (size == 0) {
@@ -189,6 +191,12 @@ int SundialsIntegrator::Run::Derivatives(double t, N_Vector y, N_Vector ydot, vo
   const bool first = self.first_evaluation && t == context.time();
   self.first_evaluation = false;
   self.at_end = !first && std::abs(t - self.end) <= 1e-14 * (1 + std::abs(self.end));
+  if (self.at_end && !self.needs_end) {
+    self.at_end = false;
+    std::fill_n(derivatives, size, 0.0);
+    return 0;
+  }
+  ++self.evaluations;
   try {
     if (first || self.at_end) {
       std::copy_n(N_VGetArrayPointer(y), size, context.continuous_data());

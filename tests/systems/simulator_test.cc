@@ -346,6 +346,22 @@ TEST(SimulatorTest, FirstDerivativeAfterATickSkipsWhatTheTickComputed) {
   EXPECT_EQ(calls.shared, 1 + 10 * 3);
 }
 
+TEST(SimulatorTest, MidpointRuleEvaluatesTwiceAStep) {
+  Calls calls;
+  DiagramBuilder builder;
+  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
+  auto& controller =
+      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  builder.Connect(block.y, controller.u);
+  builder.Connect(controller.y, block.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 2, .fixed_step = 0.05});
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(simulator.statistics().steps, 20);
+  EXPECT_EQ(simulator.statistics().evaluations, 40);
+  EXPECT_EQ(calls.derivative, 40);
+}
+
 TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
   // An output that depends on a discrete state, which the tick changes after the output was computed for a
   // log.
