@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tenon/apps/common/columns.h"
+#include "tenon/apps/common/quantile.h"
 
 namespace tenon::apps {
 namespace {
@@ -103,12 +104,7 @@ void MpcFigures::Row(std::span<const double> row) {
 }
 
 double MpcFigures::time_quantile(double share) const {
-  if (times_.empty()) return 0;
-  std::vector<double> sorted = times_;
-  const auto at =
-      sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), at, sorted.end());
-  return *at;
+  return Quantile(times_, share);
 }
 
 }  // namespace tenon::apps

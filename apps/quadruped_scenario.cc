@@ -15,37 +15,14 @@ ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& fo
   return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
 }
 
-}  // namespace
-
-void RandomForceScenario::Validate() const {
-  Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
+QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
+  return LoadQuadruped(FindResource("robots", scenario.robot));
 }
 
-RigidInertia TrunkLoadScenario::Make() const {
-  const Eigen::Vector3d squares = edges_m.cwiseAbs2();
-  RigidInertia load;
-  load.mass = mass_kg;
-  load.com = position_m;
-  load.inertia.diagonal() = mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
-  return load;
-}
-
-void QuadrupedScenario::Validate() const {
-  Demand(app == "tenon-quadruped",
-         fmt::format("app is '{}': this is a scenario of another app, not of tenon-quadruped", app));
-  Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
-  Demand(start_height_m >= 0,
-         fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
-                     start_height_m));
-  Demand(fall.min_height_ratio >= 0 && fall.min_height_ratio < 1,
-         fmt::format("fall.min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
-                     fall.min_height_ratio));
-}
-
-QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
-  QuadrupedStandParams params;
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
+  QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
-  plant.robot = LoadQuadruped(FindResource("robots", scenario.robot));
+  plant.robot = LoadRobot(scenario);
   plant.terrain = scenario.terrain;
   plant.limit_speed = scenario.limit_speed;
   // Parallel to the plane, its feet above it.
@@ -57,12 +34,6 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
   plant.initial.q = plant.robot.stance;
 
-  params.pd = {plant.robot,
-               scenario.pd.stiffness_N_m_per_rad,
-               scenario.pd.damping_N_m_s_per_rad,
-               scenario.pd.gravity_compensation,
-               plant.gravity,
-               Hz(scenario.pd.rate_hz)};
   const SensorScenario& sensors = scenario.sensors;
   const Rate rate = Hz(sensors.rate_hz);
   params.encoders = {
@@ -86,9 +57,66 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
   for (const RandomForceScenario& force : scenario.random_forces)
     params.random.push_back(
         {plant.robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
-  plant.robot = WithPayload(plant.robot, scenario.payload.Make());  // after all that does not know of it
+  plant.robot = WithPayload(plant.robot, scenario.payload.Make());
   params.min_height = scenario.fall.min_height_ratio * height;
   params.max_tilt = scenario.fall.max_tilt_rad;
+  return params;
+}
+
+}  // namespace
+
+void RandomForceScenario::Validate() const {
+  Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
+}
+
+RigidInertia TrunkLoadScenario::Make() const {
+  const Eigen::Vector3d squares = edges_m.cwiseAbs2();
+  RigidInertia load;
+  load.mass = mass_kg;
+  load.com = position_m;
+  load.inertia.diagonal() = mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+  return load;
+}
+
+void QuadrupedScenario::Validate() const {
+  Demand(app == "tenon-quadruped",
+         fmt::format("app is '{}': this is a scenario of another app, not of tenon-quadruped", app));
+  Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+  Demand(pd.has_value() != walk.has_value(),
+         fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",
+                     pd ? "both" : "none"));
+  Demand(start_height_m >= 0,
+         fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
+                     start_height_m));
+  Demand(fall.min_height_ratio >= 0 && fall.min_height_ratio < 1,
+         fmt::format("fall.min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
+                     fall.min_height_ratio));
+}
+
+double Duration(const QuadrupedScenario& scenario) {
+  if (scenario.duration_s) return *scenario.duration_s;
+  return scenario.walk ? WalkSchedule(scenario.walk->path).end_time() + 1 : 10;
+}
+
+QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  QuadrupedStandParams params;
+  params.world = MakeWorldParams(scenario);
+  const JointPdScenario& pd = *scenario.pd;
+  params.pd = {LoadRobot(scenario),     pd.stiffness_N_m_per_rad,   pd.damping_N_m_s_per_rad,
+               pd.gravity_compensation, params.world.plant.gravity, Hz(pd.rate_hz)};
+  return params;
+}
+
+QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
+  const WalkScenario& walk = *scenario.walk;
+  QuadrupedWalkParams params;
+  params.world = MakeWorldParams(scenario);
+  params.true_robot = LoadRobot(scenario);
+  params.walk = walk.path;
+  params.locomotion = MakeLocomotion(WithMassFactor(params.true_robot, 1 + walk.mass_error_ratio),
+                                     LoadLocomotionProfile(scenario.profile), walk.gaits);
+  params.locomotion.swing_planner.step = walk.step;
+  params.locomotion.whole_body.gains.qp.friction = walk.friction;
   return params;
 }
 
@@ -98,10 +126,10 @@ SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {
           .order = integrator.order,
           .rtol = integrator.rtol,
           .atol = integrator.atol_position,
-          .state_atol = {{"loop.plant.motion.v_W", integrator.atol_velocity},
-                         {"loop.plant.motion.w_W", integrator.atol_velocity},
-                         {"loop.plant.motion.qd", integrator.atol_velocity},
-                         {"loop.plant.bristles", integrator.atol_bristles}},
+          .state_atol = {{"loop.world.plant.motion.v_W", integrator.atol_velocity},
+                         {"loop.world.plant.motion.w_W", integrator.atol_velocity},
+                         {"loop.world.plant.motion.qd", integrator.atol_velocity},
+                         {"loop.world.plant.bristles", integrator.atol_bristles}},
           .seed = scenario.seed};
 }
 

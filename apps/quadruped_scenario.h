@@ -3,13 +3,16 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "tenon/apps/common/outputs.h"
+#include "tenon/diagrams/locomotion_profile.h"
 #include "tenon/diagrams/quadruped_stand.h"
+#include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/fields.h"
 #include "tenon/systems/simulator_options.h"
 
@@ -26,6 +29,21 @@ struct JointPdScenario {
                       Required("damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad),
                       Field{"gravity_compensation", &JointPdScenario::gravity_compensation},
                       Field{"rate_hz", &JointPdScenario::rate_hz}};
+  }
+};
+
+/// What the walking robot is to do, and what the user chooses of the way it does that.
+struct WalkScenario {
+  WalkScheduleParams path;
+  std::string gaits = "standard";  ///< a shipped table or a YAML file
+  StepProperties step;
+  double friction = 1;          ///< that the controller counts on
+  double mass_error_ratio = 0;  ///< 0.3: the controller believes in masses 30 % too large
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("path", &WalkScenario::path), Field{"gaits", &WalkScenario::gaits},
+                      Field{"step", &WalkScenario::step}, Field{"friction", &WalkScenario::friction},
+                      Field{"mass_error_ratio", &WalkScenario::mass_error_ratio}};
   }
 };
 
@@ -143,12 +161,14 @@ struct QuadrupedScenario {
   std::string app;
   std::string description;
   std::string case_name;
-  std::string robot = "dogbot";  ///< a shipped robot or a YAML file
-  double duration_s = 10;
+  std::string robot = "dogbot";      ///< a shipped robot or a YAML file
+  std::optional<double> duration_s;  ///< without: 10 s of standing, or one second longer than the walk
   std::uint64_t seed = 1;
   double start_height_m = 0;  ///< of the feet above the plane's origin, at rest in the nominal stance
   TerrainParams terrain;
-  JointPdScenario pd;
+  std::optional<JointPdScenario> pd;  ///< either stands by this
+  std::optional<WalkScenario> walk;   ///< or walks
+  std::string profile = "standard";   ///< the tuning of the walking controller: a shipped one or a YAML file
   SensorScenario sensors;
   std::vector<ForceScenario> forces;
   std::vector<RandomForceScenario> random_forces;
@@ -168,7 +188,9 @@ struct QuadrupedScenario {
                       Field{"seed", &QuadrupedScenario::seed},
                       Field{"start_height_m", &QuadrupedScenario::start_height_m},
                       Field{"terrain", &QuadrupedScenario::terrain},
-                      Required("pd", &QuadrupedScenario::pd),
+                      Field{"pd", &QuadrupedScenario::pd},
+                      Field{"walk", &QuadrupedScenario::walk},
+                      Field{"profile", &QuadrupedScenario::profile},
                       Field{"sensors", &QuadrupedScenario::sensors},
                       Field{"forces", &QuadrupedScenario::forces},
                       Field{"random_forces", &QuadrupedScenario::random_forces},
@@ -182,9 +204,12 @@ struct QuadrupedScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What the diagram needs to know of a scenario; reads the robot.
+/// How long it runs [s].
+double Duration(const QuadrupedScenario& scenario);
+/// What the diagrams need to know of a scenario; read the robot and the controller's files.
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario);
-/// For a diagram that holds a QuadrupedStand named "loop".
+QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario);
+/// For a diagram that holds a QuadrupedWorld named "loop.world".
 SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario);
 
 }  // namespace tenon::apps

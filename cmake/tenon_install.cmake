@@ -13,4 +13,4 @@ install(DIRECTORY systems plants controllers diagrams DESTINATION ${CMAKE_INSTAL
   FILES_MATCHING PATTERN "*.h"
   PATTERN simbody.h EXCLUDE PATTERN sundials_solver.h EXCLUDE)  # they include what no public header may
 install(DIRECTORY tests/testing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/tests FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY plants/robots controllers/gaits apps/scenarios docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon)
+install(DIRECTORY plants/robots controllers/gaits controllers/profiles apps/scenarios docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon)

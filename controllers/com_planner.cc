@@ -127,12 +127,16 @@ double ComPlanner::GroundHeight(const ContactSchedule& schedule, const LeggedSta
   return count > 0 ? sum / count : otherwise;
 }
 
-BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan) const {
+BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan,
+                                        const WalkCommand& command) const {
   const Pose pose = PoseAt(plan, stance.com_height, time);
   BodyReference reference;
   reference.com_W = pose.position.head<3>();
   reference.com_velocity_W = pose.velocity.head<3>();
   reference.com_acceleration_W = pose.acceleration.head<3>();
+  reference.com_W[2] += command.height[0];
+  reference.com_velocity_W[2] += command.height[1];
+  reference.com_acceleration_W[2] += command.height[2];
   reference.q_WB << std::cos(pose.position[3] / 2), 0, 0, std::sin(pose.position[3] / 2);
   reference.w_W[2] = pose.velocity[3];
   reference.alpha_W[2] = pose.acceleration[3];

@@ -56,7 +56,7 @@ struct ComPlan {
 /// inverted pendulum x'' = (g / h) (x - p) of which p is the centre of the feet that stand in each phase: of
 /// all its motions the one that repeats itself from cycle to cycle (PeriodicPendulum). So the ZMP, (2.4) and
 /// (2.5) with L' = z'' = 0, stays in the middle of the support polygon. Standing, the CoM rests over the
-/// path. The trunk is level and heads along the path.
+/// path. The commanded height is added at every tick. The trunk is level and heads along the path.
 ///
 /// Position, velocity, yaw and yaw rate do not jump at a new plan: what the old one said differently is taken
 /// over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing. The
@@ -78,13 +78,13 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
                            Uses(time, schedule, command, state, memory),
                            &ComPlanner::CalcPlan};
   OutputPort<BodyReference> reference{
-      this, {"reference"}, Sampled{params.rate}, Uses(time, plan), &ComPlanner::CalcReference};
+      this, {"reference"}, Sampled{params.rate}, Uses(time, plan, command), &ComPlanner::CalcReference};
   OutputPort<PlanarPath> path{this, {"path"}, Sampled{params.rate}, Uses(time, plan), &ComPlanner::CalcPath};
 
  private:
   void CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
                 const LeggedState& state, ComPlan& memory, ComPlan* plan) const;
-  BodyReference CalcReference(const double& time, const ComPlan& plan) const;
+  BodyReference CalcReference(const double& time, const ComPlan& plan, const WalkCommand& command) const;
   PlanarPath CalcPath(const double& time, const ComPlan& plan) const;
 
   ComPlan FirstPlan(double time) const;

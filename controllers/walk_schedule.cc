@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "tenon/controllers/quintic.h"
 
 namespace tenon {
 namespace {
@@ -14,7 +17,19 @@ double Speed(const WalkCommand& c) {
 
 WalkCommand Between(const WalkCommand& from, const WalkCommand& to, double s) {
   return {to.gait, from.forward + s * (to.forward - from.forward), from.left + s * (to.left - from.left),
-          from.yaw_rate + s * (to.yaw_rate - from.yaw_rate)};
+          from.yaw_rate + s * (to.yaw_rate - from.yaw_rate), Vec<3>::Zero()};
+}
+
+/// Height, its speed and acceleration of squats that last until `end`, at t.
+Vec<3> Squat(double amplitude, double w, double t, double end) {
+  const double period = 2 * std::numbers::pi / w;
+  MotionPoint size{1, 0, 0};
+  if (t < period) size = Quintic({}, {1, 0, 0}, period, t);
+  if (end - t < period) size = Quintic({1, 0, 0}, {}, period, t - (end - period));
+  const Vec<3> wave(std::sin(w * t), w * std::cos(w * t), -w * w * std::sin(w * t));
+  return amplitude *
+         Vec<3>(size.position * wave[0], size.velocity * wave[0] + size.position * wave[1],
+                size.acceleration * wave[0] + 2 * size.velocity * wave[1] + size.position * wave[2]);
 }
 
 }  // namespace
@@ -33,6 +48,9 @@ void WalkScheduleParams::Validate() const {
            fmt::format("segment {} of the walk: duration and length must be positive", i));
     Demand(s.gait != Gait::kStand || (s.forward == 0 && s.left == 0 && s.yaw_rate == 0),
            fmt::format("segment {} of the walk moves while it stands: give it another gait", i));
+    Demand(s.squat_frequency > 0,
+           fmt::format("segment {} of the walk: squat_frequency_hz = {} must be positive", i,
+                       s.squat_frequency));
     Demand(!s.length || s.forward != 0 || s.left != 0,
            fmt::format("segment {} of the walk has a length but no speed: give its duration_s", i));
   }
@@ -44,7 +62,7 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
   WalkCommand from;
   for (std::size_t i = 0; i < params.segments.size(); ++i) {
     const WalkSegment& s = params.segments[i];
-    const WalkCommand to{s.gait, s.forward, s.left, s.yaw_rate};
+    const WalkCommand to{s.gait, s.forward, s.left, s.yaw_rate, Vec<3>::Zero()};
     const bool stands = s.gait == Gait::kStand;
     if (stands) from = to;
     const double change = std::hypot(to.forward - from.forward, to.left - from.left);
@@ -58,7 +76,11 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
         fmt::format("segment {} of the walk is too short to reach its velocities, which takes {:.3g} s and "
                     "{:.3g} m: make it longer or the accelerations larger",
                     i, ramp, way));
-    pieces.push_back({begin, ramp, begin + duration, from, to});
+    Demand(s.squat_amplitude == 0 || duration * s.squat_frequency >= 2,
+           fmt::format("segment {} of the walk is too short for its squats: two take {:.3g} s", i,
+                       2 / s.squat_frequency));
+    pieces.push_back({begin, ramp, begin + duration, from, to, s.squat_amplitude,
+                      2 * std::numbers::pi * s.squat_frequency});
     begin += duration;
     from = to;
   }
@@ -73,7 +95,10 @@ WalkCommand WalkSchedule::CalcCommand(const double& time) const {
   for (const Piece& piece : pieces_) {
     if (time >= piece.end) continue;
     const double t = time - piece.begin;
-    return t < piece.ramp ? Between(piece.from, piece.to, t / piece.ramp) : piece.to;
+    WalkCommand command = t < piece.ramp ? Between(piece.from, piece.to, t / piece.ramp) : piece.to;
+    if (piece.amplitude != 0)
+      command.height = Squat(piece.amplitude, piece.frequency, t, piece.end - piece.begin);
+    return command;
   }
   return {};
 }

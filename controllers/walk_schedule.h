@@ -18,12 +18,18 @@ struct WalkSegment {
   double yaw_rate = 0;             ///< [rad/s]
   std::optional<double> duration;  ///< [s]
   std::optional<double> length;    ///< of path, instead of the duration [m]
+  double squat_amplitude = 0;      ///< of the CoM's height about the nominal one [m]
+  double squat_frequency = 0.5;    ///< [Hz]
 
   static constexpr auto Fields() {
-    return std::tuple{
-        Required("gait", &WalkSegment::gait),        Field{"forward_m_per_s", &WalkSegment::forward},
-        Field{"left_m_per_s", &WalkSegment::left},   Field{"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
-        Field{"duration_s", &WalkSegment::duration}, Field{"length_m", &WalkSegment::length}};
+    return std::tuple{Required("gait", &WalkSegment::gait),
+                      Field{"forward_m_per_s", &WalkSegment::forward},
+                      Field{"left_m_per_s", &WalkSegment::left},
+                      Field{"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
+                      Field{"duration_s", &WalkSegment::duration},
+                      Field{"length_m", &WalkSegment::length},
+                      Field{"squat_amplitude_m", &WalkSegment::squat_amplitude},
+                      Field{"squat_frequency_hz", &WalkSegment::squat_frequency}};
   }
 };
 
@@ -49,8 +55,11 @@ struct WalkScheduleParams {
 /// is linear in time, as short as both accelerations allow; its duration and length include the ramp. The
 /// gait changes at once. After the last segment the robot stands.
 ///
+/// Squats are sines of the time since the segment's beginning; within their first and last period they grow
+/// and fade as a quintic, so that height, speed and acceleration do not jump.
+///
 /// Throws ParameterError for a segment with neither or both of duration and length, with a length but no
-/// speed, and one that is too short for its ramp.
+/// speed, and one that is too short for its ramp or for two squats.
 class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -64,6 +73,7 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
   struct Piece {
     double begin, ramp, end;  // times; the ramp's is its duration
     WalkCommand from, to;
+    double amplitude, frequency;  // of the squats [m], [rad/s]
   };
   static std::vector<Piece> MakePieces(const WalkScheduleParams& params);
   WalkCommand CalcCommand(const double& time) const;

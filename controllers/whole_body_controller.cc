@@ -6,10 +6,11 @@
 #include <chrono>
 
 #include "tenon/plants/description/quaternion.h"
+#include "tenon/systems/yaml_node.h"
 
 namespace tenon {
 
-void WholeBodyParams::Validate() const {
+void WholeBodyGains::Validate() const {
   for (const auto& [name, value] :
        {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
         std::pair{"swing_stiffness", swing_stiffness}}) {
@@ -40,22 +41,22 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   WholeBodyTask task;
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * state.R_WB().transpose());
-  task.wrench.head<3>() = params.com_stiffness * (body.com_W - dynamics.com_W) +
-                          params.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
+  task.wrench.head<3>() = params.gains.com_stiffness * (body.com_W - dynamics.com_W) +
+                          params.gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
                           model_.mass() * (body.com_acceleration_W + up);
   task.wrench.tail<3>() =
-      dynamics.centroidal_inertia_W * (params.trunk_stiffness * turn.angle() * turn.axis() +
-                                       params.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+      dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * turn.angle() * turn.axis() +
+                                       params.gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
   task.disturbance << wrench.force_W, wrench.torque_W;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];
     task.stance[i] = schedule.legs[i].stance();
     task.foot_acceleration[i] = reference.a_W +
-                                params.swing_damping * (reference.v_W - dynamics.feet[i].v_W) +
-                                params.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+                                params.gains.swing_damping * (reference.v_W - dynamics.feet[i].v_W) +
+                                params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
   }
-  if (params.compensation == LegCompensation::kExact) {
+  if (params.gains.compensation == LegCompensation::kExact) {
     task.joint_disturbance = leg_forces.joint_torque;
   } else {
     const auto pushed = SwingFootAcceleration(dynamics, task.stance, leg_forces.foot_force);
@@ -85,11 +86,21 @@ void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const Legg
   *plan = last;
 }
 
+Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan) const {
+  const WholeBodyDiagnostics& last = plan.diagnostics;
+  if (last.failures_in_a_row <= params.max_failures_in_a_row) return {};
+  return fmt::format(
+      "the whole-body optimisation failed {} times in a row, the last time as {}: the robot cannot do what "
+      "is "
+      "asked of it; lower the speed, or look at friction and torque limits",
+      last.failures_in_a_row, EnumName(last.status));
+}
+
 Vec<12> WholeBodyController::CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
                                         const LegForceEstimate& leg_forces, Vec<12>& last) const {
   if (plan.diagnostics.failures_in_a_row > 0) return last;
-  const Vec<12> disturbance =
-      params.compensation == LegCompensation::kExact ? leg_forces.joint_torque : Vec<12>(Vec<12>::Zero());
+  const Vec<12> disturbance = params.gains.compensation == LegCompensation::kExact ? leg_forces.joint_torque
+                                                                                   : Vec<12>(Vec<12>::Zero());
   const Vec<12> limit = TorqueLimit(params.robot);
   last = JointTorque(dynamics, plan.solution, disturbance).cwiseMin(limit).cwiseMax(-limit);
   return last;

@@ -25,8 +25,8 @@ constexpr auto EnumNames(LegCompensation) {
                     std::pair{LegCompensation::kThesis, "thesis"}};
 }
 
-struct WholeBodyParams {
-  QuadrupedDescription robot;     ///< what the controller believes; gives the torque limits
+/// What is tuned of the whole-body controller; read from a file such as controllers/profiles/standard.yaml.
+struct WholeBodyGains {
   double com_stiffness = 2500;    ///< [N/m]
   double com_damping = 400;       ///< [N s/m]
   double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
@@ -35,9 +35,27 @@ struct WholeBodyParams {
   double swing_damping = 100;     ///< [1/s]
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp;
-  Rate qp_rate = Hz(1000);  ///< of the optimisation
-  Rate rate = Hz(1000);     ///< of the torques
-  void Validate() const;    ///< throws ParameterError unless stiffness > 0, damping >= 0, and the QP's
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
+                      Field{"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
+                      Field{"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
+                      Field{"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
+                      Field{"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
+                      Field{"swing_damping_per_s", &WholeBodyGains::swing_damping},
+                      Field{"leg_compensation", &WholeBodyGains::compensation},
+                      Field{"qp", &WholeBodyGains::qp}};
+  }
+  void Validate() const;  ///< throws ParameterError unless stiffness > 0, damping >= 0, and the QP's
+};
+
+struct WholeBodyParams {
+  QuadrupedDescription robot;  ///< what the controller believes; gives the torque limits
+  WholeBodyGains gains;
+  Rate qp_rate = Hz(1000);                     ///< of the optimisation
+  Rate rate = Hz(1000);                        ///< of the torques
+  long max_failures_in_a_row = 100;            ///< more end the run
+  void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
 /// How the solves of the whole-body controller went.
@@ -83,7 +101,8 @@ struct WholeBodyPlan {
 ///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p)
 ///
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
-/// If a solve fails it is counted, and the last valid torques stay until one succeeds.
+/// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
+/// after `max_failures_in_a_row`.
 ///
 /// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
 /// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.
@@ -112,7 +131,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   QuadrupedModel model_{params.robot};
   Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &WholeBodyController::CalcDynamics};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
-  Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot), params.qp)};
+  Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot), params.gains.qp)};
   Scratch<Vec<12>> last_torque_{this, "last_torque", Vec<12>(Vec<12>::Zero())};
 
  public:
@@ -130,6 +149,8 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   OutputPort<WholeBodyDiagnostics> diagnostics{
       this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan) { return plan.diagnostics; }};
 
+  Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan), &WholeBodyController::CheckSolves};
+
   /// The torque limits of the joints, in order [N m].
   static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
 
@@ -143,6 +164,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
                 const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
                 WholeBodyPlan* plan) const;
+  Verdict CheckSolves(const WholeBodyPlan& plan) const;
   Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
                      const LegForceEstimate& leg_forces, Vec<12>& last) const;
 };

@@ -33,7 +33,7 @@ Eigen::Matrix<double, 3, 2> Tangents(const Vec<3>& n) {
 
 FootContact CalcFootContact(const Terrain& terrain, const ContactProperties& contact, double radius,
                             const FootMotion& foot, const Vec<2>& bristle) {
-  FootContact out{Vec<3>::Zero(), foot.p_W, -bristle / contact.release_time, 0, 0};
+  FootContact out{Vec<3>::Zero(), foot.p_W, -bristle / contact.release_time, Vec<3>::Zero(), 0, 0};
   const Terrain::Contacts contacts = terrain.Touch(foot.p_W, radius);
   Vec<3> sum = Vec<3>::Zero();
   double friction = 0, arm = 0;  // means by force; the arm reaches from the centre to the surface
@@ -60,6 +60,7 @@ FootContact CalcFootContact(const Terrain& terrain, const ContactProperties& con
 
   const Eigen::Matrix<double, 3, 2> tangents = Tangents(normal);
   const Vec<2> v = tangents.transpose() * (foot.v_W + foot.w_W.cross(to_surface));
+  out.slip_W = tangents * v;
   const double z_max = friction / contact.bristle_stiffness;
   const double slip = SmoothStep((bristle.norm() / z_max - kElastic) / (1 - kElastic));
   const Vec<2> held = v - slip * std::max(0.0, bristle.dot(v)) / (z_max * z_max) * bristle;

@@ -17,6 +17,7 @@ struct FootContact {
   Vec<3> force_W;       ///< on the foot [N]
   Vec<3> p_W;           ///< where it acts; the centre in the air [m]
   Vec<2> bristle_rate;  ///< [m/s]
+  Vec<3> slip_W;        ///< tangential velocity of the foot's point in contact; 0 in the air [m/s]
   double normal_force;  ///< [N]
   double depth;         ///< of the deepest contact; 0 in the air [m]
 };

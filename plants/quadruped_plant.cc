@@ -115,6 +115,12 @@ Vec<4> QuadrupedPlant::CalcFootDepths(const FootContacts& contacts) const {
   return depths;
 }
 
+std::array<Vec<3>, kNumLegs> QuadrupedPlant::CalcFootSlips(const FootContacts& contacts) const {
+  std::array<Vec<3>, kNumLegs> slips;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) slips[leg] = contacts.feet[leg].slip_W;
+  return slips;
+}
+
 LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
   return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
 }

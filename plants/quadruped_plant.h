@@ -53,6 +53,7 @@ struct LeggedEnergy {
 ///                acceleration  of B's origin and of the joints, as an inertial unit needs it
 ///                foot_forces   of the ground on each foot [N]
 ///                foot_depths   of each foot in the ground [m]
+///                foot_slips    velocity of each foot's point in contact along the ground [m/s]
 ///                joint_torque  what the drives give after their limits [N m]
 ///                energy        kinetic, potential
 ///                geometry      what it looks like, terrain included
@@ -98,6 +99,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                                               &QuadrupedPlant::CalcAcceleration};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}, Uses(contacts), &QuadrupedPlant::CalcFootForces};
   OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m"}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
+  OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{
+      this, {"foot_slips", "m/s"}, Uses(contacts), &QuadrupedPlant::CalcFootSlips};
   OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
@@ -119,6 +122,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                                       const ExternalForces& external) const;
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
+  std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;
   LeggedEnergy CalcEnergy(const QuadrupedBody& body) const;
   void CalcGeometry(const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                     Geometry* out) const;

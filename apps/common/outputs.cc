@@ -85,6 +85,10 @@ void Summary::Set(const std::string& key, double value) {
 void Summary::Set(const std::string& key, const std::string& value) {
   json_->values[key] = value;
 }
+void Summary::Set(const std::string& key, const std::vector<std::pair<std::string, double>>& values) {
+  auto& object = json_->values[key] = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : values) object[name] = value;
+}
 void Summary::Set(const std::string& key, const std::optional<double>& value) {
   json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }

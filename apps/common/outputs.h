@@ -48,6 +48,8 @@ class Summary {
   ~Summary();
   void Set(const std::string& key, double value);
   void Set(const std::string& key, const std::string& value);
+  /// By name: of legs, of axes.
+  void Set(const std::string& key, const std::vector<std::pair<std::string, double>>& values);
   /// Null if empty.
   void Set(const std::string& key, const std::optional<double>& value);
 

@@ -98,14 +98,16 @@ struct ContactSchedule {
 /// How the user wants the robot to go, in the frame of its heading.
 struct WalkCommand {
   Gait gait = Gait::kStand;
-  double forward = 0;   ///< [m/s]
-  double left = 0;      ///< [m/s]
-  double yaw_rate = 0;  ///< [rad/s]
+  double forward = 0;              ///< [m/s]
+  double left = 0;                 ///< [m/s]
+  double yaw_rate = 0;             ///< [rad/s]
+  Vec<3> height = Vec<3>::Zero();  ///< of the CoM above the nominal one, with its rates [m, m/s, m/s^2]
 
   static constexpr auto Fields() {
     return std::tuple{Field{"gait", &WalkCommand::gait}, Field{"forward", &WalkCommand::forward, "m/s"},
                       Field{"left", &WalkCommand::left, "m/s"},
-                      Field{"yaw_rate", &WalkCommand::yaw_rate, "rad/s"}};
+                      Field{"yaw_rate", &WalkCommand::yaw_rate, "rad/s"},
+                      Field{"height", &WalkCommand::height}};
   }
 };
 

@@ -6,6 +6,8 @@
 #include <tenon/systems/yaml.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace tenon {
 namespace {
@@ -142,6 +144,19 @@ QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia&
   if (!(payload.mass >= 0))
     throw ParameterError(fmt::format("a payload of {} kg makes no sense; give 0 for none", payload.mass));
   if (payload.mass > 0) robot.trunk = robot.trunk + payload;
+  return robot;
+}
+
+QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
+  if (!(std::isfinite(factor) && factor > 0))
+    throw ParameterError(
+        fmt::format("a mass factor of {}: it must be positive, 1 for the robot as it is", factor));
+  const auto scale = [factor](RigidInertia& body) {
+    body.mass *= factor;
+    body.inertia *= factor;
+  };
+  scale(robot.trunk);
+  for (LegDescription& leg : robot.legs) std::for_each(leg.bodies.begin(), leg.bodies.end(), scale);
   return robot;
 }
 

@@ -108,6 +108,10 @@ struct QuadrupedDescription {
 /// Throws ParameterError unless the payload's mass is 0 or more.
 QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload);
 
+/// The robot with masses and inertias times a factor: what a controller believes that does not know better.
+/// Throws ParameterError unless the factor is positive.
+QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor);
+
 /// Reads a robot: a YAML file such as plants/robots/dogbot.yaml, which names a URDF file beside it and tells
 /// what URDF cannot. Throws ParameterError, beginning with the file and the place in it, for
 ///  - what the YAML reader refuses, among others unknown and missing keys;

@@ -60,8 +60,8 @@ TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
   EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),
                              HasSubstr("\"robot\": \"dogbot\""), HasSubstr("\"simulated_s\": 0.2")));
   EXPECT_THAT(Read(out / "signals.csv"),
-              AllOf(HasSubstr("time [s],"), HasSubstr("loop.plant.foot_forces.front_left.z [N]"),
-                    HasSubstr("loop.imu.measurement.specific_force_B.z [m/s^2]"), HasSubstr("\n0.2,")));
+              AllOf(HasSubstr("time [s],"), HasSubstr("loop.world.plant.foot_forces.front_left.z [N]"),
+                    HasSubstr("loop.world.imu.measurement.specific_force_B.z [m/s^2]"), HasSubstr("\n0.2,")));
   EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: stand"), HasSubstr("atol_bristles")));
   EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("cluster_loop"), HasSubstr("encoders")));
   EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>stand: holds its stance"));

@@ -155,7 +155,7 @@ TEST(WholeBodyController, APushedSwingFootIsHeld) {
   const Vec<3> push(12, -8, 10);
   for (const LegCompensation form : {LegCompensation::kExact, LegCompensation::kThesis}) {
     WholeBodyParams params = Params();
-    params.compensation = form;
+    params.gains.compensation = form;
     Inputs inputs(params.robot);
     inputs.Swing({kFrontRight, kRearLeft});
     const Vec<18> force = inputs.dynamics.FootJacobian(kFrontRight).transpose() * push;
@@ -270,11 +270,12 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
       WholeBodyController block(params);
     };
   };
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.com_stiffness = 0; }),
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_stiffness = 0; }),
                                      "com_stiffness = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.swing_damping = -1; }),
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
                                      "swing_damping = -1", "negative"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.qp.friction = 0; }), "friction = 0"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
 }
 
 }  // namespace

@@ -14,10 +14,10 @@ using test::DogBot;
 
 QuadrupedStandParams Params(const QuadrupedDescription& robot) {
   QuadrupedStandParams params;
-  params.plant.robot = robot;
-  params.plant.initial = test::Standing(robot);
+  params.world.plant.robot = robot;
+  params.world.plant.initial = test::Standing(robot);
   params.pd = {.robot = robot, .stiffness = 500, .damping = 10};
-  params.min_height = 0.5 * robot.StanceHeight();
+  params.world.min_height = 0.5 * robot.StanceHeight();
   return params;
 }
 
@@ -29,10 +29,10 @@ struct Cell {
         simulator(*diagram, {.order = 2,
                              .rtol = 1e-3,
                              .atol = 1e-5,
-                             .state_atol = {{"loop.plant.motion.v_W", 1e-3},
-                                            {"loop.plant.motion.w_W", 1e-3},
-                                            {"loop.plant.motion.qd", 1e-3},
-                                            {"loop.plant.bristles", 1e-6}}}) {}
+                             .state_atol = {{"loop.world.plant.motion.v_W", 1e-3},
+                                            {"loop.world.plant.motion.w_W", 1e-3},
+                                            {"loop.world.plant.motion.qd", 1e-3},
+                                            {"loop.world.plant.bristles", 1e-6}}}) {}
   template <class S>
   const typename S::Value& operator[](const S& source) {
     return simulator.context().Eval(source);
@@ -51,21 +51,21 @@ TEST(QuadrupedStandTest, GravityCompensationHoldsTheStance) {
     Cell with(params);
     EXPECT_FALSE(with.simulator.AdvanceTo(2).ended);
     const double friction = robot.drive.friction / 500;
-    EXPECT_THAT(with[with.loop.state].q, IsNear(robot.stance, friction + 5e-4)) << robot.name;
+    EXPECT_THAT(with[with.loop.world.state].q, IsNear(robot.stance, friction + 5e-4)) << robot.name;
     params.pd.gravity_compensation = false;
     Cell without(params);
     EXPECT_FALSE(without.simulator.AdvanceTo(2).ended);
-    EXPECT_GT((without[without.loop.state].q - robot.stance).cwiseAbs().maxCoeff(), friction + 5e-3);
+    EXPECT_GT((without[without.loop.world.state].q - robot.stance).cwiseAbs().maxCoeff(), friction + 5e-3);
   }
 }
 
 TEST(QuadrupedStandTest, LandsFromADropAndStands) {
   QuadrupedStandParams params = Params(DogBot());
-  params.plant.initial.p_WB[2] += 0.1;
+  params.world.plant.initial.p_WB[2] += 0.1;
   Cell cell(params);
   EXPECT_FALSE(cell.simulator.AdvanceTo(2).ended);
-  EXPECT_NEAR(cell[cell.loop.state].p_WB[2], DogBot().StanceHeight(), 5e-3);
-  EXPECT_LT(cell[cell.loop.state].v_W.norm(), 1e-3);
+  EXPECT_NEAR(cell[cell.loop.world.state].p_WB[2], DogBot().StanceHeight(), 5e-3);
+  EXPECT_LT(cell[cell.loop.world.state].v_W.norm(), 1e-3);
 }
 
 TEST(QuadrupedStandTest, FallsWhenPushedOver) {
@@ -74,12 +74,12 @@ TEST(QuadrupedStandTest, FallsWhenPushedOver) {
   push.push.force_W = {0, 400, 0};
   push.start = 0.5;
   push.duration = 1;
-  params.pulses = {push};
+  params.world.pulses = {push};
   Cell cell(params);
   const RunStatus status = cell.simulator.AdvanceTo(4);
   EXPECT_TRUE(status.ended);
   EXPECT_GT(status.time, 0.5);
-  EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.monitor.fall: the robot fell: its trunk is"));
+  EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.world.monitor.fall: the robot fell: its trunk is"));
 }
 
 // The feet carry what is on the robot: its weight, the payload's, and the vertical force of the surroundings.
@@ -88,24 +88,24 @@ TEST(QuadrupedStandTest, FeetCarryPayloadAndDisturbances) {
   RigidInertia load;
   load.mass = 10;
   load.com = {0, 0, 0.1};
-  params.plant.robot = WithPayload(params.plant.robot, load);
+  params.world.plant.robot = WithPayload(params.world.plant.robot, load);
   PulseForceParams push;
   push.push.force_W = {0, 0, -30};
   push.duration = 10;
   SineForceParams sine;
   sine.amplitude.force_W = {0, 0, -20};
   sine.end = 1;
-  params.pulses = {push};
-  params.sines = {sine};
-  params.random = {{DogBot(), true, 0, 1e-9}};
+  params.world.pulses = {push};
+  params.world.sines = {sine};
+  params.world.random = {{DogBot(), true, 0, 1e-9}};
   Cell cell(params);
   EXPECT_FALSE(cell.simulator.AdvanceTo(3).ended);
   double carried = 0;
-  for (int leg = 0; leg < kNumLegs; ++leg) carried += cell[cell.loop.foot_sensor.measured][leg][2];
+  for (int leg = 0; leg < kNumLegs; ++leg) carried += cell[cell.loop.world.foot_sensor.measured][leg][2];
   EXPECT_NEAR(carried, (DogBot().mass() + 10) * 9.81 + 30, 0.1);
   // At rest the inertial unit reads gravity and the torque sensors what the controller commands.
-  EXPECT_NEAR(cell[cell.loop.imu.measurement].specific_force_B.norm(), 9.81, 0.3);
-  EXPECT_THAT(cell[cell.loop.torque_sensor.measured], IsNear(cell[cell.loop.pd.torque], 1e-12));
+  EXPECT_NEAR(cell[cell.loop.world.imu.measurement].specific_force_B.norm(), 9.81, 0.3);
+  EXPECT_THAT(cell[cell.loop.world.torque_sensor.measured], IsNear(cell[cell.loop.pd.torque], 1e-12));
 }
 
 }  // namespace

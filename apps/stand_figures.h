@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "tenon/apps/common/outputs.h"
 #include "tenon/diagrams/quadruped_stand.h"
 #include "tenon/systems/signal_log.h"
 
@@ -15,6 +16,9 @@ class StandFigures final : public LogSink {
 
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
+
+  /// Writes them down.
+  void AddTo(Summary& summary) const;
 
   double height_min() const { return height_min_; }     ///< of the trunk, p_WB's z [m]
   double height_end() const { return height_end_; }     ///< [m]

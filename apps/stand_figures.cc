@@ -1,4 +1,4 @@
-#include "tenon/apps/quadruped_figures.h"
+#include "tenon/apps/stand_figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,16 +9,17 @@
 namespace tenon::apps {
 
 std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {
-  return {&loop.plant.state,          &loop.plant.joint_torque, &loop.plant.foot_forces,
-          &loop.plant.energy,         &loop.encoders.joints,    &loop.torque_sensor.measured,
-          &loop.foot_sensor.measured, &loop.imu.measurement};
+  const QuadrupedWorld& world = loop.world;
+  return {&world.plant.state,          &world.plant.joint_torque, &world.plant.foot_forces,
+          &world.plant.energy,         &world.encoders.joints,    &world.torque_sensor.measured,
+          &world.foot_sensor.measured, &world.imu.measurement};
 }
 
 void StandFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, "loop.plant.state.p_WB");
-  attitude_ = Columns(names, "loop.plant.state.q_WB");
-  torque_ = Columns(names, "loop.plant.joint_torque");
-  force_ = Columns(names, "loop.plant.foot_forces");
+  position_ = Columns(names, "loop.world.plant.state.p_WB");
+  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
+  torque_ = Columns(names, "loop.world.plant.joint_torque");
+  force_ = Columns(names, "loop.world.plant.foot_forces");
   height_min_ = std::numeric_limits<double>::infinity();
 }
 
@@ -32,6 +33,15 @@ void StandFigures::Row(std::span<const double> row) {
   for (const std::size_t column : torque_) torque_max_ = std::max(torque_max_, std::abs(row[column]));
   for (std::size_t i = 0; i < force_.size(); i += 3)
     force_max_ = std::max(force_max_, std::hypot(row[force_[i]], row[force_[i + 1]], row[force_[i + 2]]));
+}
+
+void StandFigures::AddTo(Summary& summary) const {
+  summary.Set("height_min_m", height_min());
+  summary.Set("height_end_m", height_end());
+  summary.Set("drift_m", drift());
+  summary.Set("tilt_max_rad", tilt_max());
+  summary.Set("torque_max_N_m", torque_max());
+  summary.Set("foot_force_max_N", foot_force_max());
 }
 
 }  // namespace tenon::apps

@@ -1,0 +1,23 @@
+#include "tenon/controllers/tracking_error.h"
+
+namespace tenon {
+
+WalkingErrors TrackingError::CalcErrors(const LeggedState& state, const FootForces& foot_forces,
+                                        const ContactSchedule& schedule, const BodyReference& body,
+                                        const FeetReference& feet, const WholeBodyPlan& plan) const {
+  QuadrupedDynamics dynamics;
+  model_.Calc(state, &dynamics);
+  WalkingErrors errors;
+  errors.com_position = dynamics.com_W;
+  errors.com = dynamics.com_W - body.com_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    if (schedule.legs[i].state == ContactState::kSwing)
+      errors.foot[leg] = (dynamics.feet[i].p_W - feet[leg].p_W).norm();
+    else if (schedule.legs[i].stance())
+      errors.ground_force[leg] = (plan.solution.force[leg] - foot_forces[leg]).norm();
+  }
+  return errors;
+}
+
+}  // namespace tenon

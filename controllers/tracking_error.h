@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tenon/plants/description/gait_signals.h>
+#include <tenon/plants/description/motion_signals.h>
+#include <tenon/plants/description/quadruped_model.h>
+
+#include <tuple>
+
+#include "tenon/controllers/whole_body_controller.h"
+#include "tenon/systems/ports.h"
+#include "tenon/systems/state.h"
+#include "tenon/systems/system.h"
+
+namespace tenon {
+
+struct TrackingErrorParams {
+  QuadrupedDescription robot;  ///< the true one
+};
+
+struct WalkingErrors {
+  Vec<3> com = Vec<3>::Zero();             ///< x - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();            ///< |p - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<4> ground_force = Vec<4>::Zero();    ///< |planned - true| of each foot in stance; 0 of the others [N]
+  Vec<3> com_position = Vec<3>::Zero();    ///< x [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"com", &WalkingErrors::com, "m"}, Field{"foot", &WalkingErrors::foot, "m"},
+                      Field{"ground_force", &WalkingErrors::ground_force, "N"},
+                      Field{"com_position", &WalkingErrors::com_position, "m"}};
+  }
+};
+
+/// How far a walking robot is from what was planned for it. It judges a run; nothing should be controlled by
+/// it, since it takes the true state and the true masses.
+///
+///     ports in   state, foot_forces              the true ones
+///                schedule, body, feet, plan      of the controller
+///     port out   errors
+class TrackingError final : public LeafSystem<TrackingErrorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<FeetReference> feet{this, {"feet"}};
+  InputPort<WholeBodyPlan> plan{this, {"plan"}};
+  OutputPort<WalkingErrors> errors{this,
+                                   {"errors"},
+                                   Uses(state, foot_forces, schedule, body, feet, plan),
+                                   &TrackingError::CalcErrors};
+
+ private:
+  WalkingErrors CalcErrors(const LeggedState& state, const FootForces& foot_forces,
+                           const ContactSchedule& schedule, const BodyReference& body,
+                           const FeetReference& feet, const WholeBodyPlan& plan) const;
+
+  QuadrupedModel model_{params.robot};
+};
+
+}  // namespace tenon

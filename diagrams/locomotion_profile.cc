@@ -1,0 +1,24 @@
+#include "tenon/diagrams/locomotion_profile.h"
+
+#include "tenon/plants/description/resources.h"
+#include "tenon/systems/yaml.h"
+
+namespace tenon {
+
+LocomotionProfile LoadLocomotionProfile(const std::string& name) {
+  return YamlDocument::Load(FindResource("profiles", name)).Read<LocomotionProfile>();
+}
+
+LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const LocomotionProfile& profile,
+                                      const std::string& gaits) {
+  LeggedLocomotionParams params;
+  params.scheduler = YamlDocument::Load(FindResource("gaits", gaits)).Read<FootSchedulerParams>();
+  params.com_planner.robot = robot;
+  params.swing_planner.robot = robot;
+  params.whole_body.robot = robot;
+  params.whole_body.gains = profile.whole_body;
+  params.whole_body.qp_rate = Hz(profile.qp_rate_hz);
+  return params;
+}
+
+}  // namespace tenon
