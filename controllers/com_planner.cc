@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tenon/controllers/planned_phases.h"
+
 namespace tenon {
 namespace {
 
@@ -12,10 +14,17 @@ struct Pose {
   Vec<4> position, velocity, acceleration;
 };
 
+PlanarPoint OnPath(const PlanarPath& path) {
+  const Eigen::Vector2d v = path.VelocityW();
+  return {path.position_W, v, path.yaw_rate * Eigen::Vector2d(-v[1], v[0])};
+}
+
 Pose PoseAt(const ComPlan& plan, double com_height, double time) {
   const double t = time - plan.start;
-  const PendulumPoint over_ground = plan.pendulum.At(t);
   const PlanarPath path = plan.path.At(t);
+  const PlanarPoint over_ground = plan.spline.num_segments == 0 ? plan.pendulum.At(t)
+                                  : t < plan.spline.duration    ? plan.spline.At(t)
+                                                                : OnPath(path);
   Pose pose;
   pose.position << over_ground.position, plan.ground + com_height, path.yaw;
   pose.velocity << over_ground.velocity, 0, path.yaw_rate;
@@ -38,7 +47,17 @@ void Fade(const Vec<4>& offset, const Vec<4>& rate, double blend, ComPlan* plan)
 
 }  // namespace
 
+void ZmpPlanParams::Validate() const {
+  constexpr int kMost = (ZmpSpline::kMaxPhases - 1) / 2;
+  Demand(horizon >= 1 && horizon <= kMost,
+         fmt::format("zmp.horizon_steps is {}: plan 1 to {} steps ahead", horizon, kMost));
+  Demand(half_width > 0, fmt::format("zmp.half_width_m is {} m: it must be positive", half_width));
+  Demand(margin >= 0, fmt::format("zmp.margin_m is {} m: it must not be negative", margin));
+  spline.Validate();
+}
+
 void ComPlannerParams::Validate() const {
+  zmp.Validate();
   Demand(blend > 0, fmt::format("a plan is blended in within {} s: it must be positive", blend));
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
@@ -57,62 +76,82 @@ ComPlan ComPlanner::FirstPlan(double time) const {
 }
 
 void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
-                          const LeggedState& state, ComPlan& memory, ComPlan* plan) const {
-  if (memory.footsteps != schedule.footsteps) {
-    const bool first = memory.footsteps < 0;
-    if (first) {
-      memory = FirstPlan(time);
-      memory.ground = GroundHeight(schedule, state, 0);
-    }
-    const Pose old = PoseAt(memory, stance.com_height, time);
-    memory.path = memory.path.At(time - memory.start);
-    memory.start = time;
-    memory.footsteps = schedule.footsteps;
-    const bool walks = schedule.gait != Gait::kStand;
-    memory.path.velocity = walks ? Vec<2>(command.forward, command.left) : Vec<2>(0, 0);
-    memory.path.yaw_rate = walks ? command.yaw_rate : 0;
-    memory.ground = GroundHeight(schedule, state, memory.ground);
-    PlanPendulum(schedule, &memory);
-    memory.blend = 0;
-    const Pose next = PoseAt(memory, stance.com_height, time);
-    Fade(old.position - next.position, old.velocity - next.velocity, params.blend, &memory);
-  }
+                          const LeggedState& state, ComPlan& memory, ZmpSpline& optimizer,
+                          ComPlan* plan) const {
   *plan = memory;
+  if (memory.footsteps == schedule.footsteps) return;
+  if (memory.footsteps < 0) {
+    *plan = FirstPlan(time);
+    plan->ground = GroundHeight(schedule, state, 0);
+  }
+  const Pose old = PoseAt(*plan, stance.com_height, time);
+  memory = *plan;
+  plan->path = plan->path.At(time - plan->start);
+  plan->start = time;
+  const bool walks = schedule.gait != Gait::kStand;
+  plan->path.velocity = walks ? Vec<2>(command.forward, command.left) : Vec<2>(0, 0);
+  plan->path.yaw_rate = walks ? command.yaw_rate : 0;
+  plan->ground = GroundHeight(schedule, state, plan->ground);
+  plan->blend = 0;
+  plan->spline.num_segments = 0;
+  PlanPendulum(schedule, plan);
+  const Pose next = PoseAt(*plan, stance.com_height, time);
+  Fade(old.position - next.position, old.velocity - next.velocity, params.blend, plan);
+  if (walks && params.reference == ComReference::kZmpSpline) {
+    const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
+    if (PlanSpline(schedule, begin, optimizer, plan)) {
+      for (Vec<4>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
+    } else {
+      memory.diagnostics = plan->diagnostics;
+      *plan = memory;
+    }
+  }
+  plan->footsteps = schedule.footsteps;
+  memory = *plan;
 }
 
-/// The cycle from the beginning of the present step on. A foot is planted where the path has it at its
-/// nominal place in the middle of its stance.
+/// The cycle from the beginning of the present step on.
 void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const {
   plan->pendulum.Begin(plan->path, std::sqrt(params.gravity / stance.com_height));
-  const GaitTiming& timing = schedule.timing;
-  std::array<Eigen::Vector2d, kNumLegs> foot;
-  const auto plant = [&](std::size_t leg, double mid_stance) {
-    const PlanarPath there = plan->path.At(mid_stance);
-    foot[leg] = there.position_W + there.Heading() * stance.foot[leg];
-  };
-  const auto steps_ahead = [&](std::size_t leg) {
-    return (timing.step[leg] - schedule.step + timing.num_steps) % timing.num_steps;
-  };
-  for (std::size_t i = 0; i < kNumLegs && timing.num_steps > 0; ++i) {
-    const double lift_off = steps_ahead(i) * timing.step_duration() + timing.stance;
-    plant(i, lift_off - timing.leg_stance() / 2);
-  }
-  for (int k = 0; k < timing.num_steps; ++k) {
-    Eigen::Vector2d all = Eigen::Vector2d::Zero(), standing = Eigen::Vector2d::Zero();
-    int count = 0;
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
-      all += foot[i] / kNumLegs;
-      if (steps_ahead(i) == k) continue;
-      standing += foot[i];
-      ++count;
-    }
-    plan->pendulum.Add(timing.stance, all);
-    plan->pendulum.Add(timing.swing, standing / count);
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
-      if (steps_ahead(i) == k) plant(i, (k + 1) * timing.step_duration() + timing.leg_stance() / 2);
-    }
-  }
+  ForEachPlannedPhase(plan->path, schedule, stance, schedule.timing.num_steps,
+                      [&](double duration, std::span<const Eigen::Vector2d> feet) {
+                        Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+                        for (const Eigen::Vector2d& foot : feet) sum += foot;
+                        plan->pendulum.Add(duration, sum / static_cast<double>(feet.size()));
+                      });
   plan->pendulum.Solve();
+}
+
+bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, ZmpSpline& optimizer,
+                            ComPlan* plan) const {
+  std::array<SupportPhase, ZmpSpline::kMaxPhases> phases;
+  std::size_t count = 0, visited = 0;
+  double duration = 0;
+  ForEachPlannedPhase(
+      plan->path, schedule, stance, params.zmp.horizon + 1,
+      [&](double seconds, std::span<const Eigen::Vector2d> feet) {
+        if (++visited > 2 * static_cast<std::size_t>(params.zmp.horizon) + 1) return;
+        if (seconds <= 0) return;
+        phases[count++] = {seconds, SupportPolygon(feet, params.zmp.half_width, params.zmp.margin)};
+        duration += seconds;
+      });
+  HeightProfile height{.rest = stance.com_height, .fade_duration = plan->blend};
+  for (std::size_t i = 0; i < height.fade.size(); ++i) height.fade[i] = plan->remainder[i][2];
+  const QpReport report = optimizer.Solve({.phases = {phases.data(), count},
+                                           .begin = begin,
+                                           .end = OnPath(plan->path.At(duration)),
+                                           .path = plan->path,
+                                           .height = height,
+                                           .gravity = params.gravity},
+                                          &plan->spline);
+  ComDiagnostics& diagnostics = plan->diagnostics;
+  ++diagnostics.solves;
+  diagnostics.failures += !report.ok();
+  diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
+  diagnostics.iterations = report.iterations;
+  diagnostics.status = report.status;
+  diagnostics.constraint = report.constraint;
+  return report.ok();
 }
 
 double ComPlanner::GroundHeight(const ContactSchedule& schedule, const LeggedState& state,

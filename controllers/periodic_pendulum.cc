@@ -77,9 +77,9 @@ PeriodicPendulum::Place PeriodicPendulum::Find(double t) const {
   return place;
 }
 
-PendulumPoint PeriodicPendulum::At(double t) const {
+PlanarPoint PeriodicPendulum::At(double t) const {
   const Place place = Find(t);
-  PendulumPoint point;
+  PlanarPoint point;
   if (place.phase == nullptr) {
     point.position = path_.position_W;
     return point;

@@ -3,16 +3,10 @@
 #include <array>
 #include <tuple>
 
+#include "tenon/controllers/planar_point.h"
 #include "tenon/plants/description/motion_signals.h"
 
 namespace tenon {
-
-/// A point of the pendulum's motion in the plane.
-struct PendulumPoint {
-  Vec<2> position = Vec<2>::Zero();      ///< x [m]
-  Vec<2> velocity = Vec<2>::Zero();      ///< [m/s]
-  Vec<2> acceleration = Vec<2>::Zero();  ///< [m/s^2]
-};
 
 /// The motion of a linear inverted pendulum whose ZMP p rests at one point after the other,
 ///
@@ -51,7 +45,7 @@ class PeriodicPendulum {
   void Solve();
 
   /// At the time t >= 0 after the beginning; in any later cycle too.
-  PendulumPoint At(double t) const;
+  PlanarPoint At(double t) const;
   /// p at that time, in W; where two phases meet, the later one's.
   Eigen::Vector2d ZmpAt(double t) const;
 

@@ -58,7 +58,7 @@ TEST(PeriodicPendulumTest, ObeysThePendulum) {
   const PeriodicPendulum pendulum = Example(&path, &cycle);
   const double h = 1e-4;
   for (double t = 0.001; t < 2 * cycle; t += 0.0173) {
-    const PendulumPoint x = pendulum.At(t), before = pendulum.At(t - h), after = pendulum.At(t + h);
+    const PlanarPoint x = pendulum.At(t), before = pendulum.At(t - h), after = pendulum.At(t + h);
     if (pendulum.ZmpAt(t - h) != pendulum.ZmpAt(t + h)) continue;
     EXPECT_THAT(x.velocity, IsNear((after.position - before.position) / (2 * h), 1e-7)) << t;
     EXPECT_THAT(x.acceleration, IsNear((after.velocity - before.velocity) / (2 * h), 1e-6)) << t;
@@ -71,7 +71,7 @@ TEST(PeriodicPendulumTest, PositionAndVelocityDoNotJump) {
   double cycle;
   const PeriodicPendulum pendulum = Example(&path, &cycle);
   for (const double end : {0.15, 0.265, 0.285, 0.485, 0.635, 0.75}) {
-    const PendulumPoint before = pendulum.At(end - 1e-9), after = pendulum.At(end + 1e-9);
+    const PlanarPoint before = pendulum.At(end - 1e-9), after = pendulum.At(end + 1e-9);
     EXPECT_THAT(before.position, IsNear(after.position, 1e-8));
     EXPECT_THAT(before.velocity, IsNear(after.velocity, 1e-7));
     EXPECT_GT((before.acceleration - after.acceleration).norm(), 0.01);  // the ZMP does
@@ -85,7 +85,7 @@ TEST(PeriodicPendulumTest, RepeatsAlongThePath) {
   const PlanarPath next = path.At(cycle);
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(next.yaw - path.yaw).toRotationMatrix();
   for (double t = 0.007; t < cycle; t += 0.03) {
-    const PendulumPoint now = pendulum.At(t), later = pendulum.At(t + cycle);
+    const PlanarPoint now = pendulum.At(t), later = pendulum.At(t + cycle);
     EXPECT_THAT(later.position, IsNear(next.position_W + R * (now.position - path.position_W), 1e-12));
     EXPECT_THAT(later.velocity, IsNear(R * now.velocity, 1e-12));
     EXPECT_THAT(later.acceleration, IsNear(R * now.acceleration, 1e-11));

@@ -88,6 +88,65 @@ TEST_F(WholeBodyQpTest, StandsOnItsFeet) {
               IsNear(solution.acceleration, 1e-9));
 }
 
+// At rest the forces balance weight and moments: three conditions on f_z, of which four feet take the
+// solution of least norm and three feet the only one. The torques are then those of statics.
+TEST_F(WholeBodyQpTest, StandsOnFourAndOnThreeFeetAsStaticsSays) {
+  LeggedState x = test::Standing(robot_);
+  for (int leg = 0; leg < kNumLegs; ++leg) x.q[3 * leg + 1] += 0.15;  // the feet back, so that the CoM is
+  model_.Calc(x, &dynamics_);                                         // inside the triangle of three
+  for (const auto& stance : {kAll, std::array<bool, kNumLegs>{true, true, false, true}}) {
+    Eigen::MatrixXd balance(3, 0);
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      if (!stance[leg]) continue;
+      const Eigen::Vector3d r = dynamics_.feet[leg].p_W - dynamics_.com_W;
+      balance.conservativeResize(3, balance.cols() + 1);
+      balance.rightCols<1>() << 1, r[1], -r[0];
+    }
+    const double weight = model_.mass() * 9.81;
+    const Eigen::VectorXd expected =
+        balance.transpose() * (balance * balance.transpose()).inverse() * Eigen::Vector3d(weight, 0, 0);
+    ASSERT_GT(expected.minCoeff(), 1);
+
+    WholeBodyTask task;
+    task.stance = stance;
+    task.wrench[2] = weight;
+    WholeBodyQp qp(Limits(), {});
+    WholeBodySolution solution;
+    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    Vec<12> torque = dynamics_.gravity.tail<12>();
+    for (int leg = 0, k = 0; leg < kNumLegs; ++leg) {
+      const Vec<3> force(0, 0, stance[leg] ? expected[k++] : 0);
+      EXPECT_THAT(solution.force[leg], IsNear(force, 0.02)) << kLegNames[leg];
+      torque.segment<3>(3 * leg) -= dynamics_.feet[leg].J_leg.transpose() * force;
+    }
+    EXPECT_THAT(JointTorque(dynamics_, solution, Vec<12>::Zero()), IsNear(torque, 0.02));
+  }
+}
+
+// A pull w_x that exceeds friction, without a wanted torque: of the forces with F_x <= mu F_z the nearest to
+// (w_x, m g), the projection onto the cone's edge, on which every foot then is.
+TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  const double mu = 0.3, weight = model_.mass() * 9.81, pull = 90;
+  ASSERT_GT(pull, mu * weight);
+  WholeBodyTask task;
+  task.wrench << pull, 0, weight, 0, 0, 0;
+  for (const bool eliminate : {true, false}) {
+    WholeBodyQp qp(Limits(), {.friction = mu, .eliminate = eliminate});
+    WholeBodySolution solution;
+    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    const Vec<6> wrench = WrenchOf(dynamics_, solution.force);
+    const double normal = (weight + mu * pull) / (1 + mu * mu);
+    Vec<6> expected;
+    expected << mu * normal, 0, normal, 0, 0, 0;
+    EXPECT_THAT(wrench, IsNear(expected, 0.02));
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      EXPECT_NEAR(solution.force[leg][0], mu * solution.force[leg][2], 1e-6);
+      EXPECT_GT(solution.force[leg][2], 1);
+    }
+  }
+}
+
 TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
   RandomStream random(1);
   int limited = 0, on_the_pyramid = 0;
