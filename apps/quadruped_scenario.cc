@@ -15,6 +15,21 @@ ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& fo
   return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
 }
 
+void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
+  const auto& [encoders, torque, foot_force, imu] = sensors;
+  params.encoders = {Hz(encoders.rate_hz),
+                     {.absolute = encoders.angle_noise_rad, .bias = encoders.angle_bias_rad},
+                     {.absolute = encoders.speed_noise_rad_per_s, .bias = encoders.speed_bias_rad_per_s}};
+  params.torque_sensor = {Hz(torque.rate_hz), {.relative = torque.noise_ratio, .bias = torque.bias_N_m}};
+  params.foot_sensor = {Hz(foot_force.rate_hz),
+                        {.relative = foot_force.noise_ratio, .bias = foot_force.bias_N}};
+  params.imu.rate = Hz(imu.rate_hz);
+  params.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s);
+  params.imu.angular_velocity_bias = imu.angular_velocity_bias_rad_per_s;
+  params.imu.specific_force_noise.setConstant(imu.acceleration_noise_m_per_s2);
+  params.imu.specific_force_bias = imu.acceleration_bias_m_per_s2;
+}
+
 QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
   return LoadQuadruped(FindResource("robots", scenario.robot));
 }
@@ -34,15 +49,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
   plant.initial.q = plant.robot.stance;
 
-  const SensorScenario& sensors = scenario.sensors;
-  const Rate rate = Hz(sensors.rate_hz);
-  params.encoders = {
-      rate, {.absolute = sensors.encoder_angle_rad}, {.absolute = sensors.encoder_speed_rad_per_s}};
-  params.torque_sensor = {rate, {.relative = sensors.torque_ratio}};
-  params.foot_sensor = {rate, {.relative = sensors.foot_force_ratio}};
-  params.imu.rate = rate;
-  params.imu.angular_velocity_noise.setConstant(sensors.angular_velocity_rad_per_s);
-  params.imu.specific_force_noise.setConstant(sensors.acceleration_m_per_s2);
+  SetSensors(scenario.sensors, params);
 
   for (const ForceScenario& force : scenario.forces) {
     ExternalForce push = PointOf(plant.robot, force);

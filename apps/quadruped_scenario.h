@@ -58,24 +58,76 @@ struct FallScenario {
   }
 };
 
-/// One standard deviation each; the ratios are to the signal.
-struct SensorScenario {
-  double encoder_angle_rad = 0;
-  double encoder_speed_rad_per_s = 0;
-  double torque_ratio = 0;
-  double foot_force_ratio = 0;
-  double angular_velocity_rad_per_s = 0;
-  double acceleration_m_per_s2 = 0;
+/// One standard deviation of white noise, and a constant that all samples carry; every sensor draws from a
+/// stream of its own, which follows from the run's seed and the sensor's name.
+struct EncoderScenario {
   double rate_hz = 1000;
+  double angle_noise_rad = 0;
+  double angle_bias_rad = 0;  ///< the same at all joints
+  double speed_noise_rad_per_s = 0;
+  double speed_bias_rad_per_s = 0;
 
   static constexpr auto Fields() {
-    return std::tuple{Field{"encoder_angle_rad", &SensorScenario::encoder_angle_rad},
-                      Field{"encoder_speed_rad_per_s", &SensorScenario::encoder_speed_rad_per_s},
-                      Field{"torque_ratio", &SensorScenario::torque_ratio},
-                      Field{"foot_force_ratio", &SensorScenario::foot_force_ratio},
-                      Field{"angular_velocity_rad_per_s", &SensorScenario::angular_velocity_rad_per_s},
-                      Field{"acceleration_m_per_s2", &SensorScenario::acceleration_m_per_s2},
-                      Field{"rate_hz", &SensorScenario::rate_hz}};
+    return std::tuple{Field{"rate_hz", &EncoderScenario::rate_hz},
+                      Field{"angle_noise_rad", &EncoderScenario::angle_noise_rad},
+                      Field{"angle_bias_rad", &EncoderScenario::angle_bias_rad},
+                      Field{"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
+                      Field{"speed_bias_rad_per_s", &EncoderScenario::speed_bias_rad_per_s}};
+  }
+};
+
+/// The noise grows with the signal: 0.1 is 10 % of it.
+struct TorqueSensorScenario {
+  double rate_hz = 1000;
+  double noise_ratio = 0;
+  double bias_N_m = 0;  ///< the same at all joints
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"rate_hz", &TorqueSensorScenario::rate_hz},
+                      Field{"noise_ratio", &TorqueSensorScenario::noise_ratio},
+                      Field{"bias_N_m", &TorqueSensorScenario::bias_N_m}};
+  }
+};
+
+/// The noise grows with the signal: 0.1 is 10 % of it.
+struct FootForceSensorScenario {
+  double rate_hz = 1000;
+  double noise_ratio = 0;
+  double bias_N = 0;  ///< the same in all components of all feet
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"rate_hz", &FootForceSensorScenario::rate_hz},
+                      Field{"noise_ratio", &FootForceSensorScenario::noise_ratio},
+                      Field{"bias_N", &FootForceSensorScenario::bias_N}};
+  }
+};
+
+struct ImuScenario {
+  double rate_hz = 1000;
+  double angular_velocity_noise_rad_per_s = 0;
+  Eigen::Vector3d angular_velocity_bias_rad_per_s = Eigen::Vector3d::Zero();  ///< in the trunk's frame
+  double acceleration_noise_m_per_s2 = 0;
+  Eigen::Vector3d acceleration_bias_m_per_s2 = Eigen::Vector3d::Zero();  ///< in the trunk's frame
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"rate_hz", &ImuScenario::rate_hz},
+        Field{"angular_velocity_noise_rad_per_s", &ImuScenario::angular_velocity_noise_rad_per_s},
+        Field{"angular_velocity_bias_rad_per_s", &ImuScenario::angular_velocity_bias_rad_per_s},
+        Field{"acceleration_noise_m_per_s2", &ImuScenario::acceleration_noise_m_per_s2},
+        Field{"acceleration_bias_m_per_s2", &ImuScenario::acceleration_bias_m_per_s2}};
+  }
+};
+
+struct SensorScenario {
+  EncoderScenario encoders;
+  TorqueSensorScenario torque;
+  FootForceSensorScenario foot_force;
+  ImuScenario imu;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"encoders", &SensorScenario::encoders}, Field{"torque", &SensorScenario::torque},
+                      Field{"foot_force", &SensorScenario::foot_force}, Field{"imu", &SensorScenario::imu}};
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/description/cdpr_signals.h>
+#include <tenon/plants/description/imu_signals.h>
 #include <tenon/systems/ports.h>
 #include <tenon/systems/state.h>
 #include <tenon/systems/system.h>

@@ -87,17 +87,6 @@ struct PoseMeasurement {
   }
 };
 
-/// What an inertial measurement unit at the CoM reports, in B.
-struct ImuMeasurement {
-  Vec<3> angular_velocity_B = Vec<3>::Zero();  ///< [rad/s]
-  Vec<3> specific_force_B = Vec<3>::Zero();    ///< acceleration minus gravity: 9.81 upwards at rest [m/s^2]
-
-  static constexpr auto Fields() {
-    return std::tuple{Field{"angular_velocity_B", &ImuMeasurement::angular_velocity_B, "rad/s"},
-                      Field{"specific_force_B", &ImuMeasurement::specific_force_B, "m/s^2"}};
-  }
-};
-
 /// Mechanical energy of platform, payload and cables [J]; the potential is that of gravity, 0 at z = 0.
 struct CdprEnergy {
   double kinetic = 0;

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 namespace {
 
@@ -34,6 +36,24 @@ std::string Read(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
+}
+
+/// A column of signals.csv by its name in the first row.
+std::vector<double> Column(const fs::path& out, const std::string& name) {
+  std::ifstream file(out / "signals.csv");
+  std::string line, cell;
+  std::getline(file, line);
+  std::istringstream header(line);
+  int column = 0;
+  while (std::getline(header, cell, ',') && cell != name) ++column;
+  EXPECT_EQ(cell, name);
+  std::vector<double> values;
+  while (std::getline(file, line)) {
+    std::istringstream row(line);
+    for (int i = 0; i <= column; ++i) std::getline(row, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
 }
 
 class TenonQuadrupedTest : public ::testing::Test {
@@ -77,7 +97,7 @@ TEST_F(TenonQuadrupedTest, DropsBothRobots) {
 }
 
 TEST_F(TenonQuadrupedTest, WrittenScenarioRepeatsTheRun) {
-  ASSERT_EQ(RunApp("stand --duration 0.2 --set sensors.encoder_angle_rad=1e-4 --set "
+  ASSERT_EQ(RunApp("stand --duration 0.2 --set sensors.encoders.angle_noise_rad=1e-4 --set "
                    "'random_forces=[{lower_N: 10, upper_N: 35, period_s: 0.1}]'" +
                    Out())
                 .exit_code,
@@ -86,6 +106,31 @@ TEST_F(TenonQuadrupedTest, WrittenScenarioRepeatsTheRun) {
   const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
   ASSERT_EQ(again.exit_code, 0) << again.text;
   EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
+}
+
+// In a robot at rest a sensor shows its bias, and changes as often as it samples.
+TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
+  const Result result = RunApp(
+      "stand --duration 0.2 --set 'sensors={encoders: {speed_bias_rad_per_s: 0.5}, "
+      "torque: {rate_hz: 100, noise_ratio: 0.1}, foot_force: {rate_hz: 50, noise_ratio: 0.1, bias_N: 20}, "
+      "imu: {rate_hz: 20, angular_velocity_bias_rad_per_s: [0.1, 0.2, 0.3], "
+      "angular_velocity_noise_rad_per_s: 1e-4}}'" +
+      Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const auto changes = [&](const std::string& name) {
+    std::vector<double> values = Column(out, name);
+    return std::unique(values.begin(), values.end()) - values.begin() - 1;
+  };
+  EXPECT_EQ(changes("loop.torque_sensor.measured.2 [N m]"), 20);
+  EXPECT_EQ(changes("loop.foot_sensor.measured.front_left.z [N]"), 10);
+  EXPECT_EQ(changes("loop.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
+  EXPECT_NEAR(Column(out, "loop.encoders.joints.qd.2 [rad/s]").back() -
+                  Column(out, "loop.plant.state.qd.2 [rad/s]").back(),
+              0.5, 1e-6);
+  EXPECT_NEAR(Column(out, "loop.imu.measurement.angular_velocity_B.z [rad/s]").back() -
+                  Column(out, "loop.plant.state.w_W.z [rad/s]").back(),
+              0.3, 1e-3);
+  EXPECT_NEAR(Column(out, "loop.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
 }
 
 TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
@@ -130,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
                                "start_height_m = -0.1 must not be negative"},
                       BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
                       BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
-                      BadUsage{"stand --set sensors.torque_ratio=-1", "the noise of the force sensor"},
+                      BadUsage{"stand --set sensors.torque.noise_ratio=-1", "the noise of the force sensor"},
                       BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
                       BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
                       BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
