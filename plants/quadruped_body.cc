@@ -9,14 +9,45 @@
 namespace tenon {
 namespace {
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 constexpr int kNumBodies = 1 + kNumJoints;
-constexpr int kNumVelocities = 6 + kNumJoints;
 
 SimTK::Vec3 ToSimbody(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
 Vec<3> ToEigen(const SimTK::Vec3& v) {
   return {v[0], v[1], v[2]};
+}
+
+/// A force or momentum given at r from the point that it is wanted about: torque before force.
+Vec<6> At(const Vec<3>& r, const Vec<3>& torque, const Vec<3>& force) {
+  Vec<6> wrench;
+  wrench << torque + r.cross(force), force;
+  return wrench;
+}
+
+Eigen::Matrix3d Cross(const Vec<3>& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+  return m;
+}
+
+/// What turns a body's spatial velocity into its momentum, both about the point from which its origin is at r.
+Matrix6 InertiaAbout(const Vec<3>& r, const SimTK::SpatialInertia& at_origin) {
+  const double mass = at_origin.getMass();
+  const Vec<3> p = ToEigen(at_origin.getMassCenter()), com = r + p;
+  const SimTK::SymMat33& unit = at_origin.getUnitInertia().asSymMat33();
+  Matrix6 inertia;
+  auto turning = inertia.topLeftCorner<3, 3>();
+  turning << unit(0, 0), unit(1, 0), unit(2, 0), unit(1, 0), unit(1, 1), unit(2, 1), unit(2, 0), unit(2, 1),
+      unit(2, 2);
+  turning += p * p.transpose() - com * com.transpose();
+  turning.diagonal().array() += com.squaredNorm() - p.squaredNorm();
+  inertia.topRightCorner<3, 3>() = Cross(com);
+  inertia.bottomLeftCorner<3, 3>() = -Cross(com);
+  inertia.bottomRightCorner<3, 3>().setIdentity();
+  return mass * inertia;
 }
 
 /// Simbody wants the inertia about the body's origin.
@@ -44,6 +75,7 @@ struct QuadrupedBody::Model {
         SimTK::MobilizedBody::Pin pin(parent, SimTK::Transform(R, ToSimbody(joint.p_PJ)),
                                       MakeBody(robot.legs[leg].bodies[i]), SimTK::Transform(R));
         bodies[1 + kJointsPerLeg * leg + i] = pin;
+        axes[kJointsPerLeg * leg + i] = ToSimbody(joint.axis);
         parent = pin;
       }
       feet[leg] = ToSimbody(robot.legs[leg].foot_J);
@@ -60,24 +92,26 @@ struct QuadrupedBody::Model {
   SimTK::SimbodyMatterSubsystem matter;
   SimTK::MobilizedBody::Free trunk;
   std::array<SimTK::MobilizedBody, kNumBodies> bodies;
+  std::array<SimTK::Vec3, kNumJoints> axes;  // in the body that moves, or the one that carries it
   std::array<SimTK::Vec3, kNumLegs> feet;
   std::array<int, kNumJoints> q_index, u_index;
   double rotor_inertia;
 };
 
 struct QuadrupedBody::Work {
-  explicit Work(const Model& model)
-      : state(model.system.getDefaultState()),
-        mobility_forces(kNumVelocities, 0.0),
-        body_forces(kNumBodies + 1, SimTK::SpatialVec(SimTK::Vec3(0), SimTK::Vec3(0))) {
+  explicit Work(const Model& model) : state(model.system.getDefaultState()) {
     model.system.realizeModel(state);
     model.system.realize(state, SimTK::Stage::Instance);
   }
   SimTK::State state;
-  SimTK::Vector mobility_forces, residual, udot;
-  const SimTK::Vector at_rest;  // empty: accelerations are 0
-  SimTK::Vector_<SimTK::SpatialVec> body_forces;
-  SimTK::Matrix M;
+  // The equations of motion, with spatial vectors in W about the trunk's origin, angular before linear.
+  Vec<3> origin;                      // of the trunk
+  Eigen::Matrix<double, 6, 12> axes;  // velocities that unit joint speeds give
+  Vec<6> trunk_bias;                  // forces that it takes for no accelerations
+  Vec<12> joint_bias;
+  std::array<Eigen::LLT<Eigen::Matrix3d>, kNumLegs> leg_mass;
+  std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> legs_per_trunk;  // how legs yield to the trunk
+  Eigen::LLT<Matrix6> trunk_mass;                                    // felt at the trunk, with yielding legs
 };
 
 QuadrupedBody::QuadrupedBody() = default;
@@ -114,6 +148,51 @@ void QuadrupedBody::SetState(const LeggedState& x) {
   // No more than what is read below: whole stages of the System take longer.
   model_->matter.realizePositionKinematics(state);
   model_->matter.realizeVelocityKinematics(state);
+  Factorise();
+}
+
+void QuadrupedBody::Factorise() {
+  Work& work = *work_;
+  const SimTK::State& state = work.state;
+  work.origin = ToEigen(model_->trunk.getBodyTransform(state).p());
+  const auto inertia_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
+    return InertiaAbout(r, body.getBodySpatialInertiaInGround(state));
+  };
+  const auto bias_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
+    const SimTK::SpatialVec& force =
+        model_->matter.getTotalCentrifugalForces(state, body.getMobilizedBodyIndex());
+    return At(r, ToEigen(force[0]), ToEigen(force[1]));
+  };
+  Matrix6 inertia = inertia_of(model_->trunk, Vec<3>::Zero());
+  work.trunk_bias = bias_of(model_->trunk, Vec<3>::Zero());
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    Matrix6 carried_inertia = Matrix6::Zero();
+    Vec<6> carried_bias = Vec<6>::Zero();
+    Eigen::Matrix3d M;
+    Eigen::Matrix<double, 6, 3> momentum;  // of what each joint carries, at its unit speed
+    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+      const int j = kJointsPerLeg * leg + i;
+      const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(1 + j)];
+      const SimTK::Transform& X = body.getBodyTransform(state);
+      const Vec<3> r = ToEigen(X.p()) - work.origin;
+      const Vec<3> axis = ToEigen(X.R() * model_->axes[static_cast<std::size_t>(j)]);
+      work.axes.col(j) << axis, r.cross(axis);
+      carried_inertia += inertia_of(body, r);
+      carried_bias += bias_of(body, r);
+      momentum.col(i).noalias() = carried_inertia * work.axes.col(j);
+      work.joint_bias[j] = work.axes.col(j).dot(carried_bias);
+      for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = work.axes.col(j).dot(momentum.col(k));
+      M(i, i) += model_->rotor_inertia;
+    }
+    auto& factor = work.leg_mass[static_cast<std::size_t>(leg)];
+    auto& per_trunk = work.legs_per_trunk[static_cast<std::size_t>(leg)];
+    factor.compute(M);
+    per_trunk = factor.solve(momentum.transpose());
+    inertia += carried_inertia;
+    inertia.noalias() -= momentum * per_trunk;
+    work.trunk_bias += carried_bias;
+  }
+  work.trunk_mass.compute(inertia);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
@@ -143,40 +222,29 @@ Vec<3> QuadrupedBody::Com() const {
 
 LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<const PointForce> forces,
                                                double gravity) const {
-  Work& work = *work_;
-  double* mobility = work.mobility_forces.updContiguousScalarData();
-  for (std::size_t j = 0; j < kNumJoints; ++j)
-    mobility[model_->u_index[j]] = torque[static_cast<Eigen::Index>(j)];
-  work.body_forces.setToZero();
+  const Work& work = *work_;
+  Vec<6> trunk_load = -work.trunk_bias;
+  Vec<12> joint_load = torque - work.joint_bias;
   for (const PointForce& at : forces) {
-    const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(at.body)];
-    const Vec<3> arm = at.p_W - ToEigen(body.getBodyTransform(work.state).p());
-    work.body_forces[body.getMobilizedBodyIndex()] +=
-        SimTK::SpatialVec(ToSimbody(arm.cross(at.force_W) + at.torque_W), ToSimbody(at.force_W));
+    const Vec<6> wrench = At(at.p_W - work.origin, at.torque_W, at.force_W);
+    trunk_load += wrench;
+    if (at.body == 0) continue;
+    const int joint = at.body - 1;
+    for (int j = joint / kJointsPerLeg * kJointsPerLeg; j <= joint; ++j)
+      joint_load[j] += work.axes.col(j).dot(wrench);
   }
-  // What is left of the forces at u' = 0, and what accelerations take it: M u' = -residual.
-  model_->matter.calcResidualForceIgnoringConstraints(work.state, work.mobility_forces, work.body_forces,
-                                                      work.at_rest, work.residual);
-  model_->matter.realizeArticulatedBodyInertias(work.state);
-  model_->matter.multiplyByMInv(work.state, work.residual, work.udot);
-  double* udot = work.udot.updContiguousScalarData();
-  for (int i = 0; i < kNumVelocities; ++i) udot[i] = -udot[i];
-  if (model_->rotor_inertia > 0) {
-    using Matrix18 = Eigen::Matrix<double, kNumVelocities, kNumVelocities>;
-    model_->matter.calcM(work.state, work.M);
-    Matrix18 M = Eigen::Map<const Matrix18>(work.M.getContiguousScalarData());
-    Eigen::Matrix<double, kNumVelocities, 1> load = Eigen::Matrix<double, kNumVelocities, 1>::Zero();
-    for (const int index : model_->u_index) {
-      M(index, index) += model_->rotor_inertia;
-      load[index] = model_->rotor_inertia * udot[index];
-    }
-    Eigen::Map<Eigen::Matrix<double, kNumVelocities, 1>>(udot, kNumVelocities) -= M.llt().solve(load);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    trunk_load.noalias() -= work.legs_per_trunk[static_cast<std::size_t>(leg)].transpose() *
+                            joint_load.segment<kJointsPerLeg>(kJointsPerLeg * leg);
+  const Vec<6> trunk = work.trunk_mass.solve(trunk_load);
   LeggedAcceleration out;
-  out.alpha_W << udot[0], udot[1], udot[2];
-  out.a_W << udot[3], udot[4], udot[5] - gravity;
-  for (std::size_t j = 0; j < kNumJoints; ++j)
-    out.qdd[static_cast<Eigen::Index>(j)] = udot[model_->u_index[j]];
+  out.alpha_W = trunk.head<3>();
+  out.a_W = trunk.tail<3>() - Vec<3>(0, 0, gravity);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const auto first = static_cast<Eigen::Index>(kJointsPerLeg * leg);
+    out.qdd.segment<kJointsPerLeg>(first) =
+        work.leg_mass[leg].solve(joint_load.segment<kJointsPerLeg>(first)) - work.legs_per_trunk[leg] * trunk;
+  }
   return out;
 }
 
