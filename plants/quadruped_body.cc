@@ -16,46 +16,64 @@ constexpr int kNumBodies = 1 + kNumJoints;
 SimTK::Vec3 ToSimbody(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
-Vec<3> ToEigen(const SimTK::Vec3& v) {
+template <class Vec3>  // Simbody's, unit or not
+Vec<3> ToEigen(const Vec3& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// A force or momentum given at r from the point that it is wanted about: torque before force.
+/// A force at r from the point that it is wanted about: torque before force.
 Vec<6> At(const Vec<3>& r, const Vec<3>& torque, const Vec<3>& force) {
   Vec<6> wrench;
   wrench << torque + r.cross(force), force;
   return wrench;
 }
 
-Eigen::Matrix3d Cross(const Vec<3>& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return m;
-}
+/// The inertia of bodies that move as one, about a point.
+struct Composite {
+  double mass = 0;
+  Vec<3> moment = Vec<3>::Zero();  // mass times position of the centre of mass
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
 
-/// What turns a body's spatial velocity into its momentum, both about the point from which its origin is at r.
-Matrix6 InertiaAbout(const Vec<3>& r, const SimTK::SpatialInertia& at_origin) {
-  const double mass = at_origin.getMass();
-  const Vec<3> p = ToEigen(at_origin.getMassCenter()), com = r + p;
-  const SimTK::SymMat33& unit = at_origin.getUnitInertia().asSymMat33();
-  Matrix6 inertia;
-  auto turning = inertia.topLeftCorner<3, 3>();
-  turning << unit(0, 0), unit(1, 0), unit(2, 0), unit(1, 0), unit(1, 1), unit(2, 1), unit(2, 0), unit(2, 1),
-      unit(2, 2);
-  turning += p * p.transpose() - com * com.transpose();
-  turning.diagonal().array() += com.squaredNorm() - p.squaredNorm();
-  inertia.topRightCorner<3, 3>() = Cross(com);
-  inertia.bottomLeftCorner<3, 3>() = -Cross(com);
-  inertia.bottomRightCorner<3, 3>().setIdentity();
-  return mass * inertia;
-}
+  /// A body with its origin at r.
+  void Add(const Vec<3>& r, const SimTK::SpatialInertia& body) {
+    const double m = body.getMass();
+    const Vec<3> p = ToEigen(body.getMassCenter()), com = r + p;
+    const SimTK::SymMat33& unit = body.getUnitInertia().asSymMat33();
+    const Vec<3> squares = com.cwiseAbs2() - p.cwiseAbs2();
+    mass += m;
+    moment += m * com;
+    inertia(0, 0) += m * (unit(0, 0) + squares[1] + squares[2]);
+    inertia(1, 1) += m * (unit(1, 1) + squares[2] + squares[0]);
+    inertia(2, 2) += m * (unit(2, 2) + squares[0] + squares[1]);
+    for (int i = 1; i < 3; ++i)
+      for (int k = 0; k < i; ++k)
+        inertia(k, i) = inertia(i, k) += m * (unit(i, k) + p[i] * p[k] - com[i] * com[k]);
+  }
+  void Add(const Composite& other) {
+    mass += other.mass;
+    moment += other.moment;
+    inertia += other.inertia;
+  }
+  /// Of a motion with this velocity about the point, angular before linear.
+  Vec<6> Momentum(const Vec<6>& velocity) const {
+    const Vec<3> w = velocity.head<3>(), v = velocity.tail<3>();
+    Vec<6> momentum;
+    momentum << inertia * w + moment.cross(v), mass * v + w.cross(moment);
+    return momentum;
+  }
+  Matrix6 AsMatrix() const {
+    Matrix6 M;
+    for (int i = 0; i < 6; ++i) M.col(i) = Momentum(Vec<6>::Unit(i));
+    return M;
+  }
+};
 
 /// Simbody wants the inertia about the body's origin.
-SimTK::Body::Rigid MakeBody(const RigidInertia& body) {
+SimTK::MassProperties MassOf(const RigidInertia& body) {
   const Eigen::Matrix3d I = body.inertia + body.mass * (body.com.squaredNorm() * Eigen::Matrix3d::Identity() -
                                                         body.com * body.com.transpose());
-  return SimTK::Body::Rigid(SimTK::MassProperties(
-      body.mass, ToSimbody(body.com), SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2))));
+  return SimTK::MassProperties(body.mass, ToSimbody(body.com),
+                               SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
 }
 
 }  // namespace
@@ -63,22 +81,21 @@ SimTK::Body::Rigid MakeBody(const RigidInertia& body) {
 struct QuadrupedBody::Model {
   explicit Model(const QuadrupedDescription& robot)
       : matter(system),
-        trunk(matter.Ground(), SimTK::Transform(), MakeBody(robot.trunk), SimTK::Transform()),
+        trunk(matter.Ground(), SimTK::Transform(), SimTK::Body::Rigid(MassOf(robot.trunk)),
+              SimTK::Transform()),
         rotor_inertia(robot.drive.rotor_inertia) {
     bodies[0] = trunk;
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-      SimTK::MobilizedBody parent = trunk;
       for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
         const JointDescription& joint = robot.legs[leg].joints[i];
-        // A Pin turns about the z axis of its frames.
-        const SimTK::Rotation R(SimTK::UnitVec3(ToSimbody(joint.axis)), SimTK::ZAxis);
-        SimTK::MobilizedBody::Pin pin(parent, SimTK::Transform(R, ToSimbody(joint.p_PJ)),
-                                      MakeBody(robot.legs[leg].bodies[i]), SimTK::Transform(R));
-        bodies[1 + kJointsPerLeg * leg + i] = pin;
-        axes[kJointsPerLeg * leg + i] = ToSimbody(joint.axis);
-        parent = pin;
+        const std::size_t own = 1 + kJointsPerLeg * leg + i, carrier = i == 0 ? 0 : own - 1;
+        axes[own] = SimTK::Rotation(SimTK::UnitVec3(ToSimbody(joint.axis)), SimTK::ZAxis);
+        bodies[own] = SimTK::MobilizedBody::Pin(
+            bodies[carrier],
+            SimTK::Transform(~axes[carrier] * axes[own], ~axes[carrier] * ToSimbody(joint.p_PJ)),
+            SimTK::Body::Rigid(MassOf(robot.legs[leg].bodies[i]).reexpress(axes[own])), SimTK::Transform());
       }
-      feet[leg] = ToSimbody(robot.legs[leg].foot_J);
+      feet[leg] = ~axes[kJointsPerLeg * (leg + 1)] * ToSimbody(robot.legs[leg].foot_J);
     }
     system.realizeTopology();
     SimTK::State state = system.getDefaultState();
@@ -92,7 +109,9 @@ struct QuadrupedBody::Model {
   SimTK::SimbodyMatterSubsystem matter;
   SimTK::MobilizedBody::Free trunk;
   std::array<SimTK::MobilizedBody, kNumBodies> bodies;
-  std::array<SimTK::Vec3, kNumJoints> axes;  // in the body that moves, or the one that carries it
+  // Of the bodies here in those of the description: z on the joint's axis, about which a Pin turns. Frames of
+  // Pins that coincide with their bodies' save Simbody a sixth of its kinematics.
+  std::array<SimTK::Rotation, kNumBodies> axes;
   std::array<SimTK::Vec3, kNumLegs> feet;
   std::array<int, kNumJoints> q_index, u_index;
   double rotor_inertia;
@@ -109,7 +128,7 @@ struct QuadrupedBody::Work {
   Eigen::Matrix<double, 6, 12> axes;  // velocities that unit joint speeds give
   Vec<6> trunk_bias;                  // forces that it takes for no accelerations
   Vec<12> joint_bias;
-  std::array<Eigen::LLT<Eigen::Matrix3d>, kNumLegs> leg_mass;
+  std::array<Eigen::Matrix3d, kNumLegs> leg_mass_inverse;
   std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> legs_per_trunk;  // how legs yield to the trunk
   Eigen::LLT<Matrix6> trunk_mass;                                    // felt at the trunk, with yielding legs
 };
@@ -155,18 +174,17 @@ void QuadrupedBody::Factorise() {
   Work& work = *work_;
   const SimTK::State& state = work.state;
   work.origin = ToEigen(model_->trunk.getBodyTransform(state).p());
-  const auto inertia_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
-    return InertiaAbout(r, body.getBodySpatialInertiaInGround(state));
-  };
   const auto bias_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
     const SimTK::SpatialVec& force =
         model_->matter.getTotalCentrifugalForces(state, body.getMobilizedBodyIndex());
     return At(r, ToEigen(force[0]), ToEigen(force[1]));
   };
-  Matrix6 inertia = inertia_of(model_->trunk, Vec<3>::Zero());
+  Composite all;
+  all.Add(Vec<3>::Zero(), model_->trunk.getBodySpatialInertiaInGround(state));
   work.trunk_bias = bias_of(model_->trunk, Vec<3>::Zero());
+  Matrix6 yielded = Matrix6::Zero();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    Matrix6 carried_inertia = Matrix6::Zero();
+    Composite carried;
     Vec<6> carried_bias = Vec<6>::Zero();
     Eigen::Matrix3d M;
     Eigen::Matrix<double, 6, 3> momentum;  // of what each joint carries, at its unit speed
@@ -175,24 +193,26 @@ void QuadrupedBody::Factorise() {
       const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(1 + j)];
       const SimTK::Transform& X = body.getBodyTransform(state);
       const Vec<3> r = ToEigen(X.p()) - work.origin;
-      const Vec<3> axis = ToEigen(X.R() * model_->axes[static_cast<std::size_t>(j)]);
-      work.axes.col(j) << axis, r.cross(axis);
-      carried_inertia += inertia_of(body, r);
+      const Vec<3> axis = ToEigen(X.R().z());
+      Vec<6> motion;
+      motion << axis, r.cross(axis);
+      carried.Add(r, body.getBodySpatialInertiaInGround(state));
       carried_bias += bias_of(body, r);
-      momentum.col(i).noalias() = carried_inertia * work.axes.col(j);
-      work.joint_bias[j] = work.axes.col(j).dot(carried_bias);
-      for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = work.axes.col(j).dot(momentum.col(k));
+      momentum.col(i) = carried.Momentum(motion);
+      for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = motion.dot(momentum.col(k));
       M(i, i) += model_->rotor_inertia;
+      work.axes.col(j) = motion;
+      work.joint_bias[j] = motion.dot(carried_bias);
     }
-    auto& factor = work.leg_mass[static_cast<std::size_t>(leg)];
-    auto& per_trunk = work.legs_per_trunk[static_cast<std::size_t>(leg)];
-    factor.compute(M);
-    per_trunk = factor.solve(momentum.transpose());
-    inertia += carried_inertia;
-    inertia.noalias() -= momentum * per_trunk;
+    Eigen::Matrix3d& inverse = work.leg_mass_inverse[static_cast<std::size_t>(leg)];
+    Eigen::Matrix<double, 3, 6>& per_trunk = work.legs_per_trunk[static_cast<std::size_t>(leg)];
+    inverse = M.inverse();
+    per_trunk = inverse.lazyProduct(momentum.transpose());
+    yielded += momentum.lazyProduct(per_trunk);
+    all.Add(carried);
     work.trunk_bias += carried_bias;
   }
-  work.trunk_mass.compute(inertia);
+  work.trunk_mass.compute(all.AsMatrix() - yielded);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
@@ -205,8 +225,9 @@ FootMotion QuadrupedBody::Foot(int leg) const {
 }
 
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
-  return ToEigen(model_->bodies[static_cast<std::size_t>(body)].getBodyTransform(work_->state) *
-                 ToSimbody(p_B));
+  const auto index = static_cast<std::size_t>(body);
+  return ToEigen(model_->bodies[index].getBodyTransform(work_->state) *
+                 (~model_->axes[index] * ToSimbody(p_B)));
 }
 
 double QuadrupedBody::KineticEnergy() const {
@@ -243,7 +264,8 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const auto first = static_cast<Eigen::Index>(kJointsPerLeg * leg);
     out.qdd.segment<kJointsPerLeg>(first) =
-        work.leg_mass[leg].solve(joint_load.segment<kJointsPerLeg>(first)) - work.legs_per_trunk[leg] * trunk;
+        work.leg_mass_inverse[leg] * joint_load.segment<kJointsPerLeg>(first) -
+        work.legs_per_trunk[leg] * trunk;
   }
   return out;
 }
