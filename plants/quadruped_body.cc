@@ -9,22 +9,71 @@
 namespace tenon {
 namespace {
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 constexpr int kNumBodies = 1 + kNumJoints;
-constexpr int kNumVelocities = 6 + kNumJoints;
 
 SimTK::Vec3 ToSimbody(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
-Vec<3> ToEigen(const SimTK::Vec3& v) {
+template <class Vec3>  // Simbody's, unit or not
+Vec<3> ToEigen(const Vec3& v) {
   return {v[0], v[1], v[2]};
 }
 
+/// A force at r from the point that it is wanted about: torque before force.
+Vec<6> At(const Vec<3>& r, const Vec<3>& torque, const Vec<3>& force) {
+  Vec<6> wrench;
+  wrench << torque + r.cross(force), force;
+  return wrench;
+}
+
+/// The inertia of bodies that move as one, about a point.
+struct Composite {
+  double mass = 0;
+  Vec<3> moment = Vec<3>::Zero();  // mass times position of the centre of mass
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+
+  /// A body with its origin at r.
+  void Add(const Vec<3>& r, const SimTK::SpatialInertia& body) {
+    const double m = body.getMass();
+    const Vec<3> p = ToEigen(body.getMassCenter()), com = r + p;
+    const SimTK::SymMat33& unit = body.getUnitInertia().asSymMat33();
+    const Vec<3> squares = com.cwiseAbs2() - p.cwiseAbs2();
+    mass += m;
+    moment += m * com;
+    inertia(0, 0) += m * (unit(0, 0) + squares[1] + squares[2]);
+    inertia(1, 1) += m * (unit(1, 1) + squares[2] + squares[0]);
+    inertia(2, 2) += m * (unit(2, 2) + squares[0] + squares[1]);
+    for (int i = 1; i < 3; ++i)
+      for (int k = 0; k < i; ++k)
+        inertia(k, i) = inertia(i, k) += m * (unit(i, k) + p[i] * p[k] - com[i] * com[k]);
+  }
+  void Add(const Composite& other) {
+    mass += other.mass;
+    moment += other.moment;
+    inertia += other.inertia;
+  }
+  /// Of a motion with this velocity about the point, angular before linear.
+  Vec<6> Momentum(const Vec<6>& velocity) const {
+    const Vec<3> w = velocity.head<3>(), v = velocity.tail<3>();
+    Vec<6> momentum;
+    momentum << inertia * w + moment.cross(v), mass * v + w.cross(moment);
+    return momentum;
+  }
+  Matrix6 AsMatrix() const {
+    Matrix6 M;
+    for (int i = 0; i < 6; ++i) M.col(i) = Momentum(Vec<6>::Unit(i));
+    return M;
+  }
+};
+
 /// Simbody wants the inertia about the body's origin.
-SimTK::Body::Rigid MakeBody(const RigidInertia& body) {
+SimTK::MassProperties MassOf(const RigidInertia& body) {
   const Eigen::Matrix3d I = body.inertia + body.mass * (body.com.squaredNorm() * Eigen::Matrix3d::Identity() -
                                                         body.com * body.com.transpose());
-  return SimTK::Body::Rigid(SimTK::MassProperties(
-      body.mass, ToSimbody(body.com), SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2))));
+  return SimTK::MassProperties(body.mass, ToSimbody(body.com),
+                               SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
 }
 
 }  // namespace
@@ -32,21 +81,21 @@ SimTK::Body::Rigid MakeBody(const RigidInertia& body) {
 struct QuadrupedBody::Model {
   explicit Model(const QuadrupedDescription& robot)
       : matter(system),
-        trunk(matter.Ground(), SimTK::Transform(), MakeBody(robot.trunk), SimTK::Transform()),
+        trunk(matter.Ground(), SimTK::Transform(), SimTK::Body::Rigid(MassOf(robot.trunk)),
+              SimTK::Transform()),
         rotor_inertia(robot.drive.rotor_inertia) {
     bodies[0] = trunk;
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-      SimTK::MobilizedBody parent = trunk;
       for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
         const JointDescription& joint = robot.legs[leg].joints[i];
-        // A Pin turns about the z axis of its frames.
-        const SimTK::Rotation R(SimTK::UnitVec3(ToSimbody(joint.axis)), SimTK::ZAxis);
-        SimTK::MobilizedBody::Pin pin(parent, SimTK::Transform(R, ToSimbody(joint.p_PJ)),
-                                      MakeBody(robot.legs[leg].bodies[i]), SimTK::Transform(R));
-        bodies[1 + kJointsPerLeg * leg + i] = pin;
-        parent = pin;
+        const std::size_t own = 1 + kJointsPerLeg * leg + i, carrier = i == 0 ? 0 : own - 1;
+        axes[own] = SimTK::Rotation(SimTK::UnitVec3(ToSimbody(joint.axis)), SimTK::ZAxis);
+        bodies[own] = SimTK::MobilizedBody::Pin(
+            bodies[carrier],
+            SimTK::Transform(~axes[carrier] * axes[own], ~axes[carrier] * ToSimbody(joint.p_PJ)),
+            SimTK::Body::Rigid(MassOf(robot.legs[leg].bodies[i]).reexpress(axes[own])), SimTK::Transform());
       }
-      feet[leg] = ToSimbody(robot.legs[leg].foot_J);
+      feet[leg] = ~axes[kJointsPerLeg * (leg + 1)] * ToSimbody(robot.legs[leg].foot_J);
     }
     system.realizeTopology();
     SimTK::State state = system.getDefaultState();
@@ -60,24 +109,28 @@ struct QuadrupedBody::Model {
   SimTK::SimbodyMatterSubsystem matter;
   SimTK::MobilizedBody::Free trunk;
   std::array<SimTK::MobilizedBody, kNumBodies> bodies;
+  // Of the bodies here in those of the description: z on the joint's axis, about which a Pin turns. Frames of
+  // Pins that coincide with their bodies' save Simbody a sixth of its kinematics.
+  std::array<SimTK::Rotation, kNumBodies> axes;
   std::array<SimTK::Vec3, kNumLegs> feet;
   std::array<int, kNumJoints> q_index, u_index;
   double rotor_inertia;
 };
 
 struct QuadrupedBody::Work {
-  explicit Work(const Model& model)
-      : state(model.system.getDefaultState()),
-        mobility_forces(kNumVelocities, 0.0),
-        body_forces(kNumBodies + 1, SimTK::SpatialVec(SimTK::Vec3(0), SimTK::Vec3(0))) {
+  explicit Work(const Model& model) : state(model.system.getDefaultState()) {
     model.system.realizeModel(state);
     model.system.realize(state, SimTK::Stage::Instance);
   }
   SimTK::State state;
-  SimTK::Vector mobility_forces, residual, udot;
-  const SimTK::Vector at_rest;  // empty: accelerations are 0
-  SimTK::Vector_<SimTK::SpatialVec> body_forces;
-  SimTK::Matrix M;
+  // The equations of motion, with spatial vectors in W about the trunk's origin, angular before linear.
+  Vec<3> origin;                      // of the trunk
+  Eigen::Matrix<double, 6, 12> axes;  // velocities that unit joint speeds give
+  Vec<6> trunk_bias;                  // forces that it takes for no accelerations
+  Vec<12> joint_bias;
+  std::array<Eigen::Matrix3d, kNumLegs> leg_mass_inverse;
+  std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> legs_per_trunk;  // how legs yield to the trunk
+  Eigen::LLT<Matrix6> trunk_mass;                                    // felt at the trunk, with yielding legs
 };
 
 QuadrupedBody::QuadrupedBody() = default;
@@ -114,6 +167,52 @@ void QuadrupedBody::SetState(const LeggedState& x) {
   // No more than what is read below: whole stages of the System take longer.
   model_->matter.realizePositionKinematics(state);
   model_->matter.realizeVelocityKinematics(state);
+  Factorise();
+}
+
+void QuadrupedBody::Factorise() {
+  Work& work = *work_;
+  const SimTK::State& state = work.state;
+  work.origin = ToEigen(model_->trunk.getBodyTransform(state).p());
+  const auto bias_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
+    const SimTK::SpatialVec& force =
+        model_->matter.getTotalCentrifugalForces(state, body.getMobilizedBodyIndex());
+    return At(r, ToEigen(force[0]), ToEigen(force[1]));
+  };
+  Composite all;
+  all.Add(Vec<3>::Zero(), model_->trunk.getBodySpatialInertiaInGround(state));
+  work.trunk_bias = bias_of(model_->trunk, Vec<3>::Zero());
+  Matrix6 yielded = Matrix6::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    Composite carried;
+    Vec<6> carried_bias = Vec<6>::Zero();
+    Eigen::Matrix3d M;
+    Eigen::Matrix<double, 6, 3> momentum;  // of what each joint carries, at its unit speed
+    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+      const int j = kJointsPerLeg * leg + i;
+      const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(1 + j)];
+      const SimTK::Transform& X = body.getBodyTransform(state);
+      const Vec<3> r = ToEigen(X.p()) - work.origin;
+      const Vec<3> axis = ToEigen(X.R().z());
+      Vec<6> motion;
+      motion << axis, r.cross(axis);
+      carried.Add(r, body.getBodySpatialInertiaInGround(state));
+      carried_bias += bias_of(body, r);
+      momentum.col(i) = carried.Momentum(motion);
+      for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = motion.dot(momentum.col(k));
+      M(i, i) += model_->rotor_inertia;
+      work.axes.col(j) = motion;
+      work.joint_bias[j] = motion.dot(carried_bias);
+    }
+    Eigen::Matrix3d& inverse = work.leg_mass_inverse[static_cast<std::size_t>(leg)];
+    Eigen::Matrix<double, 3, 6>& per_trunk = work.legs_per_trunk[static_cast<std::size_t>(leg)];
+    inverse = M.inverse();
+    per_trunk = inverse.lazyProduct(momentum.transpose());
+    yielded += momentum.lazyProduct(per_trunk);
+    all.Add(carried);
+    work.trunk_bias += carried_bias;
+  }
+  work.trunk_mass.compute(all.AsMatrix() - yielded);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
@@ -126,8 +225,9 @@ FootMotion QuadrupedBody::Foot(int leg) const {
 }
 
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
-  return ToEigen(model_->bodies[static_cast<std::size_t>(body)].getBodyTransform(work_->state) *
-                 ToSimbody(p_B));
+  const auto index = static_cast<std::size_t>(body);
+  return ToEigen(model_->bodies[index].getBodyTransform(work_->state) *
+                 (~model_->axes[index] * ToSimbody(p_B)));
 }
 
 double QuadrupedBody::KineticEnergy() const {
@@ -143,40 +243,30 @@ Vec<3> QuadrupedBody::Com() const {
 
 LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<const PointForce> forces,
                                                double gravity) const {
-  Work& work = *work_;
-  double* mobility = work.mobility_forces.updContiguousScalarData();
-  for (std::size_t j = 0; j < kNumJoints; ++j)
-    mobility[model_->u_index[j]] = torque[static_cast<Eigen::Index>(j)];
-  work.body_forces.setToZero();
+  const Work& work = *work_;
+  Vec<6> trunk_load = -work.trunk_bias;
+  Vec<12> joint_load = torque - work.joint_bias;
   for (const PointForce& at : forces) {
-    const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(at.body)];
-    const Vec<3> arm = at.p_W - ToEigen(body.getBodyTransform(work.state).p());
-    work.body_forces[body.getMobilizedBodyIndex()] +=
-        SimTK::SpatialVec(ToSimbody(arm.cross(at.force_W) + at.torque_W), ToSimbody(at.force_W));
+    const Vec<6> wrench = At(at.p_W - work.origin, at.torque_W, at.force_W);
+    trunk_load += wrench;
+    if (at.body == 0) continue;
+    const int joint = at.body - 1;
+    for (int j = joint / kJointsPerLeg * kJointsPerLeg; j <= joint; ++j)
+      joint_load[j] += work.axes.col(j).dot(wrench);
   }
-  // What is left of the forces at u' = 0, and what accelerations take it: M u' = -residual.
-  model_->matter.calcResidualForceIgnoringConstraints(work.state, work.mobility_forces, work.body_forces,
-                                                      work.at_rest, work.residual);
-  model_->matter.realizeArticulatedBodyInertias(work.state);
-  model_->matter.multiplyByMInv(work.state, work.residual, work.udot);
-  double* udot = work.udot.updContiguousScalarData();
-  for (int i = 0; i < kNumVelocities; ++i) udot[i] = -udot[i];
-  if (model_->rotor_inertia > 0) {
-    using Matrix18 = Eigen::Matrix<double, kNumVelocities, kNumVelocities>;
-    model_->matter.calcM(work.state, work.M);
-    Matrix18 M = Eigen::Map<const Matrix18>(work.M.getContiguousScalarData());
-    Eigen::Matrix<double, kNumVelocities, 1> load = Eigen::Matrix<double, kNumVelocities, 1>::Zero();
-    for (const int index : model_->u_index) {
-      M(index, index) += model_->rotor_inertia;
-      load[index] = model_->rotor_inertia * udot[index];
-    }
-    Eigen::Map<Eigen::Matrix<double, kNumVelocities, 1>>(udot, kNumVelocities) -= M.llt().solve(load);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    trunk_load.noalias() -= work.legs_per_trunk[static_cast<std::size_t>(leg)].transpose() *
+                            joint_load.segment<kJointsPerLeg>(kJointsPerLeg * leg);
+  const Vec<6> trunk = work.trunk_mass.solve(trunk_load);
   LeggedAcceleration out;
-  out.alpha_W << udot[0], udot[1], udot[2];
-  out.a_W << udot[3], udot[4], udot[5] - gravity;
-  for (std::size_t j = 0; j < kNumJoints; ++j)
-    out.qdd[static_cast<Eigen::Index>(j)] = udot[model_->u_index[j]];
+  out.alpha_W = trunk.head<3>();
+  out.a_W = trunk.tail<3>() - Vec<3>(0, 0, gravity);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const auto first = static_cast<Eigen::Index>(kJointsPerLeg * leg);
+    out.qdd.segment<kJointsPerLeg>(first) =
+        work.leg_mass_inverse[leg] * joint_load.segment<kJointsPerLeg>(first) -
+        work.legs_per_trunk[leg] * trunk;
+  }
   return out;
 }
 

@@ -53,6 +53,7 @@ class QuadrupedBody {
  private:
   struct Model;
   struct Work;
+  void Factorise();
   std::shared_ptr<const Model> model_;
   std::unique_ptr<Work> work_;
 };

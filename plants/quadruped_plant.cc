@@ -28,7 +28,8 @@ double DriveTorque(double command, double qd, const JointDescription& joint, con
 
 /// Friction and end stops of a joint.
 double PassiveTorque(double q, double qd, const JointDescription& joint, const DriveProperties& drive) {
-  double torque = -drive.damping * qd - drive.friction * std::tanh(qd / kFrictionSpeed);
+  double torque = -drive.damping * qd;
+  if (drive.friction > 0) torque -= drive.friction * std::tanh(qd / kFrictionSpeed);
   const double above = q - joint.upper, below = joint.lower - q;
   if (above > 0) torque -= drive.stop_stiffness * above * std::max(0.0, 1 + drive.stop_dissipation * qd);
   if (below > 0) torque += drive.stop_stiffness * below * std::max(0.0, 1 - drive.stop_dissipation * qd);

@@ -38,14 +38,7 @@ class QuadrupedSimbody {
   }
 
   void Calc(const LeggedState& x, double gravity) {
-    SimTK::Vector& q = state_.updQ();
-    SimTK::Vector& u = state_.updU();
-    for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
-    for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i], u[i] = x.w_W[i], u[3 + i] = x.v_W[i];
-    for (int j = 0; j < kNumJoints; ++j) {
-      q[bodies_[static_cast<std::size_t>(1 + j)].getFirstQIndex(state_)] = x.q[j];
-      u[order_[6 + j]] = x.qd[j];
-    }
+    SetState(x);
     system_.realize(state_, SimTK::Stage::Velocity);
 
     SimTK::Matrix M;
@@ -91,12 +84,33 @@ class QuadrupedSimbody {
       for (int c = 0; c < 3; ++c) out.centroidal_inertia_W(r, c) = r >= c ? I(r, c) : I(c, r);
   }
 
+  /// The bare call that Simbody offers: articulated bodies, without contact and gravity.
+  const LeggedAcceleration& CalcAcceleration(const LeggedState& x, const Vec<12>& torque) {
+    SetState(x);
+    for (int j = 0; j < kNumJoints; ++j) mobility_forces_[order_[6 + j]] = torque[j];
+    system_.realize(state_, SimTK::Stage::Dynamics);
+    matter_.calcAccelerationIgnoringConstraints(state_, mobility_forces_, body_forces_, udot_, body_rates_);
+    for (int i = 0; i < 3; ++i) acceleration_.a_W[i] = udot_[3 + i], acceleration_.alpha_W[i] = udot_[i];
+    for (int j = 0; j < kNumJoints; ++j) acceleration_.qdd[j] = udot_[order_[6 + j]];
+    return acceleration_;
+  }
+
   QuadrupedDynamics out;  ///< without what Simbody has no operator for: the momenta's maps and rates
   std::array<DynamicsMatrix<3, 18>, kNumLegs> foot_jacobian;
 
  private:
   static SimTK::Vec3 To(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
   static Eigen::Vector3d From(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
+  void SetState(const LeggedState& x) {
+    SimTK::Vector& q = state_.updQ();
+    SimTK::Vector& u = state_.updU();
+    for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
+    for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i], u[i] = x.w_W[i], u[3 + i] = x.v_W[i];
+    for (int j = 0; j < kNumJoints; ++j) {
+      q[bodies_[static_cast<std::size_t>(1 + j)].getFirstQIndex(state_)] = x.q[j];
+      u[order_[6 + j]] = x.qd[j];
+    }
+  }
   static SimTK::Body::Rigid Body(const RigidInertia& body) {
     const Eigen::Matrix3d& I = body.inertia;
     const SimTK::Inertia central(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
@@ -111,6 +125,11 @@ class QuadrupedSimbody {
   std::array<SimTK::Vec3, kNumLegs> feet_;
   std::array<int, kNumVelocities> order_{};
   SimTK::State state_;
+  SimTK::Vector mobility_forces_ = SimTK::Vector(kNumVelocities, 0.0), udot_;
+  SimTK::Vector_<SimTK::SpatialVec> body_forces_ =
+      SimTK::Vector_<SimTK::SpatialVec>(2 + kNumJoints, SimTK::SpatialVec(SimTK::Vec3(0), SimTK::Vec3(0)));
+  SimTK::Vector_<SimTK::SpatialVec> body_rates_;
+  LeggedAcceleration acceleration_;
 };
 
 }  // namespace tenon::test
