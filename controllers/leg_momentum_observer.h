@@ -23,13 +23,25 @@ constexpr auto EnumNames(LegDynamics) {
   return std::array{std::pair{LegDynamics::kExact, "exact"}, std::pair{LegDynamics::kThesis, "thesis"}};
 }
 
-struct LegMomentumObserverParams {
-  QuadrupedDescription robot;         ///< what the observer believes
+/// What is tuned of a leg observer.
+struct LegObserverGains {
   std::vector<double> gains = {100};  ///< K_1 ... K_r [1/s]; see ButterworthGains, GainsOfPolynomial
   LegDynamics dynamics = LegDynamics::kExact;
   double min_singular_value = 0.02;  ///< of a leg's Jacobian; below, its foot force is damped [m]
-  Rate rate = Hz(1000);
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"gains_per_s", &LegObserverGains::gains},
+                      Field{"dynamics", &LegObserverGains::dynamics},
+                      Field{"min_singular_value_m", &LegObserverGains::min_singular_value}};
+  }
   void Validate() const;  ///< throws ParameterError; the poles must be stable, see DemandHurwitz
+};
+
+struct LegMomentumObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  LegObserverGains gains;
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// Estimates what unknown forces do to the joints of a quadruped's legs, swinging or standing, from the
@@ -37,15 +49,15 @@ struct LegMomentumObserverParams {
 ///
 ///     rho' = alpha + F,   alpha = C^T nu - g + tau + sum_i J_i^T f_i        (joints' rows)
 ///
-/// and the estimator (2.10), (2.11) of the torques F that are left, in which integrals over each interval take
-/// the torque of that interval and the mean of C^T nu - g and J^T f at its ends, gives (2.9):
+/// and the estimator (2.10), (2.11) of the torques F that are left, in which integrals over each interval
+/// take the torque of that interval and the mean of C^T nu - g and J^T f at its ends, gives (2.9):
 ///
 ///     F_hat = K_1 K_2 ... K_r / (s^r + K_r s^(r-1) + K_r K_(r-1) s^(r-2) + ... ) F.
 ///
 /// It is exact in time for an F that is constant in each interval. rho(0) is subtracted, so that it may start
 /// on a moving robot. `kExact` uses the rows of the floating robot, p_j = S_j . H_j, in which gravity appears
-/// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts at
-/// the joints, say their friction, is part of the estimate.
+/// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts
+/// at the joints, say their friction, is part of the estimate.
 ///
 /// The ground's forces act at the lowest point of each foot's sphere. The estimate is also told as forces at
 /// the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all). Near a singular
@@ -58,8 +70,8 @@ struct LegMomentumObserverParams {
 ///     | foot_forces | input           | FootForces       |
 ///     | estimate    | output, sampled | LegForceEstimate |
 ///
-/// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago, so
-/// that a controller may use it for the torque of the same tick.
+/// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago,
+/// so that a controller may use it for the torque of the same tick.
 class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -79,7 +91,7 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
 
  private:
   const QuadrupedModel model_{params.robot};
-  const DisturbanceFilter filter_{params.gains, params.rate.period()};
+  const DisturbanceFilter filter_{params.gains.gains, params.rate.period()};
 
  public:
   InputPort<LeggedState> state{this, {"state"}};
