@@ -237,16 +237,16 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward of -0.1 m/s", "negative"));
   EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left of nan m/s", "negative"));
   EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration of 0 m/s^2", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.02 to 0.01 m/s", "give max_forward"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.03 to 0.01 m/s", "give max_forward"));
 }
 
 TEST(AdmittanceFilterTest, IsReadFromYaml) {
-  const auto params =
-      YamlDocument::Parse("{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
+  const auto params = YamlDocument::Parse(
+                          "{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
                           "min_forward_m_per_s: 0.01, max_forward_m_per_s: 0.3, max_left_m_per_s: 0.04, "
                           "acceleration_m_per_s2: 0.2}",
                           "filter.yaml")
-          .Read<AdmittanceFilterParams>();
+                          .Read<AdmittanceFilterParams>();
   EXPECT_EQ(params.desired_tension, 25);
   EXPECT_EQ(params.mass, 5);
   EXPECT_EQ(params.damping, 50);
