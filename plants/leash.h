@@ -13,8 +13,8 @@ namespace tenon {
 /// Defaults: a light elastic leash in a hanging arm, see docs/guide_dog.md.
 struct LeashParams {
   double nominal_length = 1.5;         ///< above it the leash pulls [m]
-  double stiffness = 120;              ///< of leash and arm in series [N/m]
-  double dissipation = 0.5;            ///< [s/m]
+  double stiffness = 200;              ///< of leash and arm in series [N/m]
+  double dissipation = 0.33;           ///< [s/m]
   Vec<3> attachment_B{-0.25, 0, 0.1};  ///< to the trunk, in its frame [m]
 
   static constexpr auto Fields() {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tenon {
@@ -41,6 +42,8 @@ void PersonParams::Validate() const {
          fmt::format("the person's damping of {} N s/m must be positive", damping));
   Demand(stiffness >= 0 && std::isfinite(stiffness),
          fmt::format("the person's stiffness of {} N/m must not be negative", stiffness));
+  Demand(felt_tension > 0 && std::isfinite(felt_tension),
+         fmt::format("the person's felt_tension of {} N must be positive", felt_tension));
   Demand(hand_height >= 0 && std::isfinite(hand_height),
          fmt::format("the person's hand_height of {} m must not be below the ground", hand_height));
   Demand(start.allFinite(), "the person's start must be finite: give metres");
@@ -78,7 +81,8 @@ PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonInte
   } else {
     rate.wanted = intent.speed * intent.direction_W;
     const double length = led.norm();
-    if (intent.activity == Activity::kFollow && length > 0) rate.wanted = intent.speed / length * led;
+    if (intent.activity == Activity::kFollow && length > 0)
+      rate.wanted = intent.speed * std::min(1.0, leash.tension / params.felt_tension) / length * led;
     force += params.damping * rate.wanted + params.stiffness * lean;
   }
   rate.v = force / params.mass;

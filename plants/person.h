@@ -14,7 +14,7 @@
 namespace tenon {
 
 enum class Activity {
-  kFollow,  ///< walks with a speed where the leash leads
+  kFollow,  ///< walks with a speed where the leash leads, if it is taut
   kWalk,    ///< walks with a speed in a direction; with none stands
   kPull,    ///< leans with a force in a direction
 };
@@ -50,6 +50,7 @@ struct PersonParams {
   double mass = 70;                 ///< m [kg]
   double damping = 420;             ///< C [N s/m]
   double stiffness = 630;           ///< K [N/m]
+  double felt_tension = 5;          ///< of the leash, from which the person follows at full speed [N]
   double hand_height = 0.75;        ///< [m]
   Vec<2> start = Vec<2>::Zero();    ///< [m]
   std::vector<PersonPhase> phases;  ///< one after the other, from t = 0 on; then stands
@@ -59,6 +60,7 @@ struct PersonParams {
     return std::tuple{Field{"mass_kg", &PersonParams::mass},
                       Field{"damping_N_s_per_m", &PersonParams::damping},
                       Field{"stiffness_N_per_m", &PersonParams::stiffness},
+                      Field{"felt_tension_N", &PersonParams::felt_tension},
                       Field{"hand_height_m", &PersonParams::hand_height},
                       Field{"start_m", &PersonParams::start},
                       Required("phases", &PersonParams::phases)};
@@ -100,8 +102,8 @@ struct PersonMotion {
 ///     f_ext = C u + K (w - x),   w' = u,                 when walking with the wanted velocity u,
 ///     f_ext = F d,               w' = v + K/C (x - w),   when pulling with the force F in direction d.
 /// So a person who is led gives way to the leash, K^-1 f, but keeps the wanted speed in the mean; and who
-/// pulls forgets about the place. u has the wanted speed and, following, the horizontal direction in which
-/// the leash leads, taut or slack.
+/// pulls forgets about the place. Following, u points where the leash leads over ground and has the wanted
+/// speed, less below felt_tension, |u| = speed min(1, T / felt_tension): nobody follows a slack leash.
 ///
 ///     ports in   leash     pulls the hand by tension * direction
 ///     ports out  person    position, velocity, hand

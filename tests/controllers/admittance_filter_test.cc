@@ -237,7 +237,7 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward of -0.1 m/s", "negative"));
   EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left of nan m/s", "negative"));
   EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration of 0 m/s^2", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.02 to 0.01 m/s", "give max_forward"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.03 to 0.01 m/s", "give max_forward"));
 }
 
 TEST(AdmittanceFilterTest, IsReadFromYaml) {

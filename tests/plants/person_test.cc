@@ -56,19 +56,21 @@ TEST(PersonTest, WalksAsTheEquationAndGivesWayToTheLeash) {
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0.24, 0.32, 0), 1e-8));
 }
 
-TEST(PersonTest, FollowsTheLeashOverGroundWhetherTautOrSlack) {
+TEST(PersonTest, FollowsTheLeashOverGroundIfItIsTaut) {
   TestRig<Person> rig(Params({{.activity = Activity::kFollow, .duration = 100, .speed = 0.1}}));
   auto& person = rig.system();
-  rig.Fix(person.leash, Pull(0, {0, 0.9, -std::sqrt(0.19)})).AdvanceTo(10);
-  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0.1, 0), 1e-9));
+  rig.Fix(person.leash, Pull(0, {0, 1, 0})).AdvanceTo(10);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
+  rig.Fix(person.leash, Pull(2, {0, 0.9, -std::sqrt(0.19)})).AdvanceTo(20);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0.04, 0), 1e-9)) << "2 N of 5 N";
   // Half the tension acts over ground: the speed is the same, the place is not.
   const Vec<3> before = rig[person.person].p_W;
-  rig.Fix(person.leash, Pull(60, {-0.5, 0, std::sqrt(0.75)})).AdvanceTo(30);
+  rig.Fix(person.leash, Pull(60, {-0.5, 0, std::sqrt(0.75)})).AdvanceTo(40);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(-0.1, 0, 0), 1e-9));
   EXPECT_NEAR(rig[person.motion].wanted[0] - rig[person.motion].x[0], 30 / kStiffness, 1e-9);
   EXPECT_NEAR(rig[person.person].p_W[0], before[0] - 20 * 0.1 - 30 / kStiffness, 1e-6);
-  // Without a direction there is nothing to follow.
-  rig.Fix(person.leash, Pull(0, Vec<3>::Zero())).AdvanceTo(40);
+  // Straight up there is nothing to follow.
+  rig.Fix(person.leash, Pull(20, {0, 0, 1})).AdvanceTo(60);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-9));
 }
 
@@ -192,6 +194,7 @@ TEST(PersonTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass of 0 kg", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping of 0 N s/m", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension of 0 N", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height of -1 m", "below the ground"));
   EXPECT_TRUE(refuses([](auto& p) { p.start[1] = NAN; }, "start", "give metres"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phase 1", "lasts 0 s"));
