@@ -241,12 +241,12 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
 }
 
 TEST(AdmittanceFilterTest, IsReadFromYaml) {
-  const auto params =
-      YamlDocument::Parse("{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
+  const auto params = YamlDocument::Parse(
+                          "{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
                           "min_forward_m_per_s: 0.01, max_forward_m_per_s: 0.3, max_left_m_per_s: 0.04, "
                           "acceleration_m_per_s2: 0.2}",
                           "filter.yaml")
-          .Read<AdmittanceFilterParams>();
+                          .Read<AdmittanceFilterParams>();
   EXPECT_EQ(params.desired_tension, 25);
   EXPECT_EQ(params.mass, 5);
   EXPECT_EQ(params.damping, 50);

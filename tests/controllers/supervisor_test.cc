@@ -48,7 +48,8 @@ class Dog {
     for (int n = 1; n < std::lround(100 * seconds); ++n) Tick();
     return Tick();
   }
-  /// The mode after it has run with noise on the force, as through an observer of 20 rad/s; counts the changes.
+  /// The mode after it has run with noise on the force, as through an observer of 20 rad/s; counts the
+  /// changes.
   GuideMode RunNoisy(double seconds, double deviation, RandomStream& random, int* changes) {
     const double keep = std::exp(-0.2), gain = std::sqrt(1 - keep * keep);
     Vec<3> noise = Vec<3>::Zero();
@@ -83,9 +84,9 @@ TEST(NextGuideModeTest, IsTheTable) {
     bool GuideEvents::*event;
     GuideMode to;
   };
-  const Row table[] = {{kMove, &GuideEvents::pulled, kStop},   {kMove, &GuideEvents::obstacle, kStop},
-                       {kTurn, &GuideEvents::pulled, kStop},   {kTurn, &GuideEvents::new_obstacle, kStop},
-                       {kTurn, &GuideEvents::aligned, kMove},  {kStop, &GuideEvents::pulled, kTurn}};
+  const Row table[] = {{kMove, &GuideEvents::pulled, kStop},  {kMove, &GuideEvents::obstacle, kStop},
+                       {kTurn, &GuideEvents::pulled, kStop},  {kTurn, &GuideEvents::new_obstacle, kStop},
+                       {kTurn, &GuideEvents::aligned, kMove}, {kStop, &GuideEvents::pulled, kTurn}};
   for (const GuideMode from : {kMove, kTurn, kStop}) {
     for (int bits = 0; bits < 16; ++bits) {
       const GuideEvents events{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
@@ -290,11 +291,11 @@ TEST(SupervisorTest, RefusesNonsense) {
 }
 
 TEST(SupervisorTest, IsReadFromYaml) {
-  const auto params =
-      YamlDocument::Parse("{threshold_N: 60, release_N: 45, stop_time_s: 0.2, start_time_s: 0.4, dwell_s: 2, "
+  const auto params = YamlDocument::Parse(
+                          "{threshold_N: 60, release_N: 45, stop_time_s: 0.2, start_time_s: 0.4, dwell_s: 2, "
                           "turn_rate_rad_per_s: 0.2, turn_gain_per_s: 0.5, heading_tolerance_rad: 0.03}",
                           "supervisor.yaml")
-          .Read<SupervisorParams>();
+                          .Read<SupervisorParams>();
   EXPECT_EQ(params.threshold, 60);
   EXPECT_EQ(params.release, 45);
   EXPECT_EQ(params.stop_time, 0.2);

@@ -97,9 +97,10 @@ TEST(LeashTest, IsDrawnFromTheHandToTheTrunkColouredByTension) {
 }
 
 TEST(LeashTest, IsReadFromYaml) {
-  const auto params = YamlDocument::Parse("{nominal_length_m: 2, stiffness_N_per_m: 300, "
-                                          "dissipation_s_per_m: 0.1, attachment_m: [-0.2, 0, 0.1]}",
-                                          "leash.yaml")
+  const auto params = YamlDocument::Parse(
+                          "{nominal_length_m: 2, stiffness_N_per_m: 300, "
+                          "dissipation_s_per_m: 0.1, attachment_m: [-0.2, 0, 0.1]}",
+                          "leash.yaml")
                           .Read<LeashParams>();
   EXPECT_EQ(params.nominal_length, 2);
   EXPECT_EQ(params.stiffness, 300);

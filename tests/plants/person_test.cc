@@ -74,8 +74,8 @@ TEST(PersonTest, FollowsTheLeashOverGroundWhetherTautOrSlack) {
 
 // m v' = F - C v from rest; the place that the person wants to be at comes along.
 TEST(PersonTest, PullsAsTheEquation) {
-  TestRig<Person> rig(Params(
-      {{.activity = Activity::kPull, .duration = 10, .direction = std::acos(-1.0), .force = 70}}));
+  TestRig<Person> rig(
+      Params({{.activity = Activity::kPull, .duration = 10, .direction = std::acos(-1.0), .force = 70}}));
   auto& person = rig.system();
   rig.Set(person.motion, {{0, 0}, {0, 0}, {0.1, 0.2}}).Fix(person.leash, Pull(0, {1, 0, 0}));
   for (const double t : {0.1, 0.5, 2.0, 8.0}) {
@@ -131,7 +131,8 @@ TEST(PersonTest, OscillatesOnTheLeash) {
   PersonParams params = Params();
   params.start = {0, 0};
   auto& person = builder.Add<Person>("person", params);
-  const LeashParams spring{.nominal_length = 1, .stiffness = 2000, .dissipation = 0, .attachment_B = {0, 0, 0}};
+  const LeashParams spring{
+      .nominal_length = 1, .stiffness = 2000, .dissipation = 0, .attachment_B = {0, 0, 0}};
   auto& leash = builder.Add<Leash>("leash", spring);
   LeggedState state;
   state.p_WB = {1.1, 0, params.hand_height};
