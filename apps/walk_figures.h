@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tenon/apps/common/outputs.h"
+#include "tenon/apps/estimate_figures.h"
 #include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/signal_log.h"
 
@@ -33,11 +34,11 @@ class WalkFigures final : public LogSink {
   };
   struct LegFigures {
     bool stance = false;
-    double touchdown = 0;         // [s]
-    std::deque<Sample> waiting;   // errors that a lift-off may still make invalid
+    double touchdown = 0;        // [s]
+    std::deque<Sample> waiting;  // errors that a lift-off may still make invalid
     std::array<double, 3> slip{};
-    double slip_max = 0;          // [m]
-    double foot_max = 0;          // [m]
+    double slip_max = 0;  // [m]
+    double foot_max = 0;  // [m]
   };
 
   void LegRow(std::span<const double> row, std::size_t leg);
@@ -51,6 +52,7 @@ class WalkFigures final : public LogSink {
   double time_ = 0, com_max_ = 0, com_square_ = 0, force_sum_ = 0, torque_max_ = 0, failure_count_ = 0;
   std::vector<double> begin_, end_;  // positions of the trunk [m]
   std::vector<double> solve_times_;
+  EstimateFigures estimate_;
 };
 
 }  // namespace tenon::apps

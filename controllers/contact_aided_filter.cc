@@ -21,8 +21,12 @@ Matrix3d Skew(const Vec<3>& a) {
   return cross;
 }
 
-constexpr std::size_t At(int leg) { return static_cast<std::size_t>(leg); }
-constexpr int Rows(int leg) { return Filter::kFeet + 3 * leg; }
+constexpr std::size_t At(int leg) {
+  return static_cast<std::size_t>(leg);
+}
+constexpr int Rows(int leg) {
+  return Filter::kFeet + 3 * leg;
+}
 
 /// What the sensors say without their biases.
 struct Unbiased {
@@ -41,8 +45,9 @@ TENON_VECTOR_CLONES void Multiply(const Filter::Covariance& a, const Filter::Cov
 
 void ContactAidedNoise::Validate() const {
   const auto check = [](const char* name, double value) {
-    Demand(std::isfinite(value) && value > 0,
-           fmt::format("noise.{} = {} must be positive: give a perfect sensor a small deviation", name, value));
+    Demand(
+        std::isfinite(value) && value > 0,
+        fmt::format("noise.{} = {} must be positive: give a perfect sensor a small deviation", name, value));
   };
   check("specific_force", specific_force);
   check("angular_velocity", angular_velocity);
@@ -195,8 +200,8 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
     const FootRow HP = covariance.middleRows<3>(Rows(leg)) - covariance.middleRows<3>(kPosition);
     const Matrix3d S =
         HP.middleCols<3>(Rows(leg)) - HP.middleCols<3>(kPosition) + R * foot.covariance * R.transpose();
-    const Vec<3> innovation = -FootResidual(mean, leg, foot.p_IF_B) -
-                              (error.segment<3>(Rows(leg)) - error.segment<3>(kPosition));
+    const Vec<3> innovation =
+        -FootResidual(mean, leg, foot.p_IF_B) - (error.segment<3>(Rows(leg)) - error.segment<3>(kPosition));
     const Eigen::LLT<Matrix3d> llt(S);
     const Vec<3> weighted = llt.solve(innovation);
     if (innovation.dot(weighted) > outlier) {

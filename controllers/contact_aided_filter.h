@@ -14,11 +14,11 @@ namespace tenon {
 
 /// What the filter believes of its sensors and of the ground, as standard deviations per axis.
 struct ContactAidedNoise {
-  double specific_force = 0.05;                   ///< white, per sample [m/s^2]
-  double angular_velocity = 0.005;                ///< white, per sample [rad/s]
-  double specific_force_bias_walk = 1e-4;         ///< [m/s^2 after 1 s, growing with sqrt(t)]
-  double angular_velocity_bias_walk = 1e-5;       ///< [rad/s after 1 s, growing with sqrt(t)]
-  double encoder = 1e-4;                          ///< white, per sample [rad]
+  double specific_force = 0.05;              ///< white, per sample [m/s^2]
+  double angular_velocity = 0.005;           ///< white, per sample [rad/s]
+  double specific_force_bias_walk = 1e-4;    ///< [m/s^2 after 1 s, growing with sqrt(t)]
+  double angular_velocity_bias_walk = 1e-5;  ///< [rad/s after 1 s, growing with sqrt(t)]
+  double encoder = 1e-4;                     ///< white, per sample [rad]
   double foot = 5e-4;       ///< of a foot's place against the leg's kinematics, white, per sample [m]
   double foot_walk = 2e-3;  ///< what a standing foot wanders [m after 1 s, growing with sqrt(t)]
 
@@ -48,7 +48,7 @@ struct ContactAidedMean {
 
 /// What one tick brings, besides its length.
 struct ContactAidedInput {
-  ImuMeasurement inertial;  ///< at the beginning of the interval, in the trunk's axes
+  ImuMeasurement inertial;              ///< at the beginning of the interval, in the trunk's axes
   std::array<Vec<3>, kNumLegs> turn_B;  ///< of the shanks against the trunk, as rotation vectors [rad]
 };
 
@@ -65,22 +65,22 @@ struct FootMeasurement {
 ///
 ///     p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x),   p_i += rho (R (T w + turn_i)) x e_z
 ///
-/// The last says that a standing foot, a sphere of radius rho on level ground, rolls with its shank: it is the
-/// point in contact that stands still and not the centre. (On a slope s the rolling's vertical part, sin s of
-/// it, is left out.) A foot that is anchored is measured by
+/// The last says that a standing foot, a sphere of radius rho on level ground, rolls with its shank: it is
+/// the point in contact that stands still and not the centre. (On a slope s the rolling's vertical part, sin
+/// s of it, is left out.) A foot that is anchored is measured by
 ///
 ///     0 = p_i - p - R y_i + noise,   y_i the place from the joints;
 ///
 /// a foot that is not has no part in the estimate, and no covariance.
 ///
-/// The error (xi_p, xi_v, theta, db_f, db_w, xi_1 ... xi_4) is the right-invariant one of Hartley et al. 2020,
-/// "Contact-aided invariant extended Kalman filtering": with E = exp([theta]x),
+/// The error (xi_p, xi_v, theta, db_f, db_w, xi_1 ... xi_4) is the right-invariant one of Hartley et al.
+/// 2020, "Contact-aided invariant extended Kalman filtering": with E = exp([theta]x),
 ///
 ///     R = E R_hat,   p = E p_hat + xi_p,   v = E v_hat + xi_v,   p_i = E p_hat_i + xi_i,   b = b_hat + db.
 ///
-/// In it the measurement is linear, and what cannot be seen, position and yaw, stays so: with plain differences
-/// the filter thinks its velocity 1.6 times as good as it is after a start with 1 degree of tilt. Nothing is known of the
-/// height of the ground; the errors of position and yaw grow, slowly.
+/// In it the measurement is linear, and what cannot be seen, position and yaw, stays so: with plain
+/// differences the filter thinks its velocity 1.6 times as good as it is after a start with 1 degree of tilt.
+/// Nothing is known of the height of the ground; the errors of position and yaw grow, slowly.
 struct ContactAidedFilter {
   static constexpr int kPosition = 0, kVelocity = 3, kAttitude = 6, kForceBias = 9, kRateBias = 12,
                        kFeet = 15, kErrors = kFeet + 3 * kNumLegs;

@@ -25,7 +25,8 @@ void LeggedStateEstimatorParams::Validate() const {
   check("start.angular_velocity_bias", start.angular_velocity_bias);
   check("outlier", outlier);
   Demand(std::isfinite(settle_time) && settle_time >= 0,
-         fmt::format("settle_time = {} s must not be negative; 0 trusts a foot from its touchdown", settle_time));
+         fmt::format("settle_time = {} s must not be negative; 0 trusts a foot from its touchdown",
+                     settle_time));
   Demand(std::isfinite(gravity), fmt::format("gravity = {} is not finite; give m/s^2", gravity));
   Demand(imu_p_B.allFinite(), "imu_p_B, where the IMU sits, is not finite; give metres in the trunk's frame");
   const auto turn = [](const char* name, const Vec<4>& q) {
@@ -46,8 +47,9 @@ void LeggedStateEstimator::Start(const JointMotion& joints, Memory& memory) cons
   mean.v_WI = x.v_W + x.w_W.cross(arm_W);
   mean.q_WB = x.q_WB.normalized();
   const LeggedStartDeviation& start = params.start;
-  memory.filter.Start(mean, (Vec<5>() << start.position, start.velocity, start.attitude, start.specific_force_bias,
-                                   start.angular_velocity_bias).finished());
+  memory.filter.Start(mean, (Vec<5>() << start.position, start.velocity, start.attitude,
+                             start.specific_force_bias, start.angular_velocity_bias)
+                                .finished());
   memory.stance_time.fill(params.settle_time);  // feet that stand at the start have settled
   memory.q = joints.q;
   memory.started = true;

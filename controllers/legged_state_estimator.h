@@ -33,7 +33,7 @@ struct LeggedStateEstimatorParams {
   Vec<3> imu_p_B = Vec<3>::Zero();  ///< where the IMU sits on the trunk [m]
   Vec<4> imu_q_B{1, 0, 0, 0};       ///< takes components along the IMU's axes to those along the trunk's
   double settle_time = 0.02;        ///< a foot counts once it has been in stance so long [s]
-  double outlier = 25;    ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
+  double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
   double gravity = 9.81;  ///< [m/s^2]
   Rate rate = Hz(1000);   ///< of the filter; that of IMU and encoders should not be lower
 
@@ -75,8 +75,8 @@ struct LeggedEstimate {
 };
 
 /// The trunk's pose and velocity from IMU, encoders and the knowledge which feet stand: ContactAidedFilter
-/// with a quadruped's kinematics. Joint angles and speeds are passed on as the encoders give them; the angular
-/// velocity is the gyroscope's without its estimated bias.
+/// with a quadruped's kinematics. Joint angles and speeds are passed on as the encoders give them; the
+/// angular velocity is the gyroscope's without its estimated bias.
 ///
 /// The IMU's sample of a tick is used at the next one, in which the filter goes from the one to the other: it
 /// feels the torque that the controller computes from this very estimate. The angular velocity so is one tick
@@ -100,7 +100,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   struct Memory {
     bool started = false;
     ContactAidedFilter filter;
-    Vec<12> q = Vec<12>::Zero();                  ///< joint angles of the last tick [rad]
+    Vec<12> q = Vec<12>::Zero();                 ///< joint angles of the last tick [rad]
     std::array<double, kNumLegs> stance_time{};  ///< since touchdown [s]
     long moved_feet = 0;
 
@@ -129,10 +129,12 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
                                       Sampled{params.rate},
                                       Uses(last_imu_, legs_, joints, schedule, memory),
                                       &LeggedStateEstimator::CalcEstimate};
-  OutputPort<LeggedState> state{this, {"state"}, Uses(estimate),
-                                [](const LeggedEstimate& estimate) { return estimate.state; }};
+  OutputPort<LeggedState> state{
+      this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.state; }};
   OutputPort<LeggedEstimatorDiagnostics> diagnostics{
-      this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.diagnostics; }};
+      this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate) {
+        return estimate.diagnostics;
+      }};
 
  private:
   void CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const;

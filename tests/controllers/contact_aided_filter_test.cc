@@ -79,12 +79,11 @@ TEST(ContactAidedFilterTest, JacobiansAreThoseOfFiniteDifferences) {
       return Difference(Propagate(Plus(mean, error), input, kAll, kPeriod, kRadius, kGravity), next);
     };
     const Filter::Error zero = Filter::Error::Zero();
-    EXPECT_TRUE(
-        IsJacobian(PropagationJacobian(mean, input, kAll, kPeriod, kRadius, kGravity), propagate, zero, 1e-8));
+    EXPECT_TRUE(IsJacobian(PropagationJacobian(mean, input, kAll, kPeriod, kRadius, kGravity), propagate,
+                           zero, 1e-8));
 
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Vec<3> place =
-          mean.R_WB().transpose() * (mean.feet_W[static_cast<std::size_t>(leg)] - mean.p_WI);
+      const Vec<3> place = mean.R_WB().transpose() * (mean.feet_W[static_cast<std::size_t>(leg)] - mean.p_WI);
       const auto residual = [&](const Filter::Error& error) -> Eigen::VectorXd {
         return FootResidual(Plus(mean, error), leg, place);
       };
@@ -161,9 +160,9 @@ TEST(ContactAidedFilterTest, AFootRollsWithItsShank) {
   EXPECT_EQ(next.feet_W[2], mean.feet_W[2]);
 }
 
-// Robots that obey the filter's model, in 60 runs with noise of all kinds: the error squared and weighted with
-// the inverse covariance has the mean of chi-square, the number of degrees of freedom. The mean over runs of
-// the velocity's has a standard deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
+// Robots that obey the filter's model, in 60 runs with noise of all kinds: the error squared and weighted
+// with the inverse covariance has the mean of chi-square, the number of degrees of freedom. The mean over
+// runs of the velocity's has a standard deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
 TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
   ContactAidedNoise noise;
   noise.specific_force_bias_walk = 1e-3;
@@ -190,7 +189,8 @@ TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
     const auto measure = [&] {
       std::array<FootMeasurement, kNumLegs> feet;
       for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-        feet[leg].p_IF_B = truth.R_WB().transpose() * (truth.feet_W[leg] - truth.p_WI) + Normal(random, noise.foot);
+        feet[leg].p_IF_B =
+            truth.R_WB().transpose() * (truth.feet_W[leg] - truth.p_WI) + Normal(random, noise.foot);
         feet[leg].covariance = noise.foot * noise.foot * Eigen::Matrix3d::Identity();
       }
       return feet;
@@ -260,10 +260,10 @@ TEST(ContactAidedFilterTest, DoesNotAllocate) {
 }
 
 TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
-  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.foot_walk = 0}.Validate(); }, "noise.foot_walk = 0",
-                                     "must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.encoder = NAN}.Validate(); }, "noise.encoder = nan",
-                                     "small deviation"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.foot_walk = 0}.Validate(); },
+                                     "noise.foot_walk = 0", "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.encoder = NAN}.Validate(); },
+                                     "noise.encoder = nan", "small deviation"));
 }
 
 }  // namespace

@@ -23,8 +23,9 @@ using test::Standing;
 
 constexpr double kPeriod = 1e-3, kGravity = 9.81;
 
-/// A robot that sways on its feet: the trunk's motion in closed form, the joints such that every foot, a sphere,
-/// rolls without sliding on the plane z = 0, which is that its material point in contact has no velocity.
+/// A robot that sways on its feet: the trunk's motion in closed form, the joints such that every foot, a
+/// sphere, rolls without sliding on the plane z = 0, which is that its material point in contact has no
+/// velocity.
 class SwayingRobot {
  public:
   explicit SwayingRobot(const QuadrupedDescription& robot, double size = 1)
@@ -43,9 +44,7 @@ class SwayingRobot {
     const double a = -kSway * kSway * size_, s = std::sin(kSway * time_);
     return a * s * kAmplitude;
   }
-  Vec<3> AngularAcceleration() const {
-    return -kTurn * kTurn * size_ * std::sin(kTurn * time_) * kAngle;
-  }
+  Vec<3> AngularAcceleration() const { return -kTurn * kTurn * size_ * std::sin(kTurn * time_) * kAngle; }
   void Advance() {
     // Runge-Kutta of order 4 on the rolling.
     const double T = kPeriod;
@@ -116,7 +115,9 @@ Vec<3> Turn(const LeggedState& a, const LeggedState& b) {
   return turn.angle() * turn.axis();
 }
 
-ContactSchedule AllStand() { return {}; }
+ContactSchedule AllStand() {
+  return {};
+}
 
 using Rig = TestRig<LeggedStateEstimator>;
 
@@ -141,8 +142,8 @@ TEST(LeggedStateEstimatorTest, StartsWhereItIsTold) {
   EXPECT_EQ(rig[rig.system().diagnostics].feet, 4);
 }
 
-// Perfect sensors. What remains is the IMU's lag of half a period: it acts in steps. Without the rolling of the
-// feet the velocity would be wrong by about radius times the shanks' speed, 30 mm/s here.
+// Perfect sensors. What remains is the IMU's lag of half a period: it acts in steps. Without the rolling of
+// the feet the velocity would be wrong by about radius times the shanks' speed, 30 mm/s here.
 TEST(LeggedStateEstimatorTest, FollowsAMotionInClosedForm) {
   for (const QuadrupedDescription& description : {DogBot(), A1()}) {
     SwayingRobot robot(description, 0.7);
@@ -311,7 +312,8 @@ TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
     };
   };
   using P = LeggedStateEstimatorParams;
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot = -1", "must be positive"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot = -1", "must be positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.start.attitude = 0; }), "start.attitude = 0",
                                      "say how much it may be off"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.outlier = NAN; }), "outlier = nan"));
@@ -320,8 +322,10 @@ TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.imu_p_B[0] = NAN; }), "imu_p_B", "give metres"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.imu_q_B.setZero(); }), "imu_q_B is no rotation",
                                      "unit quaternion"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.initial.q_WB.setZero(); }), "initial.q_WB is no rotation"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.initial.v_W[0] = INFINITY; }), "where the robot starts"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](P& p) { p.initial.q_WB.setZero(); }), "initial.q_WB is no rotation"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](P& p) { p.initial.v_W[0] = INFINITY; }), "where the robot starts"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.gravity = NAN; }), "gravity = nan"));
 }
 
