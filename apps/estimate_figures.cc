@@ -21,9 +21,8 @@ Vec<N> Take(std::span<const double> row, const std::vector<std::size_t>& columns
 
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
   const std::string estimate = "loop.estimator.estimate.state";
-  const bool estimated = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    return name.starts_with(estimate);
-  });
+  const bool estimated = std::any_of(names.begin(), names.end(),
+                                     [&](const std::string& name) { return name.starts_with(estimate); });
   if (!estimated) return;
   const auto columns = [&](const std::string& state) -> State {
     return {Columns(names, state + ".p_WB"), Columns(names, state + ".q_WB"), Columns(names, state + ".v_W")};
