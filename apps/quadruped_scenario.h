@@ -32,17 +32,28 @@ struct JointPdScenario {
   }
 };
 
+/// What the walking controller knows of the robot's pose and motion.
+enum class StateSource { kTrue, kEstimated };
+constexpr auto EnumNames(StateSource) {
+  return std::array{std::pair{StateSource::kTrue, "true"}, std::pair{StateSource::kEstimated, "estimated"}};
+}
+
 /// What the walking robot is to do, and what the user chooses of the way it does that.
 struct WalkScenario {
   WalkScheduleParams path;
   std::string gaits = "standard";  ///< a shipped table or a YAML file
   StepProperties step;
+  StateSource state =
+      StateSource::kTrue;       ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
   double friction = 1;          ///< that the controller counts on
   double mass_error_ratio = 0;  ///< 0.3: the controller believes in masses 30 % too large
 
   static constexpr auto Fields() {
-    return std::tuple{Required("path", &WalkScenario::path), Field{"gaits", &WalkScenario::gaits},
-                      Field{"step", &WalkScenario::step}, Field{"friction", &WalkScenario::friction},
+    return std::tuple{Required("path", &WalkScenario::path),
+                      Field{"gaits", &WalkScenario::gaits},
+                      Field{"step", &WalkScenario::step},
+                      Field{"state", &WalkScenario::state},
+                      Field{"friction", &WalkScenario::friction},
                       Field{"mass_error_ratio", &WalkScenario::mass_error_ratio}};
   }
 };
