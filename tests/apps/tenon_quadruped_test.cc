@@ -121,16 +121,16 @@ TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
     std::vector<double> values = Column(out, name);
     return std::unique(values.begin(), values.end()) - values.begin() - 1;
   };
-  EXPECT_EQ(changes("loop.torque_sensor.measured.2 [N m]"), 20);
-  EXPECT_EQ(changes("loop.foot_sensor.measured.front_left.z [N]"), 10);
-  EXPECT_EQ(changes("loop.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
-  EXPECT_NEAR(Column(out, "loop.encoders.joints.qd.2 [rad/s]").back() -
-                  Column(out, "loop.plant.state.qd.2 [rad/s]").back(),
+  EXPECT_EQ(changes("loop.world.torque_sensor.measured.2 [N m]"), 20);
+  EXPECT_EQ(changes("loop.world.foot_sensor.measured.front_left.z [N]"), 10);
+  EXPECT_EQ(changes("loop.world.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
+  EXPECT_NEAR(Column(out, "loop.world.encoders.joints.qd.2 [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.qd.2 [rad/s]").back(),
               0.5, 1e-6);
-  EXPECT_NEAR(Column(out, "loop.imu.measurement.angular_velocity_B.z [rad/s]").back() -
-                  Column(out, "loop.plant.state.w_W.z [rad/s]").back(),
+  EXPECT_NEAR(Column(out, "loop.world.imu.measurement.angular_velocity_B.z [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.w_W.z [rad/s]").back(),
               0.3, 1e-3);
-  EXPECT_NEAR(Column(out, "loop.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
+  EXPECT_NEAR(Column(out, "loop.world.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
 }
 
 TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
