@@ -200,14 +200,12 @@ struct TrunkLoadScenario {
   RigidInertia Make() const;
 };
 
-/// The tolerances that QuadrupedPlant recommends, with order 2: against order 5 with rtol = 1e-9, a drop from
-/// 0.1 m is then within 0.013 mm for DogBot and 0.035 mm for the A1, and standing takes 3 evaluations per ms
-/// in place of the 4 of order 3.
+/// What QuadrupedPlant recommends, and how far it goes.
 struct LeggedIntegratorScenario {
   int order = 2;
-  double rtol = 1e-3;
-  double atol_position = 1e-5;  ///< [m, rad]
-  double atol_velocity = 1e-3;  ///< [m/s, rad/s]
+  double rtol = 1e-2;
+  double atol_position = 1e-4;  ///< [m, rad]
+  double atol_velocity = 1e-2;  ///< [m/s, rad/s]
   double atol_bristles = 1e-6;  ///< [m]
 
   static constexpr auto Fields() {
