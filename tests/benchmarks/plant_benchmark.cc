@@ -17,6 +17,9 @@
 //                        order 5 and rtol = 1e-9 here, RK4 with steps of 1/32 ms there
 //   evaluations_per_ms   of the accelerations
 //
+// Tenon's absolute tolerances are those that QuadrupedPlant recommends with rtol = 1e-2, scaled with rtol, but
+// for the bristles', which do not grow.
+//
 // Each engine against its own limit, because their contacts differ: compliant feet with bristle friction
 // here, MuJoCo's soft constraints with its default settings there. So this compares integration, not contact
 // models.
