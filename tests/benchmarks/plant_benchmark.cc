@@ -1,25 +1,24 @@
 // What the quadruped costs (DogBot), with medians and 99th percentiles over blocks of 20 calls as counters:
 //
-//   accelerations/simbody        one evaluation of all derivatives of QuadrupedPlant: contact, kinematics,
-//   dynamics accelerations/simbody_bare   Simbody's own call at the same states, without contact: what that
-//   is to be
-//                                measured by, since the machine's speed cancels
-//   model/eigen                  QuadrupedModel::Calc: everything that controllers need of one state
-//   model/decoupled              the decoupled form on top of it
-//   model/simbody                the same quantities as model/eigen from Simbody's operators
+//   accelerations/simbody       one evaluation of all derivatives of QuadrupedPlant, contact and all
+//   accelerations/simbody_bare  Simbody's own call at the same states, without contact: the measure of it,
+//                               since the machine's speed cancels in their ratio
+//   model/eigen                 QuadrupedModel::Calc: everything that controllers need of one state
+//   model/decoupled             the decoupled form on top of it
+//   model/simbody               the same quantities as model/eigen from Simbody's operators
 //
 // Work against precision: DogBot trots on the spot for a second by joint PD at 1 kHz, in Tenon and in MuJoCo,
 // a row for each setting (trot/ENGINE/SETTING), with
 //
-//   x_real_time          simulated time over processor time, the best of five runs
-//   error_mm             largest distance of the trunk, over all ticks, from the same engine's run at its
-//   limit:
-//                        order 5 and rtol = 1e-9 here, RK4 with steps of 1/32 ms there
-//   evaluations_per_ms   of the accelerations
+//   x_real_time         simulated time over processor time, the best of five runs
+//   error_mm            largest distance of the trunk, over all ticks, from the same engine at its limit:
+//                       order 5 and rtol = 1e-9 here, RK4 with steps of 1/32 ms there
+//   evaluations_per_ms  of the accelerations
 //
 // Each engine against its own limit, because their contacts differ: compliant feet with bristle friction
 // here, MuJoCo's soft constraints with its default settings there. So this compares integration, not contact
-// models.
+// models. Tenon's absolute tolerances are those that QuadrupedPlant recommends, scaled with rtol, but for the
+// bristles', which do not grow.
 
 #include <benchmark/benchmark.h>
 #include <tenon/plants/simbody.h>
