@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numbers>
 
 #include "tenon/plants/description/resources.h"
 
@@ -54,6 +55,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
   QuadrupedPlantParams& plant = params.plant;
   plant.robot = LoadRobot(scenario);
   plant.terrain = scenario.terrain;
+  if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
   // Parallel to the plane, its feet above it.
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
@@ -87,6 +89,12 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
 
 }  // namespace
 
+void SweepScenario::Validate() const {
+  Demand(phases > 0 && directions > 0 && period_s > 0,
+         fmt::format("a sweep over {} phases of {} s and {} directions: all must be positive", phases,
+                     period_s, directions));
+}
+
 void RandomForceScenario::Validate() const {
   Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
 }
@@ -107,6 +115,7 @@ void QuadrupedScenario::Validate() const {
   Demand(pd.has_value() != walk.has_value(),
          fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",
                      pd ? "both" : "none"));
+  Demand(!sweep || (walk && !forces.empty()), "a sweep needs a walk and a force: give walk and forces");
   Demand(start_height_m >= 0,
          fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
                      start_height_m));
@@ -135,12 +144,37 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.world = MakeWorldParams(scenario);
   params.true_robot = LoadRobot(scenario);
   params.walk = walk.path;
-  params.locomotion = MakeLocomotion(WithMassFactor(params.true_robot, 1 + walk.mass_error_ratio),
-                                     LoadLocomotionProfile(scenario.profile), walk.gaits);
+  const QuadrupedDescription believed = WithMassFactor(params.true_robot, 1 + walk.mass_error_ratio);
+  LocomotionProfile profile = LoadLocomotionProfile(scenario.profile);
+  profile.observer.kind = ObserverOf(scenario);
+  params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
+  params.observer = MakeObserver(believed, profile);
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated) params.estimator = MakeEstimator(scenario, params.world);
   return params;
+}
+
+ObserverKind ObserverOf(const QuadrupedScenario& scenario) {
+  return scenario.observer ? *scenario.observer : LoadLocomotionProfile(scenario.profile).observer.kind;
+}
+
+std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario) {
+  const SweepScenario& sweep = *scenario.sweep;
+  std::vector<std::pair<std::string, QuadrupedScenario>> runs;
+  for (int phase = 0; phase < sweep.phases; ++phase) {
+    for (int direction = 0; direction < sweep.directions; ++direction) {
+      QuadrupedScenario run = scenario;
+      run.sweep.reset();
+      ForceScenario& force = run.forces.front();
+      force.start_s += sweep.period_s * phase / sweep.phases;
+      force.force_N =
+          Eigen::AngleAxisd(2 * std::numbers::pi * direction / sweep.directions, Eigen::Vector3d::UnitZ()) *
+          force.force_N;
+      runs.emplace_back(fmt::format("phase_{}_direction_{}", phase, direction), run);
+    }
+  }
+  return runs;
 }
 
 SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {

@@ -58,6 +58,20 @@ struct WalkScenario {
   }
 };
 
+/// Runs of one scenario with its first force at several instants and in several directions around the
+/// vertical: `phases` instants, evenly over `period_s` from the force's start on.
+struct SweepScenario {
+  int phases = 8;
+  double period_s = 0;
+  int directions = 8;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"phases", &SweepScenario::phases}, Required("period_s", &SweepScenario::period_s),
+                      Field{"directions", &SweepScenario::directions}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// When a robot counts as fallen.
 struct FallScenario {
   double min_height_ratio = 0.5;  ///< of the trunk above the ground, to that in the nominal stance
@@ -227,13 +241,16 @@ struct QuadrupedScenario {
   std::uint64_t seed = 1;
   double start_height_m = 0;  ///< of the feet above the plane's origin, at rest in the nominal stance
   TerrainParams terrain;
-  std::optional<JointPdScenario> pd;  ///< either stands by this
-  std::optional<WalkScenario> walk;   ///< or walks
-  std::string profile = "standard";   ///< the tuning of the walking controller: a shipped one or a YAML file
+  std::optional<JointPdScenario> pd;     ///< either stands by this
+  std::optional<WalkScenario> walk;      ///< or walks
+  std::optional<ObserverKind> observer;  ///< instead of the profile's
+  std::string profile = "standard";  ///< the tuning of the walking controller: a shipped one or a YAML file
   SensorScenario sensors;
   std::vector<ForceScenario> forces;
   std::vector<RandomForceScenario> random_forces;
   TrunkLoadScenario payload;
+  std::optional<SweepScenario> sweep;
+  std::vector<ObserverKind> compare;  ///< what --compare runs; empty: all
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
   LeggedIntegratorScenario integrator;
@@ -251,11 +268,14 @@ struct QuadrupedScenario {
                       Field{"terrain", &QuadrupedScenario::terrain},
                       Field{"pd", &QuadrupedScenario::pd},
                       Field{"walk", &QuadrupedScenario::walk},
+                      Field{"observer", &QuadrupedScenario::observer},
                       Field{"profile", &QuadrupedScenario::profile},
                       Field{"sensors", &QuadrupedScenario::sensors},
                       Field{"forces", &QuadrupedScenario::forces},
                       Field{"random_forces", &QuadrupedScenario::random_forces},
                       Field{"payload", &QuadrupedScenario::payload},
+                      Field{"sweep", &QuadrupedScenario::sweep},
+                      Field{"compare", &QuadrupedScenario::compare},
                       Field{"fall", &QuadrupedScenario::fall},
                       Field{"limit_speed", &QuadrupedScenario::limit_speed},
                       Field{"integrator", &QuadrupedScenario::integrator},
@@ -270,6 +290,10 @@ double Duration(const QuadrupedScenario& scenario);
 /// What the diagrams need to know of a scenario; read the robot and the controller's files.
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario);
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario);
+/// The observer of a walk: the scenario's, or its profile's.
+ObserverKind ObserverOf(const QuadrupedScenario& scenario);
+/// The scenarios of a sweep, by name.
+std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario);
 /// For a diagram that holds a QuadrupedWorld named "loop.world".
 SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario);
 

@@ -2,22 +2,15 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <filesystem>
-
 #include "tenon/apps/cdpr_figures.h"
 #include "tenon/apps/cdpr_scenario.h"
 #include "tenon/apps/common/command_line.h"
+#include "tenon/apps/common/comparison.h"
 #include "tenon/apps/common/outputs.h"
 #include "tenon/apps/common/progress.h"
 
 namespace tenon::apps {
 namespace {
-
-struct RunResult {
-  Summary summary;
-  Report report;
-};
 
 Report MakeReport(const CdprScenario& scenario, const std::string& controllers) {
   return Report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
@@ -71,31 +64,16 @@ RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario
   return {std::move(summary), std::move(report)};
 }
 
-/// One run per controller, into a directory each, and one report of all.
-int Compare(const CommonArguments& arguments, CdprScenario scenario) {
-  const std::filesystem::path base =
-      arguments.out.empty() ? std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem()
-                            : std::filesystem::path(arguments.out);
-  Summary::Named runs;
+/// One run per controller.
+int CompareControllers(const CommonArguments& arguments, CdprScenario scenario) {
+  std::vector<Variant> variants;
   std::string names;
-  std::vector<Report> reports;
-  int worst = kRan;
   for (const auto& [controller, name] : EnumNames(CdprController{})) {
     scenario.controller = controller;
-    CommonArguments each = arguments;
-    each.out = (base / name).string();
-    RunResult result = RunOnce(each, scenario);
-    worst = std::max<int>(worst, result.summary.exit_code());
-    runs.emplace_back(name, std::move(result.summary));
-    reports.push_back(std::move(result.report));
+    variants.push_back({name, [scenario](const CommonArguments& each) { return RunOnce(each, scenario); }});
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  Report comparison = MakeReport(scenario, names);
-  for (std::size_t i = 0; i < runs.size(); ++i) comparison.Add(runs[i].first, reports[i]);
-  Summary::WriteComparison(runs, base / "summary.json");
-  comparison.Write(base / "report.html");
-  Summary::PrintComparison(runs);
-  return worst;
+  return Compare(arguments, MakeReport(scenario, names), variants);
 }
 
 int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
@@ -108,7 +86,7 @@ int Run(const CommonArguments& arguments, const std::string& controller, bool co
   auto scenario = document.Read<CdprScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  if (compare) return Compare(arguments, scenario);
+  if (compare) return CompareControllers(arguments, scenario);
   const Summary summary = RunOnce(arguments, scenario).summary;
   summary.Print();
   return summary.exit_code();

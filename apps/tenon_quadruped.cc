@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "tenon/apps/common/command_line.h"
+#include "tenon/apps/common/comparison.h"
 #include "tenon/apps/common/outputs.h"
 #include "tenon/apps/common/progress.h"
 #include "tenon/apps/quadruped_scenario.h"
@@ -16,20 +17,30 @@ namespace {
 struct WalkArguments {
   std::string gait;
   std::optional<double> speed;
+  std::string observer;
+  bool compare = false;
+
+  bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
+
+Report MakeReport(const QuadrupedScenario& scenario) {
+  return Report(
+      {.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+       .description = fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed),
+       .plots = scenario.report.plots,
+       .events = scenario.report.events,
+       .signal_rate = Hz(scenario.log_rate_hz)});
+}
 
 /// One run of a diagram, into the directory of `arguments`.
 template <class Loop, class Figures>
-ExitCode RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params) {
+RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
+                  const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
   auto& loop = builder.Add<Loop>("loop", params);
   const auto diagram = builder.Build();
   const double duration = Duration(scenario);
-  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description = fmt::format("{}, {:.4g} s, seed {}", scenario.robot, duration, scenario.seed),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  Report report = MakeReport(scenario);
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = Figures::Signals(loop);
@@ -37,32 +48,64 @@ ExitCode RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scen
 
   const OutputDirectory out(arguments, WriteYaml(scenario));
   out.WriteGraph(*diagram);
-  const auto figures = std::make_shared<Figures>();
   simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(duration)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   const RunOutcome outcome = Advance(simulator, duration);
 
   Summary summary(scenario.case_name, scenario.seed, outcome);
   summary.Set("robot", scenario.robot);
+  if (scenario.walk) summary.Set("observer", std::string(EnumName(ObserverOf(scenario))));
   figures->AddTo(summary);
   summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
   summary.Write(out.path() / "summary.json");
   summary.AddTo(report);
   report.Write(out.path() / "report.html");
-  summary.Print();
-  return summary.exit_code();
+  return {std::move(summary), std::move(report)};
 }
 
-/// The scenario, of which every segment that walks gets the gait and, forwards, the speed of the command
-/// line.
+RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+  if (!scenario.walk)
+    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario),
+                                   std::make_shared<StandFigures>());
+  const QuadrupedWalkParams params = MakeWalkParams(scenario);
+  const double load = params.world.plant.gravity * scenario.payload.mass_kg;
+  return RunOnce<QuadrupedWalk>(arguments, scenario, params, std::make_shared<WalkFigures>(load));
+}
+
+Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {
+  return {std::move(name), [scenario](const CommonArguments& each) { return RunOnce(each, scenario); }};
+}
+
+int CompareObservers(const CommonArguments& arguments, QuadrupedScenario scenario) {
+  std::vector<ObserverKind> kinds = scenario.compare;
+  if (kinds.empty())
+    for (const auto& [kind, name] : EnumNames(ObserverKind{})) kinds.push_back(kind);
+  std::vector<Variant> variants;
+  for (const ObserverKind kind : kinds) {
+    scenario.observer = kind;
+    variants.push_back(MakeVariant(EnumName(kind), scenario));
+  }
+  return Compare(arguments, MakeReport(scenario), variants);
+}
+
+int RunSweep(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+  std::vector<Variant> variants;
+  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run));
+  return Compare(arguments, MakeReport(scenario), variants);
+}
+
+/// The scenario with what the command line says of its walk: every segment that walks gets the gait and,
+/// forwards, the speed.
 QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArguments& walk) {
   YamlDocument document = LoadScenario(arguments);
   const auto scenario = document.Read<QuadrupedScenario>();
-  if (walk.gait.empty() && !walk.speed) return scenario;
+  if (!walk.any()) return scenario;
   if (!scenario.walk)
     throw ParameterError(
-        fmt::format("'{}' does not walk: leave --gait and --speed away, or take a scenario that does",
+        fmt::format("'{}' does not walk: leave --gait, --speed, --observer and --compare away, or take a "
+                    "scenario that does",
                     arguments.scenario));
+  if (!walk.observer.empty()) document.Set("observer", walk.observer);
   for (std::size_t i = 0; i < scenario.walk->path.segments.size(); ++i) {
     const WalkSegment& segment = scenario.walk->path.segments[i];
     const std::string key = fmt::format("walk.path.segments.{}", i);
@@ -82,9 +125,11 @@ int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   QuadrupedScenario scenario = ReadScenario(arguments, walk);
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  if (scenario.walk)
-    return RunOnce<QuadrupedWalk, WalkFigures>(arguments, scenario, MakeWalkParams(scenario));
-  return RunOnce<QuadrupedStand, StandFigures>(arguments, scenario, MakeStandParams(scenario));
+  if (walk.compare) return CompareObservers(arguments, scenario);
+  if (scenario.sweep) return RunSweep(arguments, scenario);
+  const Summary summary = RunOnce(arguments, scenario).summary;
+  summary.Print();
+  return summary.exit_code();
 }
 
 }  // namespace
@@ -97,5 +142,10 @@ int main(int argc, char** argv) {
   tenon::apps::WalkArguments walk;
   app.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (the scenario's, unless given)");
   app.add_option("--speed", walk.speed, "forwards [m/s] (the scenario's, unless given)");
+  app.add_option("--observer", walk.observer,
+                 "none, legs, com, hybrid, focchi, ndo_m or ndo_inverse (the scenario's, unless given)");
+  app.add_flag("--compare", walk.compare,
+               "one run per observer, each in a directory of its own below --out, and one report of all")
+      ->excludes("--observer");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, walk); });
 }

@@ -14,6 +14,10 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.world.plant.joint_torque,
                                      &loop.world.plant.foot_forces,
                                      &loop.world.plant.foot_slips,
+                                     &loop.world.plant.external_wrench,
+                                     &loop.world.plant.external_torque,
+                                     &loop.observer.wrench,
+                                     &loop.observer.leg_forces,
                                      &loop.locomotion.body,
                                      &loop.locomotion.schedule,
                                      &loop.locomotion.whole_body.diagnostics,
@@ -26,6 +30,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   com_ = Columns(names, "loop.errors.errors.com");
   foot_ = Columns(names, "loop.errors.errors.foot");
   ground_force_ = Columns(names, "loop.errors.errors.ground_force");
+  external_force_ = Columns(names, "loop.world.plant.external_wrench.force_W");
+  estimated_force_ = Columns(names, "loop.observer.wrench.force_W");
   torque_ = Columns(names, "loop.world.plant.joint_torque");
   slip_ = Columns(names, "loop.world.plant.foot_slips");
   position_ = Columns(names, "loop.world.plant.state.p_WB");
@@ -44,6 +50,11 @@ void WalkFigures::Row(std::span<const double> row) {
   ++rows_;
   com_max_ = std::max(com_max_, com);
   com_square_ += com * com;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double force = row[external_force_[i]] - (i == 2 ? load_ : 0);
+    estimate_sum_[i] += row[estimated_force_[i]];
+    estimate_square_ += (row[estimated_force_[i]] - force) * (row[estimated_force_[i]] - force);
+  }
   for (const std::size_t column : torque_) torque_max_ = std::max(torque_max_, std::abs(row[column]));
   solve_times_.push_back(row[solve_time_]);
   failure_count_ = row[failures_];
@@ -78,15 +89,20 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
 }
 
 void WalkFigures::AddTo(Summary& summary) const {
+  const double rows = static_cast<double>(std::max(rows_, 1L));
   const auto by_leg = [&](double LegFigures::*figure) {
     std::vector<std::pair<std::string, double>> values;
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) values.emplace_back(kLegNames[leg], legs_[leg].*figure);
     return values;
   };
   summary.Set("com_error_max_m", com_max_);
-  summary.Set("com_error_rms_m", rows_ > 0 ? std::sqrt(com_square_ / static_cast<double>(rows_)) : 0);
+  summary.Set("com_error_rms_m", std::sqrt(com_square_ / rows));
   summary.Set("foot_error_max_m", by_leg(&LegFigures::foot_max));
   summary.Set("grf_error_mean_N", force_samples_ > 0 ? force_sum_ / static_cast<double>(force_samples_) : 0);
+  summary.Set(
+      "force_estimate_mean_N",
+      {{"x", estimate_sum_[0] / rows}, {"y", estimate_sum_[1] / rows}, {"z", estimate_sum_[2] / rows}});
+  summary.Set("force_estimate_error_rms_N", std::sqrt(estimate_square_ / rows));
   summary.Set("slip_max_m", by_leg(&LegFigures::slip_max));
   summary.Set("torque_max_N_m", torque_max_);
   if (!begin_.empty()) summary.Set("distance_m", std::hypot(end_[0] - begin_[0], end_[1] - begin_[1]));

@@ -23,6 +23,8 @@ class WalkFigures final : public LogSink {
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
 
+  /// `load` is the weight that the robot carries without its controller's knowledge [N].
+  explicit WalkFigures(double load) : load_(load) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.
@@ -43,6 +45,8 @@ class WalkFigures final : public LogSink {
 
   void LegRow(std::span<const double> row, std::size_t leg);
 
+  double load_;
+  std::vector<std::size_t> external_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, torque_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::size_t solve_time_ = 0, failures_ = 0;
@@ -50,7 +54,9 @@ class WalkFigures final : public LogSink {
   std::array<LegFigures, kNumLegs> legs_;
   long rows_ = 0, force_samples_ = 0;
   double time_ = 0, com_max_ = 0, com_square_ = 0, force_sum_ = 0, torque_max_ = 0, failure_count_ = 0;
-  std::vector<double> begin_, end_;  // positions of the trunk [m]
+  std::array<double, 3> estimate_sum_{};  // [N]
+  double estimate_square_ = 0;            // of its error [N^2]
+  std::vector<double> begin_, end_;       // positions of the trunk [m]
   std::vector<double> solve_times_;
   EstimateFigures estimate_;
 };

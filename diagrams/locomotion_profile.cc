@@ -21,4 +21,15 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
   return params;
 }
 
+DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
+  const ObserverProfile& tuning = profile.observer;
+  DisturbanceObserverParams params;
+  params.kind = tuning.kind;
+  params.legs = {robot, tuning.legs};
+  params.com = {robot, tuning.com};
+  params.ndo.robot = robot;
+  params.ndo.gain = tuning.ndo_gain;
+  return params;
+}
+
 }  // namespace tenon

@@ -6,6 +6,7 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     : walk(Add<WalkSchedule>("walk", params.walk)),
       locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),
       world(Add<QuadrupedWorld>("world", params.world)),
+      observer(Add<DisturbanceObserver>("observer", params.observer)),
       errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
   Connect(walk.command, locomotion.command);
   if (params.estimator) {
@@ -14,9 +15,16 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     Connect(world.joints, estimator->joints);
     Connect(locomotion.schedule, estimator->schedule);
     Connect(estimator->state, locomotion.state);
+    Connect(estimator->state, observer.state);
   } else {
     Connect(world.state, locomotion.state);
+    Connect(world.state, observer.state);
   }
+  Connect(world.measured_torque, observer.torque);
+  Connect(world.foot_forces, observer.foot_forces);
+  Connect(world.inertial, observer.imu);
+  Connect(observer.wrench, locomotion.wrench);
+  Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(world.foot_forces, locomotion.foot_forces);
   Connect(locomotion.torque, world.torque);
 

@@ -5,6 +5,7 @@
 #include "tenon/controllers/legged_state_estimator.h"
 #include "tenon/controllers/tracking_error.h"
 #include "tenon/controllers/walk_schedule.h"
+#include "tenon/diagrams/disturbance_observer.h"
 #include "tenon/diagrams/legged_locomotion.h"
 #include "tenon/diagrams/quadruped_world.h"
 
@@ -14,22 +15,20 @@ struct QuadrupedWalkParams {
   QuadrupedWorldParams world;
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
+  DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
   QuadrupedDescription true_robot;  ///< without what disturbs it: errors are those of its CoM and feet
 };
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
 ///
-///     walk ──► locomotion ──► world ──┐
-///                ▲                    │
-///                └────────────────────┘ state, foot forces
+///     walk ──► locomotion ──► world ──┬─► IMU, torque ──┐
+///                ▲   ▲                │                 ▼
+///                │   └────────────────┴─ state ─────► observer
+///                └── wrench, forces on the legs ────────┘
 ///
-/// or, with an estimator, by what its sensors tell:
-///
-///     walk ──► locomotion ──► world ──┐ foot forces
-///                ▲  ▲     └─► estimator ◄── IMU, encoders
-///                │  └── state ──┘     │
-///                └────────────────────┘
+/// The foot forces go to locomotion and observer too. With an estimator, the state that both are told is the
+/// one that it finds from IMU, encoders and the schedule; without, it is the true one.
 class QuadrupedWalk final : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -37,6 +36,7 @@ class QuadrupedWalk final : public Subdiagram {
   WalkSchedule& walk;
   LeggedLocomotion& locomotion;
   QuadrupedWorld& world;
+  DisturbanceObserver& observer;
   LeggedStateEstimator* estimator = nullptr;  ///< if there is one
   TrackingError& errors;
 };

@@ -126,6 +126,32 @@ LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
   return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
 }
 
+WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
+                                                  const ExternalForces& external) const {
+  WrenchEstimate wrench;
+  const Vec<3> com = body.Com();
+  for (const ExternalForce& force : external) {
+    wrench.force_W += force.force_W;
+    wrench.torque_W += force.torque_W + (body.Position(force.body, force.p_B) - com).cross(force.force_W);
+  }
+  return wrench;
+}
+
+Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const {
+  Vec<12> torque = Vec<12>::Zero();
+  for (const ExternalForce& force : external) {
+    if (force.body == 0) continue;
+    const Vec<3> p_W = body.Position(force.body, force.p_B);
+    const int last = force.body - 1;  // the joint that moves the body; those above it in its leg come before
+    for (int j = last - last % kJointsPerLeg; j <= last; ++j) {
+      const Vec<3> origin = body.Position(1 + j, Vec<3>::Zero());
+      const Vec<3> axis = body.Position(1 + j, params.robot.joint(j).axis) - origin;
+      torque[j] += axis.dot(force.torque_W + (p_W - origin).cross(force.force_W));
+    }
+  }
+  return torque;
+}
+
 void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
                                   const ExternalForces& external, Geometry* out) const {
   MoveQuadrupedGeometry(params.robot, x, feet, external, out);

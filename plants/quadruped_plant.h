@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/description/disturbance_signals.h>
 #include <tenon/plants/description/legged_signals.h>
 #include <tenon/plants/foot_contact.h>
 #include <tenon/plants/quadruped_body.h>
@@ -56,7 +57,9 @@ struct LeggedEnergy {
 ///                foot_slips    velocity of each foot's point in contact along the ground [m/s]
 ///                joint_torque  what the drives give after their limits [N m]
 ///                energy        kinetic, potential
-///                geometry      what it looks like, terrain included
+///                external_wrench   of `external` about the CoM; what is on the trunk as a payload is not in
+///                it external_torque   of `external` on the joints [N m] geometry      what it looks like,
+///                terrain included
 ///
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,
@@ -106,6 +109,10 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{
       this, {"foot_slips", "m/s"}, Uses(contacts), &QuadrupedPlant::CalcFootSlips};
   OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
+  OutputPort<WrenchEstimate> external_wrench{
+      this, {"external_wrench"}, Uses(body, external), &QuadrupedPlant::CalcExternalWrench};
+  OutputPort<Vec<12>> external_torque{
+      this, {"external_torque", "N m"}, Uses(body, external), &QuadrupedPlant::CalcExternalTorque};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
                                 MakeQuadrupedGeometry(params.robot, params.terrain),
@@ -128,6 +135,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;
   LeggedEnergy CalcEnergy(const QuadrupedBody& body) const;
+  WrenchEstimate CalcExternalWrench(const QuadrupedBody& body, const ExternalForces& external) const;
+  Vec<12> CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const;
   void CalcGeometry(const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                     Geometry* out) const;
   LeggedState CalcMotionRate(const LeggedState& x, const LeggedAcceleration& acceleration) const;

@@ -37,6 +37,32 @@ std::string YamlDocument::Text(std::string_view key) const {
   return found == tree_->children.end() ? "" : found->text;
 }
 
+namespace {
+
+void AddMissingTo(YamlTree& tree, const YamlTree& base) {
+  for (const YamlTree& entry : base.children) {
+    const auto own = YamlTree::FindKey(tree, entry.key);
+    if (own == tree.children.end())
+      tree.children.push_back(entry);
+    else if (own->kind == YamlTree::Kind::kMap && entry.kind == YamlTree::Kind::kMap)
+      AddMissingTo(*own, entry);
+  }
+}
+
+}  // namespace
+
+void YamlDocument::AddMissing(const YamlDocument& base) {
+  YamlTree root = *tree_;
+  AddMissingTo(root, *base.tree_);
+  tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+void YamlDocument::Remove(std::string_view key) {
+  YamlTree root = *tree_;
+  std::erase_if(root.children, [key](const YamlTree& entry) { return entry.key == key; });
+  tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
 void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text) {
   const std::string place = fmt::format("--set {}={}", dotted_key, value_text);
   YamlTree root = *tree_;

@@ -47,6 +47,12 @@ class YamlDocument {
   /// Errors that stem from the value say `--set a.b=3` instead of a line of the file.
   void Set(std::string_view dotted_key, std::string_view value_text);
 
+  /// Adds what `base` says and this document does not: maps key by key, while lists and scalars of this
+  /// document stand for those of the base.
+  void AddMissing(const YamlDocument& base);
+  /// Takes out a key at top level, if it is there.
+  void Remove(std::string_view key);
+
   /// The text of a scalar at top level; empty if there is none of that key.
   std::string Text(std::string_view key) const;
 

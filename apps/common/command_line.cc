@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "tenon/plants/description/resources.h"
 #include "tenon/systems/errors.h"
 
@@ -41,11 +43,30 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   }
 }
 
+namespace {
+
+/// A scenario with everything that it takes over from the ones that it extends.
+YamlDocument LoadExtended(const std::string& name) {
+  YamlDocument document = YamlDocument::Load(FindResource("scenarios", name));
+  std::vector<std::string> chain{name};
+  for (std::string base; !(base = document.Text("extends")).empty();) {
+    if (std::find(chain.begin(), chain.end(), base) != chain.end())
+      throw ParameterError(fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
+                                       base, chain.back()));
+    chain.push_back(base);
+    document.Remove("extends");
+    document.AddMissing(YamlDocument::Load(FindResource("scenarios", base)));
+  }
+  return document;
+}
+
+}  // namespace
+
 YamlDocument LoadScenario(const CommonArguments& arguments) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
   }
-  YamlDocument document = YamlDocument::Load(FindResource("scenarios", arguments.scenario));
+  YamlDocument document = LoadExtended(arguments.scenario);
   for (const std::string& setting : arguments.settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -58,7 +79,7 @@ YamlDocument LoadScenario(const CommonArguments& arguments) {
 
 void ListScenarios(const std::string& app) {
   for (const std::string& name : ListResources("scenarios")) {
-    const YamlDocument document = YamlDocument::Load(FindResource("scenarios", name));
+    const YamlDocument document = LoadExtended(name);
     if (document.Text("app") != app) continue;
     fmt::print("{:<16} {}\n", name, document.Text("description"));
   }

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tenon/apps/common/outputs.h"
+
+namespace tenon::apps {
+
+/// What a run leaves.
+struct RunResult {
+  Summary summary;
+  Report report;
+};
+
+/// One of several runs, into the directory that its arguments name.
+struct Variant {
+  std::string name;
+  std::function<RunResult(const CommonArguments&)> run;
+};
+
+/// Runs all variants, each into a directory of its name below --out; writes one summary.json with the figures
+/// of each by name, and one report.html of all, or of the first kReported. `report` has their title and plots.
+/// Returns the worst exit code.
+int Compare(const CommonArguments& arguments, Report report, const std::vector<Variant>& variants);
+inline constexpr std::size_t kReported = 8;
+
+}  // namespace tenon::apps
