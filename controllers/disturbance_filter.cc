@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -54,6 +55,21 @@ std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gain
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(EstimatorMatrix(gains), /*computeEigenvectors=*/false);
   const auto& values = solver.eigenvalues();
   return {values.begin(), values.end()};
+}
+
+double NoiseBandwidth(const std::vector<double>& gains) {
+  DemandHurwitz(gains);
+  // The covariance P of gamma under white noise, A P + P A^T + b b^T = 0, as linear equations of its entries.
+  const Eigen::MatrixXd A = EstimatorMatrix(gains);
+  const Eigen::Index r = A.rows();
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(r * r, r * r);
+  for (Eigen::Index i = 0; i < r; ++i) {
+    equations.block(i * r, i * r, r, r) += A;
+    for (Eigen::Index j = 0; j < r; ++j) equations.block(i * r, j * r, r, r).diagonal().array() += A(i, j);
+  }
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(r * r);
+  right[0] = -gains.front() * gains.front();
+  return equations.partialPivLu().solve(right)[r * r - 1] / 2;
 }
 
 void DemandHurwitz(const std::vector<double>& gains) {

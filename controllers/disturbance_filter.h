@@ -30,6 +30,10 @@ std::vector<double> ButterworthGains(int order, double bandwidth);
 /// The roots of the characteristic polynomial [1/s].
 std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gains);
 
+/// The noise-equivalent bandwidth [Hz]: white noise of density S comes out with a variance of S times this,
+/// half the integral of the squared impulse response. K / 4 for order 1.
+double NoiseBandwidth(const std::vector<double>& gains);
+
 /// Throws ParameterError, with the roots, unless all of them lie in the left half-plane; and if there are no
 /// gains, too many, or some are not finite.
 void DemandHurwitz(const std::vector<double>& gains);

@@ -51,6 +51,17 @@ TEST(EstimatorGainsTest, PolesAreTheRootsOfThePolynomial) {
   }
 }
 
+TEST(EstimatorGainsTest, NoiseBandwidthInClosedForm) {
+  const double w = 30;
+  for (int order = 1; order <= 6; ++order)
+    EXPECT_NEAR(NoiseBandwidth(ButterworthGains(order, w)),
+                w / (4 * order * std::sin(std::numbers::pi / (2 * order))), 1e-9);
+  // c_1 c_2 K_1 / (4 (c_1 c_2 - c_0)) for order 3.
+  const double c0 = 2.25 * 6.28 * 17.5, c1 = 6.28 * 17.5, c2 = 17.5;
+  EXPECT_NEAR(NoiseBandwidth({2.25, 6.28, 17.5}), 2.25 * c1 * c2 / (4 * (c1 * c2 - c0)), 1e-12);
+  EXPECT_TRUE(Throws<ParameterError>([] { NoiseBandwidth({-1}); }, "diverges"));
+}
+
 TEST(EstimatorGainsTest, RefusesWhatDiverges) {
   EXPECT_TRUE(Throws<ParameterError>(
       [] {

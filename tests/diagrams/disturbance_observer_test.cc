@@ -5,6 +5,10 @@
 #include <memory>
 
 #include "tenon/controllers/joint_pd.h"
+#include "tenon/controllers/tracking_error.h"
+#include "tenon/controllers/walk_schedule.h"
+#include "tenon/diagrams/locomotion_profile.h"
+#include "tenon/diagrams/quadruped_world.h"
 #include "tenon/plants/disturbances.h"
 #include "tenon/plants/imu.h"
 #include "tenon/plants/joint_encoders.h"
@@ -133,6 +137,61 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
     const double tolerance = kind == ObserverKind::kNdoInverse ? 8 : legs ? 0.3 : 0;
     EXPECT_THAT(cell.legs().foot_force.front_right, IsNear(legs ? force : Vec<3>(Vec<3>::Zero()), tolerance))
         << name;
+  }
+}
+
+/// A robot that stands by its whole-body controller, which takes off what the observer estimates.
+WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
+  QuadrupedWorldParams world_params;
+  world_params.plant.robot = DogBot();
+  world_params.plant.initial = test::Standing(DogBot());
+  world_params.imu.angular_velocity_noise.setZero();
+  world_params.imu.specific_force_noise.setZero();
+  world_params.pulses = {pulse};
+  DiagramBuilder builder;
+  WalkSegment stand;
+  stand.duration = 5;
+  auto& walk = builder.Add<WalkSchedule>("walk", WalkScheduleParams{.segments = {stand}});
+  auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(DogBot()));
+  auto& world = builder.Add<QuadrupedWorld>("world", world_params);
+  auto& observer = builder.Add<DisturbanceObserver>("observer", Params(kind));
+  auto& errors = builder.Add<TrackingError>("errors", TrackingErrorParams{DogBot()});
+  builder.Connect(walk.command, locomotion.command);
+  builder.Connect(world.state, locomotion.state);
+  builder.Connect(world.foot_forces, locomotion.foot_forces);
+  builder.Connect(locomotion.torque, world.torque);
+  builder.Connect(world.state, observer.state);
+  builder.Connect(world.measured_torque, observer.torque);
+  builder.Connect(world.foot_forces, observer.foot_forces);
+  builder.Connect(world.inertial, observer.imu);
+  builder.Connect(observer.wrench, locomotion.wrench);
+  builder.Connect(observer.leg_forces, locomotion.leg_forces);
+  builder.Connect(world.state, errors.state);
+  builder.Connect(world.ground_forces, errors.foot_forces);
+  builder.Connect(locomotion.schedule, errors.schedule);
+  builder.Connect(locomotion.body, errors.body);
+  builder.Connect(locomotion.feet, errors.feet);
+  builder.Connect(locomotion.plan, errors.plan);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-3, .atol = 1e-5});
+  simulator.AdvanceTo(1.3);
+  return simulator.context().Eval(errors.errors);
+}
+
+// A force on a standing leg, whose effect at the joints and whose net wrench are both taken off: were either
+// counted twice or not at all, the ground would not bear what is planned, and the robot would be pushed away.
+TEST(DisturbanceObserverTest, ForceOnAStandingLegIsTakenOffOnce) {
+  for (const double height : {0.0, 0.5}) {
+    const PulseForceParams push = Push(PointOnLeg(DogBot(), 1, height), {20, 15, -10});
+    const WalkingErrors with = StandUnderPush(ObserverKind::kHybrid, push);
+    EXPECT_LT(with.com.norm(), 1.5e-3) << height;
+    EXPECT_LT(with.ground_force.maxCoeff(), 1.5) << height;  // the controller has it at the feet's centres
+    const WalkingErrors legs = StandUnderPush(ObserverKind::kLegs, push);
+    const WalkingErrors com = StandUnderPush(ObserverKind::kCom, push);
+    const WalkingErrors none = StandUnderPush(ObserverKind::kNone, push);
+    EXPECT_GT(legs.com.norm(), 5e-3) << height;
+    EXPECT_GT(com.ground_force.maxCoeff(), 5) << height;
+    EXPECT_GT(none.ground_force.maxCoeff(), 5) << height;
   }
 }
 
