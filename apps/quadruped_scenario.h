@@ -47,6 +47,7 @@ struct WalkScenario {
       StateSource::kTrue;       ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
   double friction = 1;          ///< that the controller counts on
   double mass_error_ratio = 0;  ///< 0.3: the controller believes in masses 30 % too large
+  double judged_from_s = 0;     ///< figures count from here
 
   static constexpr auto Fields() {
     return std::tuple{Required("path", &WalkScenario::path),
@@ -54,7 +55,8 @@ struct WalkScenario {
                       Field{"step", &WalkScenario::step},
                       Field{"state", &WalkScenario::state},
                       Field{"friction", &WalkScenario::friction},
-                      Field{"mass_error_ratio", &WalkScenario::mass_error_ratio}};
+                      Field{"mass_error_ratio", &WalkScenario::mass_error_ratio},
+                      Field{"judged_from_s", &WalkScenario::judged_from_s}};
   }
 };
 

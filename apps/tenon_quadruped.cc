@@ -69,7 +69,8 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
                                    std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = MakeWalkParams(scenario);
   const double load = params.world.plant.gravity * scenario.payload.mass_kg;
-  return RunOnce<QuadrupedWalk>(arguments, scenario, params, std::make_shared<WalkFigures>(load));
+  return RunOnce<QuadrupedWalk>(arguments, scenario, params,
+                                std::make_shared<WalkFigures>(load, scenario.walk->judged_from_s));
 }
 
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {

@@ -43,6 +43,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
 }
 
 void WalkFigures::Row(std::span<const double> row) {
+  if (row[0] < from_) return;
   const auto norm = [&](const std::vector<std::size_t>& columns) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
   };
@@ -95,6 +96,7 @@ void WalkFigures::AddTo(Summary& summary) const {
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) values.emplace_back(kLegNames[leg], legs_[leg].*figure);
     return values;
   };
+  summary.Set("judged_from_s", from_);
   summary.Set("com_error_max_m", com_max_);
   summary.Set("com_error_rms_m", std::sqrt(com_square_ / rows));
   summary.Set("foot_error_max_m", by_leg(&LegFigures::foot_max));

@@ -23,8 +23,9 @@ class WalkFigures final : public LogSink {
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
 
-  /// `load` is the weight that the robot carries without its controller's knowledge [N].
-  explicit WalkFigures(double load) : load_(load) {}
+  /// `load` is the weight that the robot carries without its controller's knowledge [N]; what comes before
+  /// `from` [s] does not count.
+  WalkFigures(double load, double from) : load_(load), from_(from) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.
@@ -45,7 +46,7 @@ class WalkFigures final : public LogSink {
 
   void LegRow(std::span<const double> row, std::size_t leg);
 
-  double load_;
+  double load_, from_;
   std::vector<std::size_t> external_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, torque_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};

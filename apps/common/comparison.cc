@@ -19,7 +19,8 @@ int Compare(const CommonArguments& arguments, Report report, const std::vector<V
     worst = std::max<int>(worst, result.summary.exit_code());
     runs.emplace_back(variant.name, std::move(result.summary));
     if (reports.size() < kReported) reports.push_back(std::move(result.report));
-    Summary::WriteComparison(runs, base / "summary.json");  // after each: nothing is lost if the next is killed
+    Summary::WriteComparison(runs,
+                             base / "summary.json");  // after each: nothing is lost if the next is killed
   }
   for (std::size_t i = 0; i < reports.size(); ++i) report.Add(runs[i].first, reports[i]);
   report.Write(base / "report.html");

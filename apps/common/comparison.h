@@ -21,8 +21,8 @@ struct Variant {
 };
 
 /// Runs all variants, each into a directory of its name below --out; writes one summary.json with the figures
-/// of each by name, and one report.html of all, or of the first kReported. `report` has their title and plots.
-/// Returns the worst exit code.
+/// of each by name, and one report.html of all, or of the first kReported. `report` has their title and
+/// plots. Returns the worst exit code.
 int Compare(const CommonArguments& arguments, Report report, const std::vector<Variant>& variants);
 inline constexpr std::size_t kReported = 8;
 
