@@ -101,6 +101,8 @@ class SwayingRobot {
 LeggedStateEstimatorParams Params(const SwayingRobot& robot, const QuadrupedDescription& description) {
   LeggedStateEstimatorParams params;
   params.robot = description;
+  params.robot.contact.stiffness = 1e12;  // hard ground
+  params.robot.contact.blend = 0;
   params.initial = robot.State();
   return params;
 }
@@ -320,6 +322,8 @@ TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
     };
   };
   using P = LeggedStateEstimatorParams;
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.robot.contact.stiffness = 0; }),
+                                     "robot.contact.stiffness = 0 N/m", "LoadQuadruped"));
   EXPECT_TRUE(
       Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot = -1", "must be positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.start.attitude = 0; }), "start.attitude = 0",
