@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace tenon {
 namespace {
@@ -27,6 +29,9 @@ void LeggedStateEstimatorParams::Validate() const {
   Demand(std::isfinite(settle_time) && settle_time >= 0,
          fmt::format("settle_time = {} s must not be negative; 0 trusts a foot from its touchdown",
                      settle_time));
+  Demand(robot.contact.stiffness > 0,
+         fmt::format("robot.contact.stiffness = {} N/m must be positive: read the robot by LoadQuadruped",
+                     robot.contact.stiffness));
   Demand(std::isfinite(gravity), fmt::format("gravity = {} is not finite; give m/s^2", gravity));
   Demand(imu_p_B.allFinite(), "imu_p_B, where the IMU sits, is not finite; give metres in the trunk's frame");
   const auto turn = [](const char* name, const Vec<4>& q) {
@@ -55,6 +60,13 @@ void LeggedStateEstimator::Start(const JointMotion& joints, Memory& memory) cons
   memory.started = true;
 }
 
+double LeggedStateEstimator::RollingRadius(const std::array<bool, kNumLegs>& anchored) const {
+  const auto feet = std::max<std::ptrdiff_t>(1, std::count(anchored.begin(), anchored.end(), true));
+  const ContactProperties& contact = params.robot.contact;
+  const double load = model_.mass() * params.gravity / static_cast<double>(feet);
+  return std::max(0.0, params.robot.foot_radius - load / contact.stiffness - contact.blend / 2);
+}
+
 void LeggedStateEstimator::CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const {
   LeggedState at_origin;  // W is the trunk's frame
   at_origin.q = joints.q;
@@ -80,7 +92,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
         turn += (joints.q[j] - memory.q[j]) * legs.axis_W[static_cast<std::size_t>(j)];
       }
     }
-    filter.Predict(input, params.noise, T, params.robot.foot_radius, params.gravity);
+    filter.Predict(input, params.noise, T, RollingRadius(filter.anchored), params.gravity);
     memory.q = joints.q;
   }
 

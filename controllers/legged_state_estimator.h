@@ -78,12 +78,13 @@ struct LeggedEstimate {
 /// with a quadruped's kinematics. Joint angles and speeds are passed on as the encoders give them; the
 /// angular velocity is the gyroscope's without its estimated bias.
 ///
-/// The IMU's sample of a tick is used at the next one, in which the filter goes from the one to the other: it
-/// feels the torque that the controller computes from this very estimate. The angular velocity so is one tick
-/// old.
+/// The IMU's sample of a tick is used at the next one, to go from the one to the other: it feels the torque
+/// that follows from this very estimate. The angular velocity so is one tick old.
 ///
-/// A foot counts once it has been in stance for `settle_time`, when its landing is over and the ground below
-/// has taken its load; in swing, late or searching it does not.
+/// Feet roll with the radius that is left when the robot's weight, shared by those that count, has pressed
+/// them into the ground, foot_radius - m g / (n k) - b / 2 with the contact's stiffness k and blend b.
+/// A foot counts once it has been in stance for `settle_time`, when the ground below has taken its load; in
+/// swing, late or searching it does not.
 ///
 ///     | port        | kind            | type                        |
 ///     | imu         | input           | ImuMeasurement              |
@@ -141,6 +142,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   LeggedEstimate CalcEstimate(const ImuMeasurement& last_imu, const QuadrupedDynamics& legs,
                               const JointMotion& joints, const ContactSchedule& schedule,
                               Memory& memory) const;
+  double RollingRadius(const std::array<bool, kNumLegs>& anchored) const;
   void Start(const JointMotion& joints, Memory& memory) const;
   LeggedEstimate Output(const ImuMeasurement& imu_B, const JointMotion& joints, const Memory& memory) const;
 };
