@@ -189,15 +189,16 @@ struct TrunkLoadScenario {
   RigidInertia Make() const;
 };
 
-/// The tolerances that QuadrupedPlant recommends, with order 2: against order 5 with rtol = 1e-9, a drop from
-/// 0.1 m is then within 0.013 mm for DogBot and 0.035 mm for the A1, and standing takes 3 evaluations per ms
-/// in place of the 4 of order 3.
+/// Order 2 measures its error by that of Euler's method, so the motion is far closer than the tolerances say:
+/// against order 5 with rtol = 1e-9, three seconds of DogBot's trot are within 0.001 mm with 3.6 evaluations
+/// per ms, a drop from 0.1 m within 0.05 mm. Tenfold smaller tolerances take twice the evaluations and end no
+/// closer.
 struct LeggedIntegratorScenario {
   int order = 2;
-  double rtol = 1e-3;
-  double atol_position = 1e-5;  ///< [m, rad]
-  double atol_velocity = 1e-3;  ///< [m/s, rad/s]
-  double atol_bristles = 1e-6;  ///< [m]
+  double rtol = 1e-2;
+  double atol_position = 1e-4;  ///< [m, rad]
+  double atol_velocity = 1e-2;  ///< [m/s, rad/s]
+  double atol_bristles = 1e-5;  ///< [m]
 
   static constexpr auto Fields() {
     return std::tuple{Field{"order", &LeggedIntegratorScenario::order},

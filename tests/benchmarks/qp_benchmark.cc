@@ -171,9 +171,9 @@ void SolveByAlglib(benchmark::State& state, bool interior_point) {
         alglib::minqpsetlc2dense(solver, A, lower, upper);
         alglib::minqpsetscale(solver, scale);
         if (interior_point) {
-          alglib::minqpsetalgodenseipm(solver, 1e-6);
+          alglib::minqpsetalgodenseipm(solver, 1e-10);
         } else {
-          alglib::minqpsetalgodenseaul(solver, 1e-6, 1e4, 5);
+          alglib::minqpsetalgodenseaul(solver, 1e-10, 1e4, 5);
         }
         alglib::minqpoptimize(solver);
         alglib::minqpreport result;
