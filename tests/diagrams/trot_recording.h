@@ -35,15 +35,15 @@ struct TrotLoop {
     loop = &builder.Add<QuadrupedWalk>("loop", params);
     diagram = builder.Build();
   }
-  /// The tolerances that QuadrupedPlant recommends, with order 2; `plant` is its path.
+  /// As tenon-quadruped integrates; `plant` is the plant's path.
   static SimulatorOptions Options(const std::string& plant = "loop.world.plant") {
     return {.order = 2,
-            .rtol = 1e-3,
-            .atol = 1e-5,
-            .state_atol = {{plant + ".motion.v_W", 1e-3},
-                           {plant + ".motion.w_W", 1e-3},
-                           {plant + ".motion.qd", 1e-3},
-                           {plant + ".bristles", 1e-6}}};
+            .rtol = 1e-2,
+            .atol = 1e-4,
+            .state_atol = {{plant + ".motion.v_W", 1e-2},
+                           {plant + ".motion.w_W", 1e-2},
+                           {plant + ".motion.qd", 1e-2},
+                           {plant + ".bristles", 1e-5}}};
   }
 
   QuadrupedWalk* loop;
