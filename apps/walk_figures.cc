@@ -74,7 +74,7 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
 }
 
 void WalkFigures::AddTo(Summary& summary) const {
-  const auto by_leg = [&](double LegFigures::* figure) {
+  const auto by_leg = [&](double LegFigures::*figure) {
     std::vector<std::pair<std::string, double>> values;
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) values.emplace_back(kLegNames[leg], legs_[leg].*figure);
     return values;

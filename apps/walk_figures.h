@@ -33,11 +33,11 @@ class WalkFigures final : public LogSink {
   };
   struct LegFigures {
     bool stance = false;
-    double touchdown = 0;         // [s]
-    std::deque<Sample> waiting;   // errors that a lift-off may still make invalid
+    double touchdown = 0;        // [s]
+    std::deque<Sample> waiting;  // errors that a lift-off may still make invalid
     std::array<double, 3> slip{};
-    double slip_max = 0;          // [m]
-    double foot_max = 0;          // [m]
+    double slip_max = 0;  // [m]
+    double foot_max = 0;  // [m]
   };
 
   void LegRow(std::span<const double> row, std::size_t leg);

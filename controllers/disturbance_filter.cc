@@ -46,8 +46,7 @@ std::vector<double> ButterworthGains(int order, double bandwidth) {
          fmt::format("an estimator of {} rad/s: its bandwidth must be positive", bandwidth));
   const double step = std::numbers::pi / (2 * order);
   std::vector<double> gains;
-  for (int i = 1; i <= order; ++i)
-    gains.push_back(bandwidth * std::sin(i * step) / std::cos((i - 1) * step));
+  for (int i = 1; i <= order; ++i) gains.push_back(bandwidth * std::sin(i * step) / std::cos((i - 1) * step));
   return gains;
 }
 
@@ -71,9 +70,9 @@ void DemandHurwitz(const std::vector<double>& gains) {
       "with the gains {} the estimate diverges: the poles are {}; choose gains with all poles in the left "
       "half-plane{}",
       list, Text(poles),
-      IsHurwitz(reversed) ? fmt::format(" (as the same gains in reverse order, K_1 first, have: {})",
-                                        Text(reversed))
-                          : ""));
+      IsHurwitz(reversed)
+          ? fmt::format(" (as the same gains in reverse order, K_1 first, have: {})", Text(reversed))
+          : ""));
 }
 
 Eigen::MatrixXd EstimatorMatrix(const std::vector<double>& gains) {

@@ -37,15 +37,15 @@ struct LegMomentumObserverParams {
 ///
 ///     rho' = alpha + F,   alpha = C^T nu - g + tau + sum_i J_i^T f_i        (joints' rows)
 ///
-/// and the estimator (2.10), (2.11) of the torques F that are left, in which integrals over each interval take
-/// the torque of that interval and the mean of C^T nu - g and J^T f at its ends, gives (2.9):
+/// and the estimator (2.10), (2.11) of the torques F that are left, in which integrals over each interval
+/// take the torque of that interval and the mean of C^T nu - g and J^T f at its ends, gives (2.9):
 ///
 ///     F_hat = K_1 K_2 ... K_r / (s^r + K_r s^(r-1) + K_r K_(r-1) s^(r-2) + ... ) F.
 ///
 /// It is exact in time for an F that is constant in each interval. rho(0) is subtracted, so that it may start
 /// on a moving robot. `kExact` uses the rows of the floating robot, p_j = S_j . H_j, in which gravity appears
-/// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts at
-/// the joints, say their friction, is part of the estimate.
+/// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts
+/// at the joints, say their friction, is part of the estimate.
 ///
 /// The ground's forces act at the lowest point of each foot's sphere. The estimate is also told as forces at
 /// the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all). Near a singular
@@ -58,8 +58,8 @@ struct LegMomentumObserverParams {
 ///     | foot_forces | input           | FootForces       |
 ///     | estimate    | output, sampled | LegForceEstimate |
 ///
-/// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago, so
-/// that a controller may use it for the torque of the same tick.
+/// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago,
+/// so that a controller may use it for the torque of the same tick.
 class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -18,10 +18,10 @@ struct TrackingErrorParams {
 };
 
 struct WalkingErrors {
-  Vec<3> com = Vec<3>::Zero();             ///< x - x_ref of the centre of mass [m]
-  Vec<4> foot = Vec<4>::Zero();            ///< |p - p_ref| of each foot in swing; 0 of the others [m]
-  Vec<4> ground_force = Vec<4>::Zero();    ///< |planned - true| of each foot in stance; 0 of the others [N]
-  Vec<3> com_position = Vec<3>::Zero();    ///< x [m]
+  Vec<3> com = Vec<3>::Zero();           ///< x - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();          ///< |p - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true| of each foot in stance; 0 of the others [N]
+  Vec<3> com_position = Vec<3>::Zero();  ///< x [m]
 
   static constexpr auto Fields() {
     return std::tuple{Field{"com", &WalkingErrors::com, "m"}, Field{"foot", &WalkingErrors::foot, "m"},
@@ -45,10 +45,8 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WholeBodyPlan> plan{this, {"plan"}};
-  OutputPort<WalkingErrors> errors{this,
-                                   {"errors"},
-                                   Uses(state, foot_forces, schedule, body, feet, plan),
-                                   &TrackingError::CalcErrors};
+  OutputPort<WalkingErrors> errors{
+      this, {"errors"}, Uses(state, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
 
  private:
   WalkingErrors CalcErrors(const LeggedState& state, const FootForces& foot_forces,

@@ -38,8 +38,8 @@ struct DisturbanceObserverParams {
   NonlinearDisturbanceObserverParams ndo;
 };
 
-/// The estimates that a whole-body controller takes off, by an observer of one's choice. What the kind does not
-/// estimate is zero.
+/// The estimates that a whole-body controller takes off, by an observer of one's choice. What the kind does
+/// not estimate is zero.
 ///
 ///     state, torque, foot_forces ──► legs or ndo ──► leg_forces
 ///     state, foot_forces, imu ─────► com ──────────► wrench

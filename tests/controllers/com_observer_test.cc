@@ -27,7 +27,8 @@ ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source =
 
 class Observed {
  public:
-  Observed(QuadrupedBench bench_in, const ComObserverParams& params) : bench(std::move(bench_in)), rig(params) {
+  Observed(QuadrupedBench bench_in, const ComObserverParams& params)
+      : bench(std::move(bench_in)), rig(params) {
     Tick();
   }
   const WrenchEstimate& Tick() {

@@ -52,9 +52,12 @@ TEST(EstimatorGainsTest, PolesAreTheRootsOfThePolynomial) {
 }
 
 TEST(EstimatorGainsTest, RefusesWhatDiverges) {
-  EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({17.5, 6.28, 2.25}); },
-                                     "with the gains 17.5, 6.28, 2.25 the estimate diverges",
-                                     "the poles are 2.01 ± 5.95i, -6.28", "in reverse order"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        DemandHurwitz({17.5, 6.28, 2.25});
+      },
+      "with the gains 17.5, 6.28, 2.25 the estimate diverges", "the poles are 2.01 ± 5.95i, -6.28",
+      "in reverse order"));
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({-1}); }, "the poles are 1;", "left half-plane"));
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({0}); }, "the poles are 0"));
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({}); }, "0 gains", "r from 1 to 12"));

@@ -88,7 +88,8 @@ TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> modes(decoupled.M_q);
       const Vec<12> decay = (-x * 1e-3 * modes.eigenvalues().cwiseInverse()).array().exp();
       const Vec<12> error = torque - expected;
-      expected = torque - modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * error;
+      expected =
+          torque - modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * error;
       worst = std::max(worst, (estimate - expected).norm());
     }
     // The implicit rule is slower in what is fast anyway.

@@ -44,8 +44,7 @@ struct Cell {
     plant_params.initial = test::Standing(plant_params.robot);
     plant = &builder.Add<QuadrupedPlant>("plant", plant_params);
     auto& encoders = builder.Add<JointEncoders>("encoders");
-    auto& pd =
-        builder.Add<JointPd>("pd", JointPdParams{.robot = DogBot(), .stiffness = 500, .damping = 10});
+    auto& pd = builder.Add<JointPd>("pd", JointPdParams{.robot = DogBot(), .stiffness = 500, .damping = 10});
     ImuParams imu_params;
     imu_params.angular_velocity_noise.setZero();
     imu_params.specific_force_noise.setZero();
@@ -132,8 +131,7 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
     EXPECT_THAT(cell.wrench().force_W, IsNear(com ? force : Vec<3>(Vec<3>::Zero()), com ? 0.3 : 0)) << name;
     // With X^-1 the comparator has settled by two thirds in this time.
     const double tolerance = kind == ObserverKind::kNdoInverse ? 8 : legs ? 0.3 : 0;
-    EXPECT_THAT(cell.legs().foot_force.front_right,
-                IsNear(legs ? force : Vec<3>(Vec<3>::Zero()), tolerance))
+    EXPECT_THAT(cell.legs().foot_force.front_right, IsNear(legs ? force : Vec<3>(Vec<3>::Zero()), tolerance))
         << name;
   }
 }

@@ -1,5 +1,6 @@
-// A person, a leash, supervisor and admittance filter around a robot that goes exactly as commanded, but takes a new
-// command at each footstep only, as a trot does. The force is known as through an observer of 20 rad/s.
+// A person, a leash, supervisor and admittance filter around a robot that goes exactly as commanded, but
+// takes a new command at each footstep only, as a trot does. The force is known as through an observer of 20
+// rad/s.
 
 #include <gmock/gmock.h>
 
@@ -74,15 +75,17 @@ class WalkRun {
     walker.phases = walk.phases;
     auto& person = builder.Add<Person>("person", walker);
     auto& leash = builder.Add<Leash>("leash", walk.leash);
-    auto& observer = builder.Add<LowPassFilter<Vec<3>>>("observer", LowPassFilterParams<Vec<3>>{.time_constant = 0.05});
+    auto& observer =
+        builder.Add<LowPassFilter<Vec<3>>>("observer", LowPassFilterParams<Vec<3>>{.time_constant = 0.05});
     auto& supervisor = builder.Add<Supervisor>("supervisor");
     auto& filter = builder.Add<AdmittanceFilter>("filter");
     auto& command = builder.AddFunction({"command"}, Uses(builder.time), walk.command);
     auto& force = builder.AddFunction({"force"}, Uses(leash.force),
                                       [](const ExternalForce& on) -> Vec<3> { return on.force_W; });
-    auto& wrench = builder.AddFunction({"wrench"}, Uses(observer.y), [](const Vec<3>& force_W) -> WrenchEstimate {
-      return {force_W, Vec<3>::Zero()};
-    });
+    auto& wrench =
+        builder.AddFunction({"wrench"}, Uses(observer.y), [](const Vec<3>& force_W) -> WrenchEstimate {
+          return {force_W, Vec<3>::Zero()};
+        });
     auto& obstacle = builder.AddFunction(
         {"obstacle"}, Uses(robot.pose_port), [at = walk.obstacle](const Vec<3>& pose) -> bool {
           const Vec<2> to = at - pose.head<2>();
@@ -207,14 +210,13 @@ TEST(LeashWalkTest, HoldsTheTensionOfOtherPeople) {
 }
 
 TEST(LeashWalkTest, LeadsThePersonAlongACurve) {
-  const WalkRun run({.phases = {Follow(100, 0.09)},
-                     .command = [](double t) -> WalkCommand {
-                       return {.gait = Gait::kTrot,
-                               .forward = kForward,
-                               .left = 0,
-                               .yaw_rate = t > 10 && t < 50 ? 0.05 : 0};
-                     }},
-                    100);
+  const WalkRun run(
+      {.phases = {Follow(100, 0.09)},
+       .command = [](double t) -> WalkCommand {
+         return {
+             .gait = Gait::kTrot, .forward = kForward, .left = 0, .yaw_rate = t > 10 && t < 50 ? 0.05 : 0};
+       }},
+      100);
   ExpectSteady(run, 5, 100);
   EXPECT_NEAR(run("robot.pose.yaw", 100.0), 2, 0.05);
   double last = 0;
