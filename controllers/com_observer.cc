@@ -9,24 +9,24 @@
 
 namespace tenon {
 
-void ComObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  for (const auto& [name, value] :
-       {std::pair{"force_bandwidth", force_bandwidth}, std::pair{"torque_bandwidth", torque_bandwidth}}) {
+void ComObserverGains::Validate() const {
+  for (const auto& [name, value] : {std::pair{"force_bandwidth_rad_per_s", force_bandwidth},
+                                    std::pair{"torque_bandwidth_rad_per_s", torque_bandwidth}}) {
     Demand(std::isfinite(value) && value > 0,
            fmt::format("{} = {} must be positive: the estimate would not follow", name, value));
   }
 }
 
-ComObserverParams CentroidalMomentumObserver(const QuadrupedDescription& robot) {
-  return {robot, 25, 10, ForceSource::kMomentum};
+void ComObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  gains.Validate();
 }
 
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
                                          const Vec<3>& specific_force_W, Memory& memory) const {
   QuadrupedDynamics dynamics;
   model_.Calc(state, &dynamics);
-  const bool from_imu = params.force_source == ForceSource::kImu;
+  const bool from_imu = params.gains.force_source == ForceSource::kImu;
   const double mass = model_.mass(), period = params.rate.period();
   const Vec<3> weight(0, 0, mass * model_.gravity());
 
@@ -49,8 +49,8 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
                                 : Vec<3>(change + weight - (before.ground + memory.ground) / 2);
   const Vec<3> torque = (memory.angular - before.angular) / period - (before.moment + memory.moment) / 2;
   WrenchEstimate& estimate = memory.estimate;
-  estimate.force_W += -std::expm1(-params.force_bandwidth * period) * (force - estimate.force_W);
-  estimate.torque_W += -std::expm1(-params.torque_bandwidth * period) * (torque - estimate.torque_W);
+  estimate.force_W += -std::expm1(-params.gains.force_bandwidth * period) * (force - estimate.force_W);
+  estimate.torque_W += -std::expm1(-params.gains.torque_bandwidth * period) * (torque - estimate.torque_W);
   return estimate;
 }
 

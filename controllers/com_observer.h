@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/description/cdpr_signals.h>
 #include <tenon/plants/description/disturbance_signals.h>
+#include <tenon/plants/description/imu_signals.h>
 #include <tenon/plants/description/quadruped_model.h>
 
 #include <array>
@@ -22,22 +22,36 @@ constexpr auto EnumNames(ForceSource) {
   return std::array{std::pair{ForceSource::kImu, "imu"}, std::pair{ForceSource::kMomentum, "momentum"}};
 }
 
-struct ComObserverParams {
-  QuadrupedDescription robot;    ///< what the observer believes
+/// What is tuned of an observer of the net wrench.
+struct ComObserverGains {
   double force_bandwidth = 20;   ///< K_l [rad/s]
   double torque_bandwidth = 20;  ///< K_a [rad/s]
   ForceSource force_source = ForceSource::kImu;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth},
+                      Field{"torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth},
+                      Field{"force_source", &ComObserverGains::force_source}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// With these a ComObserver is the centroidal momentum observer of Focchi et al. 2020: force and torque from
+/// the momenta, with gains of 25 and 10 rad/s.
+constexpr ComObserverGains CentroidalMomentumObserver() {
+  return {25, 10, ForceSource::kMomentum};
+}
+
+struct ComObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  ComObserverGains gains;
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The centroidal momentum observer of Focchi et al. 2020: force and torque from the momenta, with gains of
-/// 25 and 10 rad/s.
-ComObserverParams CentroidalMomentumObserver(const QuadrupedDescription& robot);
-
 /// Estimates the net wrench on a quadruped of everything but gravity and the ground, about its centre of mass
-/// x: the hybrid observer of Morlando 2023, section 2.4.2, in its exact form. With L the angular momentum about
-/// x, and the ground's forces f_i at p_i,
+/// x: the hybrid observer of Morlando 2023, section 2.4.2, in its exact form. With L the angular momentum
+/// about x, and the ground's forces f_i at p_i,
 ///
 ///     tau' = K_a (tau_ext - tau),   tau_ext = L' - sum_i (p_i - x) x f_i              (2.15) to (2.18)
 ///     f'   = K_l (f_ext - f),       f_ext   = m x'' + m g e_z - sum_i f_i             (2.19) to (2.21)
@@ -54,10 +68,11 @@ ComObserverParams CentroidalMomentumObserver(const QuadrupedDescription& robot);
 ///
 /// with the inertial unit and the ground at the instant of the unit's sample, the start of the interval: the
 /// shaking of a stiff contact is in both and cancels. No velocity of the trunk, no gravity and no angular
-/// acceleration is needed. `kMomentum` takes the mean of m x'' from x' itself, and that of f_i from both ends.
+/// acceleration is needed. `kMomentum` takes the mean of m x'' from x' itself, and that of f_i from both
+/// ends.
 ///
-/// The ground's forces act at the lowest point of each foot's sphere. All forces of the surroundings are in the
-/// wrench, wherever they act; estimates of other observers do not enter.
+/// The ground's forces act at the lowest point of each foot's sphere. All forces of the surroundings are in
+/// the wrench, wherever they act; estimates of other observers do not enter.
 ///
 ///     | port        | kind            | type                                      |
 ///     | state       | input           | LeggedState; v_W is read by kMomentum only |
@@ -65,8 +80,8 @@ ComObserverParams CentroidalMomentumObserver(const QuadrupedDescription& robot);
 ///     | imu         | input           | ImuMeasurement                            |
 ///     | estimate    | output, sampled | WrenchEstimate                            |
 ///
-/// The estimate depends on the present state and foot forces, and on the inertial unit one tick ago, so that a
-/// controller may use it for the torque of the same tick, which the unit feels at once.
+/// The estimate depends on the present state and foot forces, and on the inertial unit one tick ago, so that
+/// a controller may use it for the torque of the same tick, which the unit feels at once.
 class ComObserver final : public LeafSystem<ComObserverParams> {
  public:
   using LeafSystem::LeafSystem;

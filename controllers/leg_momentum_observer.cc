@@ -8,17 +8,21 @@
 
 namespace tenon {
 
-void LegMomentumObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+void LegObserverGains::Validate() const {
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
-         fmt::format("min_singular_value = {} must be positive: a straight leg has no inverse",
+         fmt::format("min_singular_value_m = {} must be positive: a straight leg has no inverse",
                      min_singular_value));
   DemandHurwitz(gains);
 }
 
+void LegMomentumObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  gains.Validate();
+}
+
 LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
                                                    const Vec<12>& held_torque, Memory& memory) const {
-  const bool exact = params.dynamics == LegDynamics::kExact;
+  const bool exact = params.gains.dynamics == LegDynamics::kExact;
   QuadrupedDynamics dynamics;
   DecoupledDynamics decoupled;
   model_.Calc(state, &dynamics);
@@ -46,8 +50,8 @@ LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, con
   LegForceEstimate estimate;
   estimate.joint_torque = DisturbanceFilter::Estimate<12>(memory.estimator);
   estimate.foot_force =
-      exact ? SolveFootForces(dynamics, estimate.joint_torque, params.min_singular_value)
-            : SolveFootForces(dynamics, decoupled, estimate.joint_torque, params.min_singular_value);
+      exact ? SolveFootForces(dynamics, estimate.joint_torque, params.gains.min_singular_value)
+            : SolveFootForces(dynamics, decoupled, estimate.joint_torque, params.gains.min_singular_value);
   return estimate;
 }
 

@@ -23,13 +23,25 @@ constexpr auto EnumNames(LegDynamics) {
   return std::array{std::pair{LegDynamics::kExact, "exact"}, std::pair{LegDynamics::kThesis, "thesis"}};
 }
 
-struct LegMomentumObserverParams {
-  QuadrupedDescription robot;         ///< what the observer believes
+/// What is tuned of a leg observer.
+struct LegObserverGains {
   std::vector<double> gains = {100};  ///< K_1 ... K_r [1/s]; see ButterworthGains, GainsOfPolynomial
   LegDynamics dynamics = LegDynamics::kExact;
   double min_singular_value = 0.02;  ///< of a leg's Jacobian; below, its foot force is damped [m]
-  Rate rate = Hz(1000);
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"gains_per_s", &LegObserverGains::gains},
+                      Field{"dynamics", &LegObserverGains::dynamics},
+                      Field{"min_singular_value_m", &LegObserverGains::min_singular_value}};
+  }
   void Validate() const;  ///< throws ParameterError; the poles must be stable, see DemandHurwitz
+};
+
+struct LegMomentumObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  LegObserverGains gains;
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// Estimates what unknown forces do to the joints of a quadruped's legs, swinging or standing, from the
@@ -79,7 +91,7 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
 
  private:
   const QuadrupedModel model_{params.robot};
-  const DisturbanceFilter filter_{params.gains, params.rate.period()};
+  const DisturbanceFilter filter_{params.gains.gains, params.rate.period()};
 
  public:
   InputPort<LeggedState> state{this, {"state"}};

@@ -25,10 +25,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
   }
   if (kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi) {
     ComObserverParams of_kind = params.com;
-    if (kind == ObserverKind::kFocchi) {
-      of_kind = CentroidalMomentumObserver(params.com.robot);
-      of_kind.rate = params.com.rate;
-    }
+    if (kind == ObserverKind::kFocchi) of_kind.gains = CentroidalMomentumObserver();
     com = &Add<ComObserver>("com", of_kind);
     Connect(state, com->state);
     Connect(foot_forces, com->foot_forces);

@@ -21,7 +21,7 @@ using test::QuadrupedBench;
 ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source = ForceSource::kImu) {
   ComObserverParams params;
   params.robot = robot;
-  params.force_source = source;
+  params.gains.force_source = source;
   return params;
 }
 
@@ -80,8 +80,8 @@ TEST(ComObserverTest, StepGivesTheFirstOrderResponse) {
   const Vec<3> force(30, -20, -60), torque(3, -2, 4);
   for (const ForceSource source : {ForceSource::kImu, ForceSource::kMomentum}) {
     ComObserverParams params = Params(DogBot(), source);
-    params.force_bandwidth = 20;
-    params.torque_bandwidth = 30;
+    params.gains.force_bandwidth = 20;
+    params.gains.torque_bandwidth = 30;
     QuadrupedBench bench = Standing(params.robot);
     bench.external = [=](const LeggedState& state, const QuadrupedDynamics& dynamics, double) {
       Vec<18> out = Vec<18>::Zero();  // through the centre of mass
@@ -154,10 +154,10 @@ TEST(ComObserverTest, DoesNotReadTheVelocityOfTheTrunk) {
 }
 
 TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
-  const ComObserverParams params = CentroidalMomentumObserver(DogBot());
-  EXPECT_EQ(params.force_bandwidth, 25);
-  EXPECT_EQ(params.torque_bandwidth, 10);
-  EXPECT_EQ(params.force_source, ForceSource::kMomentum);
+  const ComObserverGains gains = CentroidalMomentumObserver();
+  EXPECT_EQ(gains.force_bandwidth, 25);
+  EXPECT_EQ(gains.torque_bandwidth, 10);
+  EXPECT_EQ(gains.force_source, ForceSource::kMomentum);
 }
 
 TEST(ComObserverTest, DoesNotAllocate) {
@@ -174,11 +174,11 @@ TEST(ComObserverTest, RefusesWhatMakesNoSense) {
   };
   EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
   ComObserverParams params = Params(DogBot());
-  params.force_bandwidth = 0;
-  EXPECT_TRUE(refuses(params, "force_bandwidth = 0 must be positive"));
+  params.gains.force_bandwidth = 0;
+  EXPECT_TRUE(refuses(params, "force_bandwidth_rad_per_s = 0 must be positive"));
   params = Params(DogBot());
-  params.torque_bandwidth = NAN;
-  EXPECT_TRUE(refuses(params, "torque_bandwidth = nan must be positive"));
+  params.gains.torque_bandwidth = NAN;
+  EXPECT_TRUE(refuses(params, "torque_bandwidth_rad_per_s = nan must be positive"));
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ class Observed {
 LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<double> gains = {100}) {
   LegMomentumObserverParams params;
   params.robot = robot;
-  params.gains = std::move(gains);
+  params.gains.gains = std::move(gains);
   return params;
 }
 
@@ -105,7 +105,7 @@ TEST(LegMomentumObserverTest, StepGivesTheTransferFunctionOfEveryOrder) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     for (int order = 1; order <= 5; ++order) {
       LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(order, 50));
-      params.dynamics = form;
+      params.gains.dynamics = form;
       QuadrupedBench bench = Flying(params.robot);
       bench.external = AtJoints(step);
       Observed run(bench, params);
@@ -140,7 +140,7 @@ TEST(LegMomentumObserverTest, LinearCombinationsSuperpose) {
 TEST(LegMomentumObserverTest, ForceOnTheTrunkDoesNotReachTheLegs) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot());
-    params.dynamics = form;
+    params.gains.dynamics = form;
     QuadrupedBench bench(params.robot);
     bench.StandHere();
     bench.external = [](const LeggedState&, const QuadrupedDynamics&, double) {
@@ -187,7 +187,7 @@ TEST(LegMomentumObserverTest, ForceOnALegAppearsThereOnly) {
 TEST(LegMomentumObserverTest, StartsOnAMovingRobotWithoutTransient) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(3, 100));
-    params.dynamics = form;
+    params.gains.dynamics = form;
     QuadrupedBench bench = Flying(params.robot);
     for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = 5 * std::cos(j);
     Observed run(bench, params);
@@ -228,8 +228,9 @@ TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
   for (double knee = straight - 0.15; knee < straight + 0.15; knee += 2e-3) {
     const LegForceEstimate at = estimate(knee);
     const Vec<3> force = at.foot_force.front_left;
-    EXPECT_LT(force.norm(), at.joint_torque.head<3>().norm() / params.min_singular_value);
-    EXPECT_LT((force - last).norm(), 0.35 * at.joint_torque.head<3>().norm() / params.min_singular_value);
+    EXPECT_LT(force.norm(), at.joint_torque.head<3>().norm() / params.gains.min_singular_value);
+    EXPECT_LT((force - last).norm(),
+              0.35 * at.joint_torque.head<3>().norm() / params.gains.min_singular_value);
     last = force;
   }
   // A regular leg has the exact solution.
@@ -242,7 +243,7 @@ TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
 TEST(LegMomentumObserverTest, DoesNotAllocate) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(5, 40));
-    params.dynamics = form;
+    params.gains.dynamics = form;
     Observed run(Flying(params.robot), params);
     run.Tick();
     const AllocationGuard guard;
@@ -257,8 +258,8 @@ TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
   };
   EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
   LegMomentumObserverParams params = Params(DogBot());
-  params.min_singular_value = 0;
-  EXPECT_TRUE(refuses(params, "min_singular_value = 0 must be positive"));
+  params.gains.min_singular_value = 0;
+  EXPECT_TRUE(refuses(params, "min_singular_value_m = 0 must be positive"));
   // As the thesis prints its gains.
   params = Params(DogBot(), {17.5, 6.28, 2.25});
   EXPECT_TRUE(refuses(params, "with the gains 17.5, 6.28, 2.25 the estimate diverges", "2.01 ± 5.95i, -6.28",

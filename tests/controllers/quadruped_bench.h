@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "tenon/controllers/joint_pd.h"
-#include "tenon/plants/description/cdpr_signals.h"
+#include "tenon/plants/description/imu_signals.h"
 #include "tenon/plants/description/quadruped_model.h"
 
 namespace tenon::test {
