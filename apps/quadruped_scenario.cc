@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "tenon/plants/description/resources.h"
 
@@ -32,6 +33,20 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
 
 QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
   return LoadQuadruped(FindResource("robots", scenario.robot));
+}
+
+/// The filter knows its sensors' noise, but takes none for perfect; it does not know their biases.
+LeggedStateEstimatorParams MakeEstimator(const QuadrupedScenario& scenario,
+                                         const QuadrupedWorldParams& world) {
+  const auto& [encoders, torque, foot_force, imu] = scenario.sensors;
+  LeggedStateEstimatorParams params;
+  params.robot = LoadRobot(scenario);
+  params.initial = world.plant.initial;
+  params.gravity = world.plant.gravity;
+  params.noise.specific_force = std::max(imu.acceleration_noise_m_per_s2, 1e-3);
+  params.noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s, 1e-4);
+  params.noise.encoder = std::max(encoders.angle_noise_rad, 1e-5);
+  return params;
 }
 
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
@@ -124,6 +139,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
                                      LoadLocomotionProfile(scenario.profile), walk.gaits);
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
+  if (walk.state == StateSource::kEstimated) params.estimator = MakeEstimator(scenario, params.world);
   return params;
 }
 

@@ -10,14 +10,16 @@
 namespace tenon::apps {
 
 std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
-  return {&loop.world.plant.state,
-          &loop.world.plant.joint_torque,
-          &loop.world.plant.foot_forces,
-          &loop.world.plant.foot_slips,
-          &loop.locomotion.body,
-          &loop.locomotion.schedule,
-          &loop.locomotion.whole_body.diagnostics,
-          &loop.errors.errors};
+  std::vector<const Source*> signals{&loop.world.plant.state,
+                                     &loop.world.plant.joint_torque,
+                                     &loop.world.plant.foot_forces,
+                                     &loop.world.plant.foot_slips,
+                                     &loop.locomotion.body,
+                                     &loop.locomotion.schedule,
+                                     &loop.locomotion.whole_body.diagnostics,
+                                     &loop.errors.errors};
+  if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  return signals;
 }
 
 void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -31,6 +33,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
     contact_[leg] = Column(names, "loop.locomotion.schedule.legs." + std::to_string(leg) + ".state");
   solve_time_ = Column(names, "loop.locomotion.whole_body.diagnostics.solve_time");
   failures_ = Column(names, "loop.locomotion.whole_body.diagnostics.failures");
+  estimate_.Begin(names);
 }
 
 void WalkFigures::Row(std::span<const double> row) {
@@ -47,6 +50,7 @@ void WalkFigures::Row(std::span<const double> row) {
   end_ = {row[position_[0]], row[position_[1]]};
   if (begin_.empty()) begin_ = end_;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
+  estimate_.Row(row);
   time_ = row[0];
 }
 
@@ -89,6 +93,7 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("qp_time_median_us", 1e6 * Quantile(solve_times_, 0.5));
   summary.Set("qp_time_p99_us", 1e6 * Quantile(solve_times_, 0.99));
   summary.Set("qp_failures", failure_count_);
+  estimate_.AddTo(summary);
 }
 
 }  // namespace tenon::apps

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tenon/apps/common/outputs.h"
+#include "tenon/apps/estimate_figures.h"
 #include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/signal_log.h"
 
@@ -51,6 +52,7 @@ class WalkFigures final : public LogSink {
   double time_ = 0, com_max_ = 0, com_square_ = 0, force_sum_ = 0, torque_max_ = 0, failure_count_ = 0;
   std::vector<double> begin_, end_;  // positions of the trunk [m]
   std::vector<double> solve_times_;
+  EstimateFigures estimate_;
 };
 
 }  // namespace tenon::apps

@@ -151,14 +151,15 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
 
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan), &WholeBodyController::CheckSolves};
 
-  /// The torque limits of the joints, in order [N m].
-  static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
-
- private:
+  /// What the optimisation is asked for: (2.26), (2.40) and the compensation.
   WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                          const ContactSchedule& schedule, const BodyReference& body,
                          const FeetReference& feet, const WrenchEstimate& wrench,
                          const LegForceEstimate& leg_forces) const;
+  /// The torque limits of the joints, in order [N m].
+  static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
+
+ private:
   void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,

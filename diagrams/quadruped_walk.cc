@@ -8,7 +8,15 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
       world(Add<QuadrupedWorld>("world", params.world)),
       errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
   Connect(walk.command, locomotion.command);
-  Connect(world.state, locomotion.state);
+  if (params.estimator) {
+    estimator = &Add<LeggedStateEstimator>("estimator", *params.estimator);
+    Connect(world.inertial, estimator->imu);
+    Connect(world.joints, estimator->joints);
+    Connect(locomotion.schedule, estimator->schedule);
+    Connect(estimator->state, locomotion.state);
+  } else {
+    Connect(world.state, locomotion.state);
+  }
   Connect(world.foot_forces, locomotion.foot_forces);
   Connect(locomotion.torque, world.torque);
 

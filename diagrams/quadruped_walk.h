@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "tenon/controllers/legged_state_estimator.h"
 #include "tenon/controllers/tracking_error.h"
 #include "tenon/controllers/walk_schedule.h"
 #include "tenon/diagrams/legged_locomotion.h"
@@ -11,6 +14,7 @@ struct QuadrupedWalkParams {
   QuadrupedWorldParams world;
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
+  std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
   QuadrupedDescription true_robot;  ///< without what disturbs it: errors are those of its CoM and feet
 };
 
@@ -19,6 +23,13 @@ struct QuadrupedWalkParams {
 ///     walk ──► locomotion ──► world ──┐
 ///                ▲                    │
 ///                └────────────────────┘ state, foot forces
+///
+/// or, with an estimator, by what its sensors tell:
+///
+///     walk ──► locomotion ──► world ──┐ foot forces
+///                ▲  ▲     └─► estimator ◄── IMU, encoders
+///                │  └── state ──┘     │
+///                └────────────────────┘
 class QuadrupedWalk final : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -26,6 +37,7 @@ class QuadrupedWalk final : public Subdiagram {
   WalkSchedule& walk;
   LeggedLocomotion& locomotion;
   QuadrupedWorld& world;
+  LeggedStateEstimator* estimator = nullptr;  ///< if there is one
   TrackingError& errors;
 };
 

@@ -19,11 +19,14 @@ struct PointForce {
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.
 ///
-/// Simbody gives kinematics, the forces that remain at zero acceleration, and the accelerations that take
-/// them; stages of its System are not used. Gravity accelerates all masses alike, so it is added to the
-/// trunk's acceleration at the end, as is exact. Rotors of inertia D at the joints are a diagonal addition to
-/// the mass matrix: from the accelerations u0' without them follow those with them,
-/// u' = u0' - (M + D)^-1 D u0', at the price of the whole M, half as much again.
+/// Simbody gives kinematics, the bodies' inertias in W, and the forces that their motion takes without
+/// accelerations (centrifugal, gyroscopic); stages of its System are not used. What remains is linear: with
+/// 6 rows of the trunk (0) and 3 of each leg (l), which touch no other leg's,
+///     M_0 u_0' + sum F_l u_l' = f_0,   F_l^T u_0' + (M_l + D) u_l' = f_l,
+/// with M and F by composite rigid bodies (Featherstone 2008, section 6.2) about the trunk's origin, and the
+/// rotors' inertia D on the diagonal. Each leg is eliminated by its 3 x 3 inverse, and 6 rows are left. This
+/// takes half as long as Simbody's articulated bodies, which know no rotors. Gravity accelerates all masses
+/// alike, so it is added to the trunk's acceleration at the end, as is exact.
 ///
 /// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
 /// one of them each; hence forces are arguments and no force subsystem is in the System. What is returned

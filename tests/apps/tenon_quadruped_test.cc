@@ -121,16 +121,16 @@ TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
     std::vector<double> values = Column(out, name);
     return std::unique(values.begin(), values.end()) - values.begin() - 1;
   };
-  EXPECT_EQ(changes("loop.torque_sensor.measured.2 [N m]"), 20);
-  EXPECT_EQ(changes("loop.foot_sensor.measured.front_left.z [N]"), 10);
-  EXPECT_EQ(changes("loop.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
-  EXPECT_NEAR(Column(out, "loop.encoders.joints.qd.2 [rad/s]").back() -
-                  Column(out, "loop.plant.state.qd.2 [rad/s]").back(),
+  EXPECT_EQ(changes("loop.world.torque_sensor.measured.2 [N m]"), 20);
+  EXPECT_EQ(changes("loop.world.foot_sensor.measured.front_left.z [N]"), 10);
+  EXPECT_EQ(changes("loop.world.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
+  EXPECT_NEAR(Column(out, "loop.world.encoders.joints.qd.2 [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.qd.2 [rad/s]").back(),
               0.5, 1e-6);
-  EXPECT_NEAR(Column(out, "loop.imu.measurement.angular_velocity_B.z [rad/s]").back() -
-                  Column(out, "loop.plant.state.w_W.z [rad/s]").back(),
+  EXPECT_NEAR(Column(out, "loop.world.imu.measurement.angular_velocity_B.z [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.w_W.z [rad/s]").back(),
               0.3, 1e-3);
-  EXPECT_NEAR(Column(out, "loop.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
+  EXPECT_NEAR(Column(out, "loop.world.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
 }
 
 TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
@@ -149,6 +149,15 @@ TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
       Out());
   EXPECT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("slope"));
+}
+
+TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
+  const Result result = RunApp("flat --duration 1 --set walk.state=estimated" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"velocity_estimate_error_rms_m_per_s\": 0.00"),
+                                                HasSubstr("\"tilt_estimate_error_max_rad\": 0.00")));
+  ASSERT_EQ(RunApp("flat --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), ::testing::Not(HasSubstr("velocity_estimate")));
 }
 
 struct BadUsage {
@@ -176,6 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
                       BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
                       BadUsage{"stand --set sensors.torque.noise_ratio=-1", "the noise of the force sensor"},
+                      BadUsage{"estimated --set walk.state=guessed", "estimated"},
                       BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
                       BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
                       BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",

@@ -55,7 +55,7 @@ class QuadrupedSimbody {
     matter_.calcResidualForceIgnoringConstraints(state_, zero, none, zero, residual);
     SimTK::Vector with_gravity;
     matter_.calcResidualForceIgnoringConstraints(state_, zero, weight, zero, with_gravity);
-    matter_.multiplyByM(state_, u, momentum);
+    matter_.multiplyByM(state_, state_.getU(), momentum);
     for (int i = 0; i < kNumVelocities; ++i) {
       for (int k = 0; k < kNumVelocities; ++k) out.M(i, k) = M(order_[i], order_[k]);
       out.coriolis[i] = residual[order_[i]];

@@ -1,0 +1,231 @@
+// What a millisecond of a walk costs: DogBot trots for two seconds, after two in which it gets going, with
+// control and optimisation at 1 kHz.
+//
+//   wbc/tick     the whole-body controller: model, task, optimisation, torques
+//   wbc/model    of these the model
+//   loop/BLOCK   each block alone, at every tick with what it reads in the walk; the plant integrated over
+//                the millisecond with the walk's torques, which takes it along the same motion
+//   loop/all     all of it, wired, with a log at 1 kHz; loop/all_unlogged without the log
+//
+// Counters: median_ns and p99_ns of a tick; of the plant, evaluations of its derivatives per ms; of the loop,
+// real_time_factor.
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "tenon/tests/diagrams/trot_recording.h"
+
+namespace tenon {
+namespace {
+
+constexpr int kFirst = 2000, kTicks = 4000;
+
+const test::TrotLoop& Trot() {
+  static const test::TrotLoop trot;
+  return trot;
+}
+
+const QuadrupedWalk& Loop() {
+  return *Trot().loop;
+}
+
+const std::vector<test::TrotTick>& Recording() {
+  static const std::vector<test::TrotTick> ticks = test::RecordTrot(Trot(), 1e-3 * kTicks);
+  return ticks;
+}
+
+class Times {
+ public:
+  Times() { ns_.reserve(1 << 16); }
+  template <class F>
+  void Measure(F&& f) {
+    const auto begin = std::chrono::steady_clock::now();
+    f();
+    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
+    if (ns_.size() < ns_.capacity()) ns_.push_back(elapsed.count());
+  }
+  void Report(benchmark::State& state) {
+    std::sort(ns_.begin(), ns_.end());
+    state.counters["median_ns"] = ns_[ns_.size() / 2];
+    state.counters["p99_ns"] = ns_[ns_.size() * 99 / 100];
+  }
+
+ private:
+  std::vector<double> ns_;
+};
+
+/// Ticks a block with its inputs of each tick, as `give(context, block, tick)` sets them.
+template <class Block, class Give>
+void Replay(benchmark::State& state, const Block& original, const Give& give) {
+  DiagramBuilder builder;
+  const Block& block = builder.Add<Block>("block", original.params);
+  const auto diagram = builder.BuildWithOpenInputs();
+  Times times;
+  for (auto _ : state) {
+    Simulator simulator(*diagram);
+    for (int n = 0; n < kTicks; ++n) {
+      give(simulator.context(), block, Recording()[static_cast<std::size_t>(n)]);
+      const auto tick = [&] { simulator.AdvanceTo(n / 1000.0); };
+      if (n < kFirst) {
+        tick();
+      } else {
+        times.Measure(tick);
+      }
+    }
+  }
+  times.Report(state);
+}
+
+void Walk(benchmark::State& state) {
+  Replay(state, Loop().walk, [](Context&, const WalkSchedule&, const test::TrotTick&) {});
+}
+
+void Scheduler(benchmark::State& state) {
+  Replay(state, Loop().locomotion.scheduler,
+         [](Context& context, const FootScheduler& b, const test::TrotTick& tick) {
+           context.Set(b.command, tick.command);
+           context.Set(b.foot_forces, tick.foot_forces);
+         });
+}
+
+void Com(benchmark::State& state) {
+  Replay(state, Loop().locomotion.com_planner,
+         [](Context& context, const ComPlanner& b, const test::TrotTick& tick) {
+           context.Set(b.command, tick.command);
+           context.Set(b.schedule, tick.schedule);
+           context.Set(b.state, tick.state);
+         });
+}
+
+void Swing(benchmark::State& state) {
+  Replay(state, Loop().locomotion.swing_planner,
+         [](Context& context, const SwingPlanner& b, const test::TrotTick& tick) {
+           context.Set(b.schedule, tick.schedule);
+           context.Set(b.path, tick.path);
+           context.Set(b.body, tick.body);
+           context.Set(b.state, tick.state);
+         });
+}
+
+void Wbc(benchmark::State& state) {
+  Replay(state, Loop().locomotion.whole_body,
+         [](Context& context, const WholeBodyController& b, const test::TrotTick& tick) {
+           context.Set(b.state, tick.state);
+           context.Set(b.schedule, tick.schedule);
+           context.Set(b.body, tick.body);
+           context.Set(b.feet, tick.feet);
+           context.Set(b.wrench, {});
+           context.Set(b.leg_forces, {});
+         });
+}
+
+void Encoders(benchmark::State& state) {
+  Replay(state, Loop().world.encoders,
+         [](Context& context, const JointEncoders& b, const test::TrotTick& tick) {
+           context.Set(b.state, tick.state);
+         });
+}
+
+void FootSensor(benchmark::State& state) {
+  Replay(state, Loop().world.foot_sensor,
+         [](Context& context, const FootForceSensor& b, const test::TrotTick& tick) {
+           context.Set(b.forces, tick.foot_forces);
+         });
+}
+
+void Model(benchmark::State& state) {
+  const QuadrupedModel model(Loop().locomotion.whole_body.params.robot);
+  QuadrupedDynamics dynamics;
+  Times times;
+  for (auto _ : state) {
+    for (int n = kFirst; n < kTicks; ++n) {
+      times.Measure([&] { model.Calc(Recording()[static_cast<std::size_t>(n)].state, &dynamics); });
+      benchmark::DoNotOptimize(dynamics);
+    }
+  }
+  times.Report(state);
+}
+
+void Plant(benchmark::State& state) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<QuadrupedPlant>("plant", Loop().world.plant.params);
+  const auto& torque =
+      builder.AddFunction({"torque", "N m"}, Sampled{Hz(1000)}, Uses(builder.time), [](double t) -> Vec<12> {
+        return Recording()[static_cast<std::size_t>(std::lround(1000 * t))].torque;
+      });
+  builder.Connect(torque, plant.torque);
+  const auto diagram = builder.BuildWithOpenInputs();
+  Times times;
+  long evaluations = 0, measured = 0;
+  for (auto _ : state) {
+    Simulator simulator(*diagram, test::TrotLoop::Options("plant"));
+    simulator.context().Set(plant.external, Recording()[0].external);
+    simulator.AdvanceTo(kFirst / 1000.0);
+    const long before = simulator.statistics().evaluations;
+    for (int n = kFirst + 1; n < kTicks; ++n) {
+      times.Measure([&] { simulator.AdvanceTo(n / 1000.0); });
+    }
+    evaluations += simulator.statistics().evaluations - before;
+    measured += kTicks - 1 - kFirst;
+    const LeggedState& end = simulator.context().Eval(plant.state);
+    if (end.p_WB != Recording().back().state.p_WB) state.SkipWithError("the replay left the walk's motion");
+  }
+  times.Report(state);
+  state.counters["evaluations"] = static_cast<double>(evaluations) / static_cast<double>(measured);
+}
+
+/// The run repeats bit for bit, so that each tenth of a second does the same work every time: of each the
+/// least time over the iterations counts, whatever else the machine does.
+void All(benchmark::State& state, bool logged) {
+  constexpr int kChunk = 100;
+  std::vector<double> best((kTicks - kFirst) / kChunk, 1e300);
+  const QuadrupedWalk& loop = Loop();
+  for (auto _ : state) {
+    Simulator simulator(*Trot().diagram, test::TrotLoop::Options());
+    if (logged) {
+      const auto log = simulator.AddLog(
+          Hz(1000), {&loop.world.state, &loop.world.ground_forces, &loop.world.plant.joint_torque,
+                     &loop.locomotion.schedule, &loop.locomotion.body, &loop.locomotion.feet,
+                     &loop.locomotion.torque, &loop.locomotion.whole_body.diagnostics, &loop.errors.errors});
+      log->Reserve(kTicks + 1);
+    }
+    simulator.AdvanceTo(kFirst / 1000.0);
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      const auto begin = std::chrono::steady_clock::now();
+      simulator.AdvanceTo((kFirst + kChunk * (static_cast<int>(i) + 1)) / 1000.0);
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+      best[i] = std::min(best[i], elapsed.count());
+    }
+  }
+  const double seconds = std::accumulate(best.begin(), best.end(), 0.0);
+  state.counters["real_time_factor"] = (kTicks - kFirst) / 1000.0 / seconds;
+}
+
+void Register(const char* name, auto function) {
+  benchmark::RegisterBenchmark(name, function)->Iterations(5)->Unit(benchmark::kMillisecond);
+}
+
+const bool kRegistered = [] {
+  Register("wbc/tick", Wbc);
+  Register("wbc/model", Model);
+  Register("loop/plant", Plant);
+  Register("loop/encoders", Encoders);
+  Register("loop/foot_sensor", FootSensor);
+  Register("loop/walk", Walk);
+  Register("loop/scheduler", Scheduler);
+  Register("loop/com_planner", Com);
+  Register("loop/swing_planner", Swing);
+  Register("loop/wbc", Wbc);
+  Register("loop/all_unlogged", [](benchmark::State& state) { All(state, false); });
+  Register("loop/all", [](benchmark::State& state) { All(state, true); });
+  return true;
+}();
+
+}  // namespace
+}  // namespace tenon
