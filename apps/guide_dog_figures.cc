@@ -9,8 +9,8 @@
 namespace tenon::apps {
 namespace {
 
-constexpr std::size_t kSecond = 1000;     // rows
-constexpr double kStandingTime = 0.5;     // [s]
+constexpr std::size_t kSecond = 1000;  // rows
+constexpr double kStandingTime = 0.5;  // [s]
 
 bool Is(double value, auto enumerator) {
   return value == static_cast<double>(enumerator);
@@ -19,21 +19,23 @@ bool Is(double value, auto enumerator) {
 }  // namespace
 
 std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
-  return {&loop.leash.leash,
-          &loop.person.person,
-          &loop.person.intent,
-          &loop.supervisor.status,
-          &loop.admittance.motion,
-          &loop.observer.wrench,
-          &loop.obstacles.obstacle,
-          &loop.world.plant.state,
-          &loop.world.plant.joint_torque,
-          &loop.world.plant.foot_forces,
-          &loop.world.plant.foot_slips,
-          &loop.locomotion.body,
-          &loop.locomotion.schedule,
-          &loop.locomotion.whole_body.diagnostics,
-          &loop.errors.errors};
+  std::vector<const Source*> signals{&loop.leash.leash,
+                                     &loop.person.person,
+                                     &loop.person.intent,
+                                     &loop.supervisor.status,
+                                     &loop.admittance.motion,
+                                     &loop.observer.wrench,
+                                     &loop.obstacles.obstacle,
+                                     &loop.world.plant.state,
+                                     &loop.world.plant.joint_torque,
+                                     &loop.world.plant.foot_forces,
+                                     &loop.world.plant.foot_slips,
+                                     &loop.locomotion.body,
+                                     &loop.locomotion.schedule,
+                                     &loop.locomotion.whole_body.diagnostics,
+                                     &loop.errors.errors};
+  if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  return signals;
 }
 
 void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -95,8 +97,8 @@ void GuideDogFigures::StopRow(std::span<const double> row) {
 }
 
 void GuideDogFigures::HeadingRow(std::span<const double> row) {
-  const Eigen::Matrix3d R = RotationFromQuaternion(
-      {row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
+  const Eigen::Matrix3d R =
+      RotationFromQuaternion({row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
   if (Is(last_mode_, GuideMode::kStop) && Is(row[mode_], GuideMode::kTurn))
@@ -123,9 +125,9 @@ void GuideDogFigures::AddTo(Summary& summary) const {
   }
   summary.Set("heading_error_deg", heading_error);
   const double rows = static_cast<double>(std::max(rows_, 1L));
-  summary.Set("force_estimate_mean_N", {{"x", estimate_sum_[0] / rows},
-                                        {"y", estimate_sum_[1] / rows},
-                                        {"z", estimate_sum_[2] / rows}});
+  summary.Set(
+      "force_estimate_mean_N",
+      {{"x", estimate_sum_[0] / rows}, {"y", estimate_sum_[1] / rows}, {"z", estimate_sum_[2] / rows}});
   summary.Set("force_estimate_error_rms_N", std::sqrt(estimate_square_ / rows));
 }
 

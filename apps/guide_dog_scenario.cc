@@ -38,6 +38,7 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.world = alone.world;
   params.walk = alone.walk;
   params.locomotion = alone.locomotion;
+  params.estimator = alone.estimator;
   params.true_robot = alone.true_robot;
   const QuadrupedDescription& believed = alone.locomotion.whole_body.robot;
   params.observer.kind = scenario.observer;

@@ -34,13 +34,14 @@ int Run(const CommonArguments& arguments) {
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  report.Log(simulator, signals,
-             {&loop.world.plant.geometry, &loop.person.geometry, &loop.leash.geometry, &loop.obstacles.geometry});
+  report.Log(
+      simulator, signals,
+      {&loop.world.plant.geometry, &loop.person.geometry, &loop.leash.geometry, &loop.obstacles.geometry});
 
   const OutputDirectory out(arguments, WriteYaml(scenario));
   out.WriteGraph(*diagram);
-  const auto leash = std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension,
-                                                       scenario.supervisor.threshold);
+  const auto leash =
+      std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
   const auto walk = std::make_shared<WalkFigures>();
   simulator.AddLog(Hz(1000), signals, {leash, walk, std::make_shared<ProgressSink>(duration)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});

@@ -1,5 +1,7 @@
 #include "tenon/diagrams/guide_dog.h"
 
+#include "tenon/systems/primitives/unit_delay.h"
+
 namespace tenon {
 
 GuideDog::GuideDog(const GuideDogParams& params)
@@ -13,23 +15,34 @@ GuideDog::GuideDog(const GuideDogParams& params)
       person(Add<Person>("person", params.person)),
       leash(Add<Leash>("leash", params.leash)),
       errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
+  if (params.estimator) {
+    auto& last = Add<UnitDelay<ContactSchedule>>(
+        "last_schedule", UnitDelayParams<ContactSchedule>{.rate = params.estimator->rate});
+    estimator = &Add<LeggedStateEstimator>("estimator", *params.estimator);
+    Connect(locomotion.schedule, last.u);
+    Connect(last.y, estimator->schedule);
+    Connect(world.inertial, estimator->imu);
+    Connect(world.joints, estimator->joints);
+  }
+  const OutputPort<LeggedState>& state = estimator ? estimator->state : world.state;
+
   Connect(walk.command, supervisor.command);
   Connect(observer.wrench, supervisor.wrench);
-  Connect(world.state, supervisor.state);
+  Connect(state, supervisor.state);
   Connect(obstacles.obstacle, supervisor.obstacle);
 
   Connect(supervisor.walk, admittance.command);
   Connect(observer.wrench, admittance.wrench);
-  Connect(world.state, admittance.state);
+  Connect(state, admittance.state);
 
   Connect(admittance.walk, locomotion.command);
-  Connect(world.state, locomotion.state);
+  Connect(state, locomotion.state);
   Connect(world.foot_forces, locomotion.foot_forces);
   Connect(observer.wrench, locomotion.wrench);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
 
-  Connect(world.state, observer.state);
+  Connect(state, observer.state);
   Connect(world.measured_torque, observer.torque);
   Connect(world.foot_forces, observer.foot_forces);
   Connect(world.inertial, observer.imu);

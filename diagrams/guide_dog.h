@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "tenon/controllers/admittance_filter.h"
+#include "tenon/controllers/legged_state_estimator.h"
 #include "tenon/controllers/supervisor.h"
 #include "tenon/controllers/tracking_error.h"
 #include "tenon/controllers/walk_schedule.h"
@@ -18,6 +21,7 @@ struct GuideDogParams {
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
+  std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the robot is told its true state
   SupervisorParams supervisor;
   AdmittanceFilterParams admittance;
   ObstacleDetectorParams obstacles;
@@ -37,8 +41,8 @@ struct GuideDogParams {
 ///                                                         person
 ///
 /// The leash pulls at the trunk; the robot knows of it by the observer's wrench alone, which the whole-body
-/// controller compensates and supervisor and admittance filter answer to. The state of the trunk is the true
-/// one.
+/// controller compensates and supervisor and admittance filter answer to. With an estimator all blocks of the
+/// robot go by its state; then the schedule reaches it a tick late, for the command depends on the state.
 class GuideDog final : public Subdiagram {
  public:
   explicit GuideDog(const GuideDogParams& params);
@@ -52,6 +56,7 @@ class GuideDog final : public Subdiagram {
   ObstacleDetector& obstacles;
   Person& person;
   Leash& leash;
+  LeggedStateEstimator* estimator = nullptr;  ///< if there is one
   TrackingError& errors;
 };
 

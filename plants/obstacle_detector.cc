@@ -41,8 +41,8 @@ Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {
   Geometry shapes;
   for (std::size_t i = 0; i < params.obstacles.size(); ++i) {
     const Obstacle& obstacle = params.obstacles[i];
-    shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius,
-                                     kDrawnHeight));
+    shapes.push_back(
+        Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius, kDrawnHeight));
     shapes.back().p_W << obstacle.centre, kDrawnHeight / 2;
   }
   return shapes;
