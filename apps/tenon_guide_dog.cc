@@ -1,0 +1,70 @@
+// tenon-guide-dog: a quadruped that leads a person on a leash.
+
+#include <fmt/core.h>
+
+#include "tenon/apps/common/command_line.h"
+#include "tenon/apps/common/outputs.h"
+#include "tenon/apps/common/progress.h"
+#include "tenon/apps/guide_dog_figures.h"
+#include "tenon/apps/guide_dog_scenario.h"
+#include "tenon/apps/walk_figures.h"
+#include "tenon/systems/diagram_builder.h"
+
+namespace tenon::apps {
+namespace {
+
+int Run(const CommonArguments& arguments) {
+  if (arguments.list) {
+    ListScenarios("tenon-guide-dog");
+    return kRan;
+  }
+  auto scenario = LoadScenario(arguments).Read<GuideDogScenario>();
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  const double duration = Duration(scenario);
+
+  DiagramBuilder builder;
+  auto& loop = builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  const auto diagram = builder.Build();
+  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
+                 .description = fmt::format("{}, {:.4g} s, seed {}", scenario.robot, duration, scenario.seed),
+                 .plots = scenario.report.plots,
+                 .events = scenario.report.events,
+                 .signal_rate = Hz(scenario.log_rate_hz)});
+
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  const std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
+  report.Log(
+      simulator, signals,
+      {&loop.world.plant.geometry, &loop.person.geometry, &loop.leash.geometry, &loop.obstacles.geometry});
+
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(*diagram);
+  const auto leash =
+      std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
+  const auto walk = std::make_shared<WalkFigures>();
+  simulator.AddLog(Hz(1000), signals, {leash, walk, std::make_shared<ProgressSink>(duration)});
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
+  const RunOutcome outcome = Advance(simulator, duration);
+
+  Summary summary(scenario.case_name, scenario.seed, outcome);
+  summary.Set("robot", scenario.robot);
+  summary.Set("observer", std::string(EnumName(scenario.observer)));
+  leash->AddTo(summary);
+  walk->AddTo(summary);
+  summary.Write(out.path() / "summary.json");
+  summary.AddTo(report);
+  report.Write(out.path() / "report.html");
+  summary.Print();
+  return summary.exit_code();
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Lets a quadruped lead a person on a leash and reports how well it did.", "tenon-guide-dog");
+  tenon::apps::CommonArguments arguments;
+  tenon::apps::AddCommonArguments(app, arguments);
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
+}

@@ -1,0 +1,64 @@
+#include "tenon/diagrams/guide_dog.h"
+
+#include "tenon/systems/primitives/unit_delay.h"
+
+namespace tenon {
+
+GuideDog::GuideDog(const GuideDogParams& params)
+    : walk(Add<WalkSchedule>("walk", params.walk)),
+      supervisor(Add<Supervisor>("supervisor", params.supervisor)),
+      admittance(Add<AdmittanceFilter>("admittance", params.admittance)),
+      locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),
+      world(Add<QuadrupedWorld>("world", params.world)),
+      observer(Add<DisturbanceObserver>("observer", params.observer)),
+      obstacles(Add<ObstacleDetector>("obstacles", params.obstacles)),
+      person(Add<Person>("person", params.person)),
+      leash(Add<Leash>("leash", params.leash)),
+      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
+  if (params.estimator) {
+    auto& last = Add<UnitDelay<ContactSchedule>>(
+        "last_schedule", UnitDelayParams<ContactSchedule>{.rate = params.estimator->rate});
+    estimator = &Add<LeggedStateEstimator>("estimator", *params.estimator);
+    Connect(locomotion.schedule, last.u);
+    Connect(last.y, estimator->schedule);
+    Connect(world.inertial, estimator->imu);
+    Connect(world.joints, estimator->joints);
+  }
+  const OutputPort<LeggedState>& state = estimator ? estimator->state : world.state;
+
+  Connect(walk.command, supervisor.command);
+  Connect(observer.wrench, supervisor.wrench);
+  Connect(state, supervisor.state);
+  Connect(obstacles.obstacle, supervisor.obstacle);
+
+  Connect(supervisor.walk, admittance.command);
+  Connect(observer.wrench, admittance.wrench);
+  Connect(state, admittance.state);
+
+  Connect(admittance.walk, locomotion.command);
+  Connect(state, locomotion.state);
+  Connect(world.foot_forces, locomotion.foot_forces);
+  Connect(observer.wrench, locomotion.wrench);
+  Connect(observer.leg_forces, locomotion.leg_forces);
+  Connect(locomotion.torque, world.torque);
+
+  Connect(state, observer.state);
+  Connect(world.measured_torque, observer.torque);
+  Connect(world.foot_forces, observer.foot_forces);
+  Connect(world.inertial, observer.imu);
+
+  Connect(world.state, obstacles.state);
+  Connect(world.state, leash.robot);
+  Connect(person.person, leash.person);
+  Connect(leash.leash, person.leash);
+  Connect(leash.force, world.pull);
+
+  Connect(world.state, errors.state);
+  Connect(world.ground_forces, errors.foot_forces);
+  Connect(locomotion.schedule, errors.schedule);
+  Connect(locomotion.body, errors.body);
+  Connect(locomotion.feet, errors.feet);
+  Connect(locomotion.plan, errors.plan);
+}
+
+}  // namespace tenon
