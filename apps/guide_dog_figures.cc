@@ -28,6 +28,7 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
                                      &loop.obstacles.obstacle,
                                      &loop.world.plant.state,
                                      &loop.world.plant.joint_torque,
+                                     &loop.world.plant.external_wrench,
                                      &loop.world.plant.foot_forces,
                                      &loop.world.plant.foot_slips,
                                      &loop.locomotion.body,
@@ -48,11 +49,9 @@ void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::ve
   obstacle_ = Column(names, "loop.obstacles.obstacle");
   velocity_ = Columns(names, "loop.world.plant.state.v_W");
   attitude_ = Columns(names, "loop.world.plant.state.q_WB");
-  estimate_ = Columns(names, "loop.observer.wrench.force_W");
 }
 
 void GuideDogFigures::Row(std::span<const double> row) {
-  ++rows_;
   LeashRow(row);
   StopRow(row);
   HeadingRow(row);
@@ -63,13 +62,6 @@ void GuideDogFigures::Row(std::span<const double> row) {
 void GuideDogFigures::LeashRow(std::span<const double> row) {
   const double tension = row[tension_], distance = row[length_];
   tension_max_ = std::max(tension_max_, tension);
-  Vec<3> force, estimate;
-  for (std::size_t i = 0; i < 3; ++i) {
-    estimate[static_cast<Eigen::Index>(i)] = row[estimate_[i]];
-    force[static_cast<Eigen::Index>(i)] = -tension * row[direction_[i]];
-  }
-  estimate_sum_ += estimate;
-  estimate_square_ += (estimate - force).squaredNorm();
 
   const bool together =
       Is(row[mode_], GuideMode::kMove) && Is(row[activity_], Activity::kFollow) && row[speed_] > 0;
@@ -124,11 +116,6 @@ void GuideDogFigures::AddTo(Summary& summary) const {
                     std::abs(std::remainder(std::atan2(sum[1], sum[0]) - *pull_yaw_, 2 * std::numbers::pi));
   }
   summary.Set("heading_error_deg", heading_error);
-  const double rows = static_cast<double>(std::max(rows_, 1L));
-  summary.Set(
-      "force_estimate_mean_N",
-      {{"x", estimate_sum_[0] / rows}, {"y", estimate_sum_[1] / rows}, {"z", estimate_sum_[2] / rows}});
-  summary.Set("force_estimate_error_rms_N", std::sqrt(estimate_square_ / rows));
 }
 
 }  // namespace tenon::apps

@@ -40,13 +40,11 @@ class GuideDogFigures final : public LogSink {
   double desired_tension_, threshold_;
 
   std::size_t tension_ = 0, length_ = 0, mode_ = 0, activity_ = 0, speed_ = 0, obstacle_ = 0;
-  std::vector<std::size_t> direction_, velocity_, attitude_, estimate_;
+  std::vector<std::size_t> direction_, velocity_, attitude_;
 
-  long rows_ = 0, counted_ = 0;
+  long counted_ = 0;
   bool leads_ = false;
   double tension_sum_ = 0, tension_max_ = 0, distance_sum_ = 0, distance_min_ = 0, distance_max_ = 0;
-  Vec<3> estimate_sum_ = Vec<3>::Zero();
-  double estimate_square_ = 0;
   std::optional<double> cause_, standing_, stop_delay_;  // [s]
   std::optional<double> pull_yaw_;                       // [rad]
   double last_mode_ = 0, last_time_ = 0;

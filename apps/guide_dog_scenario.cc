@@ -40,9 +40,8 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.locomotion = alone.locomotion;
   params.estimator = alone.estimator;
   params.true_robot = alone.true_robot;
-  const QuadrupedDescription& believed = alone.locomotion.whole_body.robot;
+  params.observer = alone.observer;
   params.observer.kind = scenario.observer;
-  params.observer.legs.robot = params.observer.com.robot = params.observer.ndo.robot = believed;
   params.supervisor = scenario.supervisor;
   params.admittance = scenario.admittance;
   params.obstacles = scenario.surroundings;

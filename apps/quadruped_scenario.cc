@@ -149,6 +149,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   profile.observer.kind = ObserverOf(scenario);
   params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
   params.observer = MakeObserver(believed, profile);
+  params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated) params.estimator = MakeEstimator(scenario, params.world);

@@ -42,6 +42,7 @@ constexpr auto EnumNames(StateSource) {
 struct WalkScenario {
   WalkScheduleParams path;
   std::string gaits = "standard";  ///< a shipped table or a YAML file
+  ComReference com_reference = ComReference::kPendulum;
   StepProperties step;
   StateSource state =
       StateSource::kTrue;       ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
@@ -52,6 +53,7 @@ struct WalkScenario {
   static constexpr auto Fields() {
     return std::tuple{Required("path", &WalkScenario::path),
                       Field{"gaits", &WalkScenario::gaits},
+                      Field{"com_reference", &WalkScenario::com_reference},
                       Field{"step", &WalkScenario::step},
                       Field{"state", &WalkScenario::state},
                       Field{"friction", &WalkScenario::friction},

@@ -34,9 +34,9 @@ int Run(const CommonArguments& arguments) {
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  report.Log(
-      simulator, signals,
-      {&loop.world.plant.geometry, &loop.person.geometry, &loop.leash.geometry, &loop.obstacles.geometry});
+  report.Log(simulator, signals,
+             {&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry, &loop.leash.geometry,
+              &loop.obstacles.geometry});
 
   const OutputDirectory out(arguments, WriteYaml(scenario));
   out.WriteGraph(*diagram);

@@ -44,7 +44,9 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
 
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = Figures::Signals(loop);
-  report.Log(simulator, signals, {&loop.world.plant.geometry});
+  std::vector<const OutputPort<Geometry>*> geometry{&loop.world.plant.geometry};
+  if constexpr (requires { loop.view; }) geometry.push_back(&loop.view.geometry);
+  report.Log(simulator, signals, geometry);
 
   const OutputDirectory out(arguments, WriteYaml(scenario));
   out.WriteGraph(*diagram);

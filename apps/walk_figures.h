@@ -25,7 +25,7 @@ class WalkFigures final : public LogSink {
 
   /// `load` is the weight that the robot carries without its controller's knowledge [N]; what comes before
   /// `from` [s] does not count.
-  WalkFigures(double load, double from) : load_(load), from_(from) {}
+  explicit WalkFigures(double load = 0, double from = 0) : load_(load), from_(from) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.

@@ -14,7 +14,8 @@ GuideDog::GuideDog(const GuideDogParams& params)
       obstacles(Add<ObstacleDetector>("obstacles", params.obstacles)),
       person(Add<Person>("person", params.person)),
       leash(Add<Leash>("leash", params.leash)),
-      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
+      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})),
+      view(Add<WalkView>("view", WalkViewParams{params.true_robot})) {
   if (params.estimator) {
     auto& last = Add<UnitDelay<ContactSchedule>>(
         "last_schedule", UnitDelayParams<ContactSchedule>{.rate = params.estimator->rate});
@@ -53,6 +54,10 @@ GuideDog::GuideDog(const GuideDogParams& params)
   Connect(leash.leash, person.leash);
   Connect(leash.force, world.pull);
 
+  Connect(world.state, view.state);
+  Connect(locomotion.body, view.body);
+  Connect(observer.wrench, view.wrench);
+  Connect(observer.leg_forces, view.leg_forces);
   Connect(world.state, errors.state);
   Connect(world.ground_forces, errors.foot_forces);
   Connect(locomotion.schedule, errors.schedule);

@@ -7,6 +7,7 @@
 #include "tenon/controllers/supervisor.h"
 #include "tenon/controllers/tracking_error.h"
 #include "tenon/controllers/walk_schedule.h"
+#include "tenon/controllers/walk_view.h"
 #include "tenon/diagrams/disturbance_observer.h"
 #include "tenon/diagrams/legged_locomotion.h"
 #include "tenon/diagrams/quadruped_world.h"
@@ -58,6 +59,7 @@ class GuideDog final : public Subdiagram {
   Leash& leash;
   LeggedStateEstimator* estimator = nullptr;  ///< if there is one
   TrackingError& errors;
+  WalkView& view;
 };
 
 }  // namespace tenon

@@ -2,12 +2,25 @@
 
 namespace tenon {
 
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
+  QuadrupedWalkParams params;
+  params.true_robot = robot;
+  params.world.plant.robot = robot;
+  params.world.plant.initial.p_WB[2] = robot.StanceHeight();
+  params.world.plant.initial.q = robot.stance;
+  params.world.min_height = 0.5 * robot.StanceHeight();
+  params.locomotion = MakeLocomotion(robot, profile);
+  params.observer = MakeObserver(robot, profile);
+  return params;
+}
+
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     : walk(Add<WalkSchedule>("walk", params.walk)),
       locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),
       world(Add<QuadrupedWorld>("world", params.world)),
       observer(Add<DisturbanceObserver>("observer", params.observer)),
-      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})) {
+      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})),
+      view(Add<WalkView>("view", WalkViewParams{params.true_robot})) {
   Connect(walk.command, locomotion.command);
   if (params.estimator) {
     estimator = &Add<LeggedStateEstimator>("estimator", *params.estimator);
@@ -28,6 +41,10 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   Connect(world.foot_forces, locomotion.foot_forces);
   Connect(locomotion.torque, world.torque);
 
+  Connect(world.state, view.state);
+  Connect(locomotion.body, view.body);
+  Connect(observer.wrench, view.wrench);
+  Connect(observer.leg_forces, view.leg_forces);
   Connect(world.state, errors.state);
   Connect(world.ground_forces, errors.foot_forces);
   Connect(locomotion.schedule, errors.schedule);

@@ -5,8 +5,9 @@
 #include "tenon/controllers/legged_state_estimator.h"
 #include "tenon/controllers/tracking_error.h"
 #include "tenon/controllers/walk_schedule.h"
+#include "tenon/controllers/walk_view.h"
 #include "tenon/diagrams/disturbance_observer.h"
-#include "tenon/diagrams/legged_locomotion.h"
+#include "tenon/diagrams/locomotion_profile.h"
 #include "tenon/diagrams/quadruped_world.h"
 
 namespace tenon {
@@ -19,6 +20,11 @@ struct QuadrupedWalkParams {
   std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
   QuadrupedDescription true_robot;  ///< without what disturbs it: errors are those of its CoM and feet
 };
+
+/// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses;
+/// what is left to give is the walk, and the forces that disturb it.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot,
+                                      const LocomotionProfile& profile = LoadLocomotionProfile("standard"));
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
 ///
@@ -39,6 +45,7 @@ class QuadrupedWalk final : public Subdiagram {
   DisturbanceObserver& observer;
   LeggedStateEstimator* estimator = nullptr;  ///< if there is one
   TrackingError& errors;
+  WalkView& view;
 };
 
 }  // namespace tenon

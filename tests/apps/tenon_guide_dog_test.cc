@@ -52,12 +52,29 @@ TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
   const Result result = RunApp("C3 --duration 0.3 --seed 7" + Out() + " --graph " + out.string() + ".dot");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string summary = Read(out / "summary.json");
-  for (const char* key :
-       {"case", "seed", "observer", "finished", "fell", "end_reason", "simulated_s", "wall_s",
-        "real_time_factor", "robot", "tension_mean_N", "tension_max_N", "distance_mean_m", "distance_min_m",
-        "distance_max_m", "stop_delay_s", "heading_error_deg", "force_estimate_mean_N",
-        "force_estimate_error_rms_N", "com_error_max_m", "foot_error_max_m", "grf_error_mean_N",
-        "qp_failures"}) {
+  for (const char* key : {"case",
+                          "seed",
+                          "observer",
+                          "finished",
+                          "fell",
+                          "end_reason",
+                          "simulated_s",
+                          "wall_s",
+                          "real_time_factor",
+                          "robot",
+                          "tension_mean_N",
+                          "tension_max_N",
+                          "distance_mean_m",
+                          "distance_min_m",
+                          "distance_max_m",
+                          "stop_delay_s",
+                          "heading_error_deg",
+                          "force_estimate_mean_N",
+                          "force_estimate_error_rms_N",
+                          "com_error_max_m",
+                          "foot_error_max_m",
+                          "grf_error_mean_N",
+                          "qp_failures"}) {
     EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
   }
   EXPECT_THAT(summary,

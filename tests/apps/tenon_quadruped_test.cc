@@ -88,6 +88,67 @@ TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
   fs::remove(out.string() + ".dot");
 }
 
+TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
+  const Result result = RunApp("A1 --duration 1.2" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key : {"observer", "com_error_max_m", "com_error_rms_m", "foot_error_max_m",
+                          "grf_error_mean_N", "force_estimate_mean_N", "force_estimate_error_rms_N",
+                          "qp_time_median_us", "qp_time_p99_us", "qp_failures"})
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
+  EXPECT_THAT(summary, AllOf(HasSubstr("\"case\": \"A1\""), HasSubstr("\"observer\": \"hybrid\"")));
+}
+
+TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
+  EXPECT_EQ(RunApp("A2 --compare --duration 0.6" + Out()).exit_code, 0);
+  for (const char* name : {"hybrid", "focchi", "ndo_m", "ndo_inverse"})
+    EXPECT_TRUE(fs::exists(out / name / "summary.json")) << name;
+  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"focchi\": {"), HasSubstr("\"ndo_m\": {")));
+  EXPECT_EQ(RunApp("A3-sweep --duration 0.1 --set sweep.phases=2 --set sweep.directions=1" + Out()).exit_code,
+            0);
+  EXPECT_THAT(Read(out / "phase_1_direction_0" / "scenario.yaml"), HasSubstr("start_s: 3.885"));
+  EXPECT_TRUE(fs::exists(out / "report.html"));
+}
+
+TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
+  EXPECT_EQ(RunApp("flat --gait pace --speed 0.1 --observer none --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("gait: pace, forward_m_per_s: 0.1"), HasSubstr("observer: none")));
+  const Result stands = RunApp("stand --gait trot" + Out());
+  EXPECT_EQ(stands.exit_code, 2);
+  EXPECT_THAT(stands.text, HasSubstr("'stand' does not walk: leave --gait"));
+  const Result gallops = RunApp("flat --gait canter" + Out());
+  EXPECT_EQ(gallops.exit_code, 2);
+  EXPECT_THAT(gallops.text, HasSubstr("gallop"));
+}
+
+TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
+  fs::create_directories(out);
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(out / name) << text;
+    return (out / name).string();
+  };
+  const std::string own = write("own.yaml", "extends: A4-noisy\ncase: own\nseed: 9\n");
+  EXPECT_EQ(RunApp(own + " --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("case: own"), HasSubstr("noise_ratio: 0.1"), HasSubstr("upper_N: 35")));
+  const std::string ring = write("ring.yaml", "extends: " + (out / "ring.yaml").string() + "\n");
+  const Result result = RunApp(ring + Out());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.text, HasSubstr("extends itself"));
+}
+
+TEST_F(TenonQuadrupedTest, RefusesScenariosThatNeitherStandNorWalk) {
+  fs::create_directories(out);
+  std::ofstream(out / "none.yaml") << "app: tenon-quadruped\ncase: none\n";
+  EXPECT_THAT(RunApp((out / "none.yaml").string() + Out()).text,
+              HasSubstr("give one of pd and walk, not none"));
+  std::ofstream(out / "sweep.yaml") << "extends: flat\nsweep: {period_s: 1}\n";
+  EXPECT_THAT(RunApp((out / "sweep.yaml").string() + Out()).text,
+              HasSubstr("a sweep needs a walk and a force"));
+  EXPECT_THAT(RunApp("A3-sweep --set sweep.phases=0" + Out()).text, HasSubstr("all must be positive"));
+}
+
 TEST_F(TenonQuadrupedTest, DropsBothRobots) {
   for (const char* robot : {"dogbot", "a1"}) {
     const Result result = RunApp("drop --duration 1 --set robot=" + std::string(robot) + Out());

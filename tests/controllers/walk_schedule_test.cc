@@ -62,6 +62,30 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
   EXPECT_EQ(rig[rig.system().command].left, 0);
 }
 
+// In the middle the sine itself, at both ends at rest, and the rates are those of the height.
+TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
+  WalkScheduleParams params;
+  params.segments.resize(1);
+  params.segments[0].duration = 8;
+  params.segments[0].squat_amplitude = 0.08;
+  params.segments[0].squat_frequency = 0.5;
+  params.rate = Hz(1000);
+  TestRig<WalkSchedule> rig(params);
+  const auto at = [&](double t) {
+    rig.AdvanceTo(t);
+    return rig[rig.system().command].height;
+  };
+  EXPECT_EQ(at(0), Vec<3>(0, 0, 0));
+  Vec<3> before = at(0.1), now = at(0.101), after = at(0.102);
+  EXPECT_NEAR((after[0] - before[0]) / 0.002, now[1], 1e-4);
+  EXPECT_NEAR((after[1] - before[1]) / 0.002, now[2], 1e-3);
+  EXPECT_NEAR(at(4.5)[0], 0.08, 1e-9);
+  EXPECT_NEAR(at(5.5)[0], -0.08, 1e-9);
+  before = at(7), now = at(7.001), after = at(7.002);
+  EXPECT_NEAR((after[0] - before[0]) / 0.002, now[1], 1e-4);
+  EXPECT_LT(at(7.999).norm(), 1e-3);
+}
+
 TEST(WalkScheduleTest, RefusesNonsense) {
   const auto refuses = [](const std::function<void(WalkScheduleParams&)>& change, const std::string& a,
                           const std::string& b) {
@@ -78,6 +102,10 @@ TEST(WalkScheduleTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.segments[0].forward = 1; }, "segment 0", "another gait"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[1].forward = 0; }, "segment 1", "give its duration_s"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[1].length = 0.01; }, "segment 1", "too short"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.segments[0].squat_frequency = 0; }, "segment 0", "squat_frequency_hz = 0"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.segments[0].squat_amplitude = 0.1; }, "segment 0", "too short for its squats"));
 }
 
 }  // namespace

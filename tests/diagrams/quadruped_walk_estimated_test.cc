@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tenon/diagrams/locomotion_profile.h"
 #include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/simulator.h"
 #include "tenon/tests/plants/quadruped_test_robot.h"
@@ -15,11 +14,7 @@ namespace {
 
 /// DogBot trots from a stand, with noise on all sensors that its controller uses.
 QuadrupedWalkParams Trot() {
-  QuadrupedWalkParams params;
-  params.true_robot = test::DogBot();
-  params.world.plant.robot = params.true_robot;
-  params.world.plant.initial = test::Standing(params.true_robot);
-  params.world.min_height = 0.5 * params.true_robot.StanceHeight();
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.world.encoders = {Hz(1000), {.absolute = 1e-4}, {.absolute = 0.02}};
   params.world.foot_sensor = {Hz(1000), {.relative = 0.1}};
   WalkSegment stand, trot;
@@ -28,7 +23,6 @@ QuadrupedWalkParams Trot() {
   trot.forward = 0.12;
   trot.duration = 10;
   params.walk.segments = {stand, trot};
-  params.locomotion = MakeLocomotion(params.true_robot);
   params.estimator.emplace();
   params.estimator->robot = params.true_robot;
   params.estimator->initial = params.world.plant.initial;

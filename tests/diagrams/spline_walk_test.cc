@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "tenon/diagrams/locomotion_profile.h"
 #include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/simulator.h"
 #include "tenon/systems/yaml_node.h"
@@ -19,12 +18,7 @@ INSTANTIATE_TEST_SUITE_P(Gaits, SplineWalkTest,
                          [](const auto& info) { return std::string(EnumName(info.param)); });
 
 TEST_P(SplineWalkTest, ThePlantFollows) {
-  QuadrupedWalkParams params;
-  const QuadrupedDescription robot = test::DogBot();
-  params.world.plant.robot = params.true_robot = robot;
-  params.world.plant.initial = test::Standing(robot);
-  params.world.min_height = 0.3;
-  params.locomotion = MakeLocomotion(robot);
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.locomotion.com_planner.reference = ComReference::kZmpSpline;
   params.walk.segments.resize(3);
   params.walk.segments[0].duration = 0.5;

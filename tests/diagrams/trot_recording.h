@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "tenon/diagrams/locomotion_profile.h"
 #include "tenon/diagrams/quadruped_walk.h"
 #include "tenon/systems/simulator.h"
 #include "tenon/tests/plants/quadruped_test_robot.h"
@@ -16,21 +15,17 @@ namespace tenon::test {
 /// front left knee. The controller knows all but the force.
 struct TrotLoop {
   TrotLoop() {
-    QuadrupedWalkParams params;
     const QuadrupedDescription robot = DogBot();
-    params.world.plant.robot = robot;
-    params.world.plant.initial = Standing(robot);
+    QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
     ExternalForce pull = PointOnLeg(robot, kFrontLeft, 0.5);
     pull.force_W << 20, 0, 0;
     params.world.pulses.push_back({pull, 0, 60});
-    params.true_robot = robot;
     params.walk.segments.resize(2);
     params.walk.segments[0].duration = 0.5;
     params.walk.segments[1].gait = Gait::kTrot;
     params.walk.segments[1].forward = 0.12;
     params.walk.segments[1].yaw_rate = 0.05;
     params.walk.segments[1].duration = 60;
-    params.locomotion = MakeLocomotion(robot);
     DiagramBuilder builder;
     loop = &builder.Add<QuadrupedWalk>("loop", params);
     diagram = builder.Build();

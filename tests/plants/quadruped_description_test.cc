@@ -9,6 +9,7 @@
 #include <limits>
 #include <sstream>
 
+#include "tenon/plants/description/quadruped_model.h"
 #include "tenon/systems/errors.h"
 #include "tenon/tests/plants/quadruped_test_robot.h"
 #include "tenon/tests/testing/expect_throws.h"
@@ -269,6 +270,27 @@ TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   };
   EXPECT_TRUE(about_origin(sum).isApprox(about_origin(robot.trunk) + about_origin(payload), 1e-12));
   EXPECT_DOUBLE_EQ(WithPayload(robot, payload).mass(), robot.mass() + 4);
+}
+
+// A robot of other density moves in the same way under forces that grow with its mass.
+TEST(WithMassFactorTest, ScalesMassesAndInertias) {
+  const QuadrupedDescription robot = test::DogBot(), heavy = WithMassFactor(robot, 1.3);
+  EXPECT_NEAR(heavy.mass(), 1.3 * robot.mass(), 1e-12);
+  QuadrupedDescription still = robot, heavier = heavy;
+  still.drive.rotor_inertia = heavier.drive.rotor_inertia = 0;
+  RandomStream random(3);
+  const LeggedState x = test::RandomState(random);
+  QuadrupedDynamics a, b;
+  QuadrupedModel(still).Calc(x, &a);
+  QuadrupedModel(heavier).Calc(x, &b);
+  EXPECT_TRUE(b.M.isApprox(1.3 * a.M, 1e-12));
+  EXPECT_TRUE(b.bias().isApprox(1.3 * a.bias(), 1e-12));
+  EXPECT_TRUE(b.com_W.isApprox(a.com_W, 1e-12));
+}
+
+TEST(WithMassFactorTest, RefusesWhatIsNoFactor) {
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "a mass factor of 0", "positive"));
 }
 
 TEST(WithPayloadTest, RefusesNegativeMass) {

@@ -86,6 +86,36 @@ Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const Vec<12>& 
   return dynamics.M.llt().solve(force);
 }
 
+// What external forces add to M nu' is (force, torque about B, torques of the joints).
+TEST(QuadrupedPlantTest, TellsWhatExternalForcesDo) {
+  Rig rig(Params(Lossless(DogBot())));
+  const QuadrupedPlant& plant = rig.system();
+  RandomStream random(5);
+  LeggedState x = RandomState(random);
+  x.p_WB[2] = 5;
+  rig.Set(plant.motion, x).Fix(plant.torque, Vec<12>::Zero());
+  const auto acceleration = [&](const ExternalForces& external) {
+    rig.Fix(plant.external, external);
+    const LeggedAcceleration& a = rig[plant.acceleration];
+    Vec<18> result;
+    result << a.a_W, a.alpha_W, a.qdd;
+    return result;
+  };
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(plant.params.robot).Calc(rig[plant.state], &dynamics);
+  for (const int body : {0, 1, 5, 12}) {
+    const Vec<18> without = acceleration({});
+    const ExternalForces external{ExternalForce{body, RandomVector<3>(random, 0.3),
+                                                RandomVector<3>(random, 50), RandomVector<3>(random, 5)}};
+    const Vec<18> added = dynamics.M * (acceleration(external) - without);
+    const WrenchEstimate& wrench = rig[plant.external_wrench];
+    EXPECT_THAT(added.head<3>(), IsNear(wrench.force_W, 1e-8));
+    EXPECT_THAT(added.segment<3>(3),
+                IsNear(wrench.torque_W + (dynamics.com_W - x.p_WB).cross(wrench.force_W), 1e-8));
+    EXPECT_THAT(added.tail<12>(), IsNear(rig[plant.external_torque], 1e-8)) << body;
+  }
+}
+
 TEST(QuadrupedPlantTest, AgreesWithTheModel) {
   for (const QuadrupedDescription& robot : {Lossless(DogBot()), Lossless(A1())}) {
     Rig rig(Params(robot));

@@ -320,6 +320,27 @@ TEST(YamlSetTest, ReplacesAndAdds) {
   EXPECT_EQ(before.Read<Robot>().legs[1].mass, 2) << "a copy does not change";
 }
 
+// One document over another.
+
+TEST(YamlAddMissingTest, MapsMergeWhileListsAndScalarsStand) {
+  const auto base = YamlDocument::Parse(
+      "name: base\nspeed_m_per_s: 3\nknots: [1, 2, 3]\ntail: {mass_kg: 2, hip_m: [1, 2, 3]}\nextra: x",
+      "base.yaml");
+  auto document = YamlDocument::Parse("name: own\nknots: [7]\ntail: {mass_kg: 5}\nsteps: 4", "robot.yaml");
+  document.AddMissing(base);
+  EXPECT_THAT(ErrorOf([&] { document.Read<Robot>(); }),
+              AllOf(StartsWith("base.yaml:5:1"), HasSubstr("extra")));
+  document.Remove("extra");
+  document.Remove("not there");
+  const Robot robot = document.Read<Robot>();
+  EXPECT_EQ(robot.name, "own");
+  EXPECT_EQ(robot.speed, 3);
+  EXPECT_EQ(robot.steps, 4);
+  EXPECT_EQ(robot.knots, std::vector<double>{7});
+  EXPECT_EQ(robot.tail->mass, 5);
+  EXPECT_EQ(robot.tail->hip.z(), 3);
+}
+
 TEST(YamlSetTest, ErrorsNameTheOverride) {
   EXPECT_THAT(SetError("steps: 1", "steps", "x"), StartsWith("--set steps=x: steps: expected an integer"));
   EXPECT_THAT(SetError("steps: 1", "stops", "2"),
