@@ -99,7 +99,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   Fade(old.position - next.position, old.velocity - next.velocity, params.blend, plan);
   if (walks && params.reference == ComReference::kZmpSpline) {
     const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
-    if (PlanSpline(schedule, begin, optimizer, plan)) {
+    if (PlanSpline(schedule, begin, command.height[0], optimizer, plan)) {
       for (Vec<4>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
     } else {
       memory.diagnostics = plan->diagnostics;
@@ -122,8 +122,8 @@ void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) co
   plan->pendulum.Solve();
 }
 
-bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, ZmpSpline& optimizer,
-                            ComPlan* plan) const {
+bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
+                            ZmpSpline& optimizer, ComPlan* plan) const {
   std::array<SupportPhase, ZmpSpline::kMaxPhases> phases;
   std::size_t count = 0, visited = 0;
   double duration = 0;
@@ -135,7 +135,7 @@ bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& 
         phases[count++] = {seconds, SupportPolygon(feet, params.zmp.half_width, params.zmp.margin)};
         duration += seconds;
       });
-  HeightProfile height{.rest = stance.com_height, .fade_duration = plan->blend};
+  HeightProfile height{.rest = stance.com_height + raised, .fade_duration = plan->blend};
   for (std::size_t i = 0; i < height.fade.size(); ++i) height.fade[i] = plan->remainder[i][2];
   const QpReport report = optimizer.Solve({.phases = {phases.data(), count},
                                            .begin = begin,

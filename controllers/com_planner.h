@@ -71,8 +71,9 @@ struct ComPlannerParams {
 /// (see ZmpSpline) from where the reference has brought it, acceleration included, over the phases of the
 /// next `horizon` steps and the stance that follows, and ends on the path, with its velocity. If no spline
 /// keeps the ZMP in the polygons, the old plan goes on, its path too, until the next footstep: a failure,
-/// which is counted. Standing, the CoM rests over the path. The
-/// commanded height is added at every tick. The trunk is level and heads along the path.
+/// which is counted. Standing, the CoM rests over the path. The commanded height is added at every tick; a
+/// spline's ZMP is that of the height commanded when it was made. The trunk is level and heads along the
+/// path.
 ///
 /// Position, velocity, yaw and yaw rate do not jump at a new plan: what the old one said differently is taken
 /// over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing. The
@@ -108,8 +109,8 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
 
   ComPlan FirstPlan(double time) const;
   void PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const;
-  bool PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, ZmpSpline& optimizer,
-                  ComPlan* plan) const;
+  bool PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
+                  ZmpSpline& optimizer, ComPlan* plan) const;
   double GroundHeight(const ContactSchedule& schedule, const LeggedState& state, double otherwise) const;
 };
 

@@ -151,6 +151,32 @@ TEST(ComPlannerSpline, IsPlannedAtFootstepsOnlyAndGoesOnThroughAWait) {
   EXPECT_EQ(walk.diagnostics().failures, 0);
 }
 
+/// From gait to gait at the beginnings of steps, at other speeds: whether or not a spline is found at each,
+/// nothing jumps, and what was not found is found at the next footsteps.
+TEST(ComPlannerSpline, GaitsAndSpeedsChange) {
+  ScheduledWalk walk(SplineParams());
+  walk.Tick();
+  BodyReference last = walk.reference();
+  const std::array<Gait, 8> gaits{Gait::kTrot, Gait::kPace,  Gait::kCrawl, Gait::kGallop,
+                                  Gait::kPace, Gait::kCrawl, Gait::kTrot,  Gait::kStand};
+  for (int n = 1; n < 16000; ++n) {
+    const int k = n / 2000;
+    if (n % 2000 == 1) walk.Command(gaits[k], k == 7 ? 0 : 0.1 + 0.1 * (k % 3), 0, k % 2 == 0 ? 0.2 : -0.2);
+    walk.Tick();
+    const BodyReference now = walk.reference();
+    EXPECT_THAT(now.com_W - last.com_W, IsNear(5e-4 * (now.com_velocity_W + last.com_velocity_W), 3e-6)) << n;
+    EXPECT_THAT(now.com_velocity_W - last.com_velocity_W,
+                IsNear(5e-4 * (now.com_acceleration_W + last.com_acceleration_W), 5e-3))
+        << n;
+    EXPECT_LT((now.com_W.head<2>() - walk.path().position_W).norm(), 0.1) << n;
+    if (n % 2000 == 1999) {
+      EXPECT_EQ(walk.diagnostics().failures_in_a_row, 0) << n;
+    }
+    last = now;
+  }
+  EXPECT_LE(walk.diagnostics().failures, 2) << "of " << walk.diagnostics().solves;
+}
+
 TEST(ComPlannerSpline, OfATrotOnTheSpotRests) {
   ScheduledWalk walk(SplineParams());
   walk.Tick();
