@@ -75,6 +75,7 @@ DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_ite
     v->setZero(n);
   for (Eigen::VectorXd* v : {&multipliers_, &slack_, &row_norms_}) v->setZero(m);
   first_.resize(static_cast<std::size_t>(n));
+  ends_.resize(static_cast<std::size_t>(n));
   active_.resize(static_cast<std::size_t>(n));
   active_inequalities_.reserve(static_cast<std::size_t>(n));
   guess_.reserve(static_cast<std::size_t>(n));
@@ -145,8 +146,9 @@ void DualActiveSet::ApplyQTransposed(Eigen::VectorXd& v) {
     return;
   }
   for (int k = 0; k < num_active_; ++k) {
-    const auto w = reflectors_.col(k).segment(k, n_ - k);
-    v.segment(k, n_ - k) -= w.dot(v.segment(k, n_ - k)) * w;
+    const auto w = Reflector(k);
+    auto part = v.segment(k, w.size());
+    part -= w.dot(part) * w;
   }
 }
 
@@ -157,8 +159,9 @@ void DualActiveSet::ApplyQ(Eigen::VectorXd& v) {
     return;
   }
   for (int k = num_active_ - 1; k >= 0; --k) {
-    const auto w = reflectors_.col(k).segment(k, n_ - k);
-    v.segment(k, n_ - k) -= w.dot(v.segment(k, n_ - k)) * w;
+    const auto w = Reflector(k);
+    auto part = v.segment(k, w.size());
+    part -= w.dot(part) * w;
   }
 }
 
@@ -166,11 +169,11 @@ void DualActiveSet::FormQ() {
   if (q_is_formed_) return;
   Q_.topLeftCorner(n_, n_).setIdentity();
   for (int k = num_active_ - 1; k >= 0; --k) {
-    const int size = n_ - k;
-    const auto w = reflectors_.col(k).segment(k, size);
-    auto block = Q_.block(k, k, size, size);
-    r_.head(size).noalias() = block.transpose() * w;
-    block.noalias() -= w * r_.head(size).transpose();
+    const auto w = Reflector(k);
+    auto block = Q_.block(k, k, w.size(), n_ - k);
+    auto row = r_.head(n_ - k);
+    row.noalias() = block.transpose() * w;
+    block.noalias() -= w * row.transpose();
   }
   q_is_formed_ = true;
 }
@@ -184,11 +187,14 @@ bool DualActiveSet::Append(const QuadraticProgram& qp, int constraint, double in
   SolveL(v_);
   const double norm = v_.head(n_).norm();
   ApplyQTransposed(v_);
-  auto tail = v_.segment(k, n_ - k);
+  int end = n_;
+  while (end > k + 1 && v_[end - 1] == 0) --end;
+  auto tail = v_.segment(k, end - k);
   if (!(tail.norm() > independence * norm)) return false;
   R_(k, k) = MakeReflector(tail);
   R_.col(k).head(k) = v_.head(k);
-  reflectors_.col(k).segment(k, n_ - k) = tail;
+  reflectors_.col(k).segment(k, end - k) = tail;
+  ends_[static_cast<std::size_t>(k)] = end;
   column_norms_[k] = norm;
   active_[k] = constraint;
   is_active_[constraint] = 1;

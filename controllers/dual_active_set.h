@@ -62,7 +62,7 @@ struct QpReport {
 /// With H = L L^T and V = L^-1 A^T for the active constraints, V = Q (R; 0). Unlike the paper, which updates
 /// J = L^-T Q, this keeps L and Q apart: the start at a guessed active set is one Householder factorisation
 /// without forming Q, and a solve whose guess is right ends there. Zeros at the beginning of the rows of H
-/// stay zeros in L and cost nothing.
+/// stay zeros in L and cost nothing; so do zeros at the end of the first equalities where H leaves them.
 ///
 /// The guess is pruned of dependent constraints and of those with negative multipliers, so any guess is safe
 /// and only the number of iterations depends on it. The solution is refined from its residuals; if they stay
@@ -105,6 +105,9 @@ class DualActiveSet {
   void Drop(int position);
   int Refine(const QuadraticProgram& qp);
   void SolveActive(const Eigen::Ref<const Eigen::VectorXd>& g);
+  auto Reflector(int k) const {
+    return reflectors_.col(k).segment(k, ends_[static_cast<std::size_t>(k)] - k);
+  }
   void FormQ();
   void ApplyQTransposed(Eigen::VectorXd& v);
   void ApplyQ(Eigen::VectorXd& v);
@@ -119,7 +122,8 @@ class DualActiveSet {
   ConstraintMatrix L_;            // its diagonal holds reciprocals
   std::vector<int> first_;        // first column of each row of L that is not zero
   Eigen::MatrixXd R_;             // upper triangle
-  Eigen::MatrixXd reflectors_;    // column k: the reflector that made column k of R, from row k on
+  Eigen::MatrixXd reflectors_;    // column k: the reflector that made column k of R, from row k on,
+  std::vector<int> ends_;         // before row ends_[k]; what follows is zero
   Eigen::MatrixXd Q_;             // once formed
   Eigen::VectorXd column_norms_;  // of V
   std::vector<int> active_;       // constraints in the order of R's columns

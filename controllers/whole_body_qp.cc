@@ -165,22 +165,23 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
   qp.g.setZero();
   qp.A_eq.setZero();
   AddForceCost(dynamics, task, 18, &qp);
-  qp.A_eq.topLeftCorner<6, 18>() = dynamics.M.topRows<6>();
-  qp.b_eq.head<6>() = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
+  // The feet's rows come first: they have few columns besides those of nu', which the solver makes use of.
+  qp.A_eq.bottomLeftCorner<6, 18>() = dynamics.M.topRows<6>();
+  qp.b_eq.tail<6>() = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const int joint = 6 + 3 * leg, column = 18 + 3 * leg, row = kRowsPerLeg * leg + 4;
-    qp.A_eq.block<3, 18>(joint, 0) = dynamics.FootJacobian(leg);
-    qp.b_eq.segment<3>(joint) = -FootOf(dynamics, leg).bias;
+    qp.A_eq.block<3, 18>(3 * leg, 0) = dynamics.FootJacobian(leg);
+    qp.b_eq.segment<3>(3 * leg) = -FootOf(dynamics, leg).bias;
     auto A = qp.A_in.middleRows<3>(row);
     A.setZero();
     A.leftCols<18>() = dynamics.M.middleRows<3>(joint);
     if (task.stance[i]) {
-      qp.A_eq.block<6, 3>(0, column) = -TrunkJacobian(dynamics, leg).transpose();
+      qp.A_eq.block<6, 3>(12, column) = -TrunkJacobian(dynamics, leg).transpose();
       A.middleCols<3>(column) = -FootOf(dynamics, leg).J_leg.transpose();
     } else {
-      qp.A_eq.block<3, 3>(joint, column) = -Eigen::Matrix3d::Identity();
-      qp.b_eq.segment<3>(joint) += task.foot_acceleration[i];
+      qp.A_eq.block<3, 3>(3 * leg, column) = -Eigen::Matrix3d::Identity();
+      qp.b_eq.segment<3>(3 * leg) += task.foot_acceleration[i];
     }
     const Eigen::Vector3d constant =
         dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);
