@@ -46,7 +46,7 @@ Findings Walk(const QuadrupedWalkParams& params, double duration) {
                                                 {"loop.world.plant.motion.w_W", 1e-2},
                                                 {"loop.world.plant.motion.qd", 1e-2},
                                                 {"loop.world.plant.bristles", 1e-6}}});
-  const Context& context = simulator.context();
+  Context& context = simulator.context();
   const Vec<12> limit = WholeBodyController::TorqueLimit(params.true_robot);
   Findings found;
   std::array<Vec<3>, kNumLegs> slip;
@@ -101,7 +101,9 @@ TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
     EXPECT_LE(found.torque, 1) << robot.name;
     EXPECT_EQ(found.failures, 0) << robot.name;
     EXPECT_NEAR(found.end[0], 0.12 * 2.7, 0.03) << robot.name;
-    if (GetParam() == Gait::kTrot) EXPECT_LT(found.ground_force, 2) << robot.name;
+    if (GetParam() == Gait::kTrot) {
+      EXPECT_LT(found.ground_force, 2) << robot.name;
+    }
   }
 }
 
