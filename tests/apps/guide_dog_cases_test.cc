@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// summary.json of a scenario that must run to its end.
-nlohmann::json Run(const std::string& scenario) {
+nlohmann::json RunCase(const std::string& scenario) {
   const fs::path out = fs::temp_directory_path() / ("tenon_guide_dog_case_" + scenario);
   const std::string command =
       std::string(TENON_GUIDE_DOG) + " " + scenario + " --out " + out.string() + " > /dev/null 2>&1";
@@ -35,7 +35,7 @@ void ExpectSteady(const nlohmann::json& summary) {
 }
 
 TEST(GuideDogCasesTest, C1) {
-  const auto summary = Run("C1");
+  const auto summary = RunCase("C1");
   ExpectSteady(summary);
   EXPECT_GT(summary["tension_max_N"], 50) << "the person has stopped the robot";
   EXPECT_LT(summary["tension_max_N"], 60);
@@ -43,19 +43,19 @@ TEST(GuideDogCasesTest, C1) {
 }
 
 TEST(GuideDogCasesTest, C1Sine) {
-  const auto summary = Run("C1-sine");
+  const auto summary = RunCase("C1-sine");
   ExpectSteady(summary);
   EXPECT_LT(summary["tension_max_N"], 45);
 }
 
 TEST(GuideDogCasesTest, C2) {
-  const auto summary = Run("C2");
+  const auto summary = RunCase("C2");
   ExpectSteady(summary);
   EXPECT_LT(summary["tension_max_N"], 45);
 }
 
 TEST(GuideDogCasesTest, C3) {
-  const auto summary = Run("C3");
+  const auto summary = RunCase("C3");
   ExpectSteady(summary);
   EXPECT_LT(summary["heading_error_deg"], 5);
   EXPECT_LT(summary["stop_delay_s"], 1);
