@@ -37,8 +37,6 @@ Path PathScenario::Make() const {
 }
 
 void CdprScenario::Validate() const {
-  Demand(app == "tenon-cdpr",
-         fmt::format("app is '{}': this is a scenario of another app, not of tenon-cdpr", app));
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(
       controller == CdprController::kPd || mpc.has_value(),

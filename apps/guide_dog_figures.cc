@@ -33,7 +33,6 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
                                      &loop.world.plant.foot_slips,
                                      &loop.locomotion.body,
                                      &loop.locomotion.schedule,
-                                     &loop.locomotion.whole_body.diagnostics,
                                      &loop.errors.errors};
   if (loop.estimator) signals.push_back(&loop.estimator->estimate);
   return signals;

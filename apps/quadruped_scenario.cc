@@ -109,8 +109,6 @@ RigidInertia TrunkLoadScenario::Make() const {
 }
 
 void QuadrupedScenario::Validate() const {
-  Demand(app == "tenon-quadruped",
-         fmt::format("app is '{}': this is a scenario of another app, not of tenon-quadruped", app));
   Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
   Demand(pd.has_value() != walk.has_value(),
          fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",

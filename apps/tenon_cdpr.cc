@@ -81,7 +81,7 @@ int Run(const CommonArguments& arguments, const std::string& controller, bool co
     ListScenarios("tenon-cdpr");
     return kRan;
   }
-  YamlDocument document = LoadScenario(arguments);
+  YamlDocument document = LoadScenario(arguments, "tenon-cdpr");
   if (!controller.empty()) document.Set("controller", controller);
   auto scenario = document.Read<CdprScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;

@@ -18,7 +18,7 @@ int Run(const CommonArguments& arguments) {
     ListScenarios("tenon-guide-dog");
     return kRan;
   }
-  auto scenario = LoadScenario(arguments).Read<GuideDogScenario>();
+  auto scenario = LoadScenario(arguments, "tenon-guide-dog").Read<GuideDogScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   const double duration = Duration(scenario);
@@ -43,7 +43,9 @@ int Run(const CommonArguments& arguments) {
   const auto leash =
       std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
   const auto walk = std::make_shared<WalkFigures>();
-  simulator.AddLog(Hz(1000), signals, {leash, walk, std::make_shared<ProgressSink>(duration)});
+  std::vector<const Source*> judged = signals;
+  judged.push_back(WalkFigures::Solves(loop.locomotion));
+  simulator.AddLog(Hz(1000), judged, {leash, walk, std::make_shared<ProgressSink>(duration)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   const RunOutcome outcome = Advance(simulator, duration);
 

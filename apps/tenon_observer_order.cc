@@ -61,8 +61,6 @@ struct ObserverOrderScenario {
                       Field{"report", &ObserverOrderScenario::report}};
   }
   void Validate() const {
-    Demand(app == "tenon-observer-order",
-           fmt::format("app is '{}': this is a scenario of another app, not of tenon-observer-order", app));
     Demand(start_s >= 0 && duration_s > start_s,
            fmt::format("the force starts at {} s but the run ends at {} s: nothing would be seen", start_s,
                        duration_s));
@@ -260,7 +258,7 @@ int Run(const CommonArguments& arguments) {
     ListScenarios("tenon-observer-order");
     return kRan;
   }
-  auto scenario = LoadScenario(arguments).Read<ObserverOrderScenario>();
+  auto scenario = LoadScenario(arguments, "tenon-observer-order").Read<ObserverOrderScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   scenario.Validate();

@@ -50,7 +50,9 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
 
   const OutputDirectory out(arguments, WriteYaml(scenario));
   out.WriteGraph(*diagram);
-  simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(duration)});
+  std::vector<const Source*> judged = signals;
+  if constexpr (requires { loop.locomotion; }) judged.push_back(WalkFigures::Solves(loop.locomotion));
+  simulator.AddLog(Hz(1000), judged, {figures, std::make_shared<ProgressSink>(duration)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   const RunOutcome outcome = Advance(simulator, duration);
 
@@ -100,7 +102,7 @@ int RunSweep(const CommonArguments& arguments, const QuadrupedScenario& scenario
 /// The scenario with what the command line says of its walk: every segment that walks gets the gait and,
 /// forwards, the speed.
 QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArguments& walk) {
-  YamlDocument document = LoadScenario(arguments);
+  YamlDocument document = LoadScenario(arguments, "tenon-quadruped");
   const auto scenario = document.Read<QuadrupedScenario>();
   if (!walk.any()) return scenario;
   if (!scenario.walk)

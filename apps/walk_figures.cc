@@ -20,7 +20,6 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.observer.leg_forces,
                                      &loop.locomotion.body,
                                      &loop.locomotion.schedule,
-                                     &loop.locomotion.whole_body.diagnostics,
                                      &loop.errors.errors};
   if (loop.estimator) signals.push_back(&loop.estimator->estimate);
   return signals;

@@ -3,7 +3,8 @@
 namespace tenon {
 
 Geometry WalkView::MakeShapes(const QuadrupedDescription& robot) {
-  const double scale = 2 * robot.StanceHeight() / (9.81 * robot.mass());  // the weight is twice the robot's height
+  const double scale =
+      2 * robot.StanceHeight() / (9.81 * robot.mass());  // the weight is twice the robot's height
   Geometry shapes{Shape::Trace(ShapeRole::kReference, "reference of the CoM"),
                   Shape::Arrow(ShapeRole::kEstimate, "estimated force on the CoM", scale)};
   for (const char* leg : kLegNames)

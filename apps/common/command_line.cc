@@ -62,7 +62,7 @@ YamlDocument LoadExtended(const std::string& name) {
 
 }  // namespace
 
-YamlDocument LoadScenario(const CommonArguments& arguments) {
+YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
   }
@@ -73,6 +73,10 @@ YamlDocument LoadScenario(const CommonArguments& arguments) {
       throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500", setting));
     }
     document.Set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  if (const std::string other = document.Text("app"); !other.empty() && other != app) {
+    throw ParameterError(fmt::format("app is '{}': '{}' is a scenario of another app, not of {}; run {} {}",
+                                     other, arguments.scenario, app, other, arguments.scenario));
   }
   return document;
 }

@@ -36,9 +36,10 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
 /// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 
-/// The scenario file with all --set overrides applied; throws ParameterError. `extends: NAME` in a scenario
+/// The scenario file with all --set overrides applied. Throws ParameterError, among others for a scenario of
+/// another app than `app`. `extends: NAME` in a scenario
 /// takes over everything of another that it does not say itself; lists are taken over as a whole.
-YamlDocument LoadScenario(const CommonArguments& arguments);
+YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app);
 
 /// Prints name and description of every shipped scenario whose `app` key is this app's name.
 void ListScenarios(const std::string& app);

@@ -13,52 +13,58 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// summary.json of a scenario that must run to its end.
-nlohmann::json RunCase(const std::string& scenario) {
-  const fs::path out = fs::temp_directory_path() / ("tenon_guide_dog_case_" + scenario);
-  const std::string command =
-      std::string(TENON_GUIDE_DOG) + " " + scenario + " --out " + out.string() + " > /dev/null 2>&1";
-  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
-  const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
-  fs::remove_all(out);
-  EXPECT_TRUE(summary["finished"]);
-  return summary;
-}
+/// The figures of a scenario that must run to its end.
+class Case {
+ public:
+  explicit Case(const std::string& scenario) {
+    const fs::path out = fs::temp_directory_path() / ("tenon_guide_dog_case_" + scenario);
+    const std::string command =
+        std::string(TENON_GUIDE_DOG) + " " + scenario + " --out " + out.string() + " > /dev/null 2>&1";
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+    std::ifstream file(out / "summary.json");
+    file >> summary_;
+    fs::remove_all(out);
+    EXPECT_TRUE(summary_.at("finished").get<bool>());
+  }
+  double operator[](const char* key) const { return summary_.at(key).get<double>(); }
 
-void ExpectSteady(const nlohmann::json& summary) {
-  EXPECT_NEAR(summary["tension_mean_N"], 30, 3);
-  const double distance = summary["distance_mean_m"];
-  EXPECT_GT(summary["distance_min_m"], 0.95 * distance);
-  EXPECT_LT(summary["distance_max_m"], 1.05 * distance);
-  EXPECT_LT(summary["force_estimate_error_rms_N"], 2);
-  EXPECT_EQ(summary["qp_failures"], 0);
+ private:
+  nlohmann::json summary_;
+};
+
+void ExpectSteady(const Case& run) {
+  EXPECT_NEAR(run["tension_mean_N"], 30, 3);
+  EXPECT_GT(run["distance_min_m"], 0.95 * run["distance_mean_m"]);
+  EXPECT_LT(run["distance_max_m"], 1.05 * run["distance_mean_m"]);
+  EXPECT_LT(run["force_estimate_error_rms_N"], 2);
+  EXPECT_EQ(run["qp_failures"], 0);
 }
 
 TEST(GuideDogCasesTest, C1) {
-  const auto summary = RunCase("C1");
-  ExpectSteady(summary);
-  EXPECT_GT(summary["tension_max_N"], 50) << "the person has stopped the robot";
-  EXPECT_LT(summary["tension_max_N"], 60);
-  EXPECT_LT(summary["stop_delay_s"], 1);
+  const Case run("C1");
+  ExpectSteady(run);
+  EXPECT_GT(run["tension_max_N"], 50) << "the person has stopped the robot";
+  EXPECT_LT(run["tension_max_N"], 60);
+  EXPECT_LT(run["stop_delay_s"], 1);
 }
 
 TEST(GuideDogCasesTest, C1Sine) {
-  const auto summary = RunCase("C1-sine");
-  ExpectSteady(summary);
-  EXPECT_LT(summary["tension_max_N"], 45);
+  const Case run("C1-sine");
+  ExpectSteady(run);
+  EXPECT_LT(run["tension_max_N"], 45);
 }
 
 TEST(GuideDogCasesTest, C2) {
-  const auto summary = RunCase("C2");
-  ExpectSteady(summary);
-  EXPECT_LT(summary["tension_max_N"], 45);
+  const Case run("C2");
+  ExpectSteady(run);
+  EXPECT_LT(run["tension_max_N"], 45);
 }
 
 TEST(GuideDogCasesTest, C3) {
-  const auto summary = RunCase("C3");
-  ExpectSteady(summary);
-  EXPECT_LT(summary["heading_error_deg"], 5);
-  EXPECT_LT(summary["stop_delay_s"], 1);
+  const Case run("C3");
+  ExpectSteady(run);
+  EXPECT_LT(run["heading_error_deg"], 5);
+  EXPECT_LT(run["stop_delay_s"], 1);
 }
 
 }  // namespace

@@ -35,6 +35,18 @@ std::string Read(const fs::path& file) {
   return text.str();
 }
 
+/// The first columns of all rows: leash, person, supervisor, admittance. Further on stand computing times.
+std::string FirstColumns(const fs::path& file) {
+  std::istringstream rows(Read(file));
+  std::string text, row, cell;
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    for (int i = 0; i < 35 && std::getline(cells, cell, ','); ++i) text += cell + ',';
+    text += '\n';
+  }
+  return text;
+}
+
 class TenonGuideDogTest : public ::testing::Test {
  protected:
   TenonGuideDogTest()
@@ -92,10 +104,10 @@ TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
 
 TEST_F(TenonGuideDogTest, WrittenScenarioRepeatsTheRun) {
   ASSERT_EQ(RunApp("C1 --duration 0.2 --set sensors.foot_force.noise_ratio=0.1" + Out()).exit_code, 0);
-  const std::string first = Read(out / "signals.csv");
+  const std::string first = FirstColumns(out / "signals.csv");
   const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
   ASSERT_EQ(again.exit_code, 0) << again.text;
-  EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
+  EXPECT_TRUE(FirstColumns(out / "again" / "signals.csv") == first);
 }
 
 TEST_F(TenonGuideDogTest, WalksByTheEstimatedState) {
@@ -116,8 +128,9 @@ TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
     EXPECT_EQ(result.exit_code, 2) << arguments;
     EXPECT_THAT(result.text, AllOf(HasSubstr(a), HasSubstr(b))) << arguments;
   };
-  refuses("flat", "another app", "tenon-guide-dog");
-  refuses("C1 --duration 0", "duration", "positive");
+  refuses("flat", "required but missing", "person");
+  refuses("C1 --set app=tenon-cdpr", "another app", "tenon-guide-dog");
+  refuses("C1 --set duration_s=0", "duration_s", "positive");
   refuses("C1 --set person.phases.1.speed_m_per_s=-1", "phase 1", "negative");
   refuses("C1 --set leash.stiffness=3", "leash", "stiffness_N_per_m");
   refuses("C3 --set surroundings.obstacles.0.radius_m=0", "obstacle 0", "positive radius");

@@ -96,7 +96,7 @@ TEST_P(TenonObserverOrderUsageTest, IsExitCode2WithAMessage) {
 INSTANTIATE_TEST_SUITE_P(
     All, TenonObserverOrderUsageTest,
     ::testing::Values(BadUsage{"", "no scenario given"}, BadUsage{"A00", "did you mean 'A0'?"},
-                      BadUsage{"A0 --set app=tenon-cdpr", "this is a scenario of another app"},
+                      BadUsage{"A0 --set app=tenon-cdpr", "is a scenario of another app"},
                       BadUsage{"A0 --set start_s=3", "nothing would be seen"},
                       BadUsage{"A0 --set force_N=[0,0,0]", "there is nothing to estimate"},
                       BadUsage{"A0 --set variants=[]", "there are no variants"},

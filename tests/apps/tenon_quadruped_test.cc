@@ -113,7 +113,7 @@ TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
 TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
   EXPECT_EQ(RunApp("flat --gait pace --speed 0.1 --observer none --duration 0.1" + Out()).exit_code, 0);
   EXPECT_THAT(Read(out / "scenario.yaml"),
-              AllOf(HasSubstr("gait: pace, forward_m_per_s: 0.1"), HasSubstr("observer: none")));
+              AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
   const Result stands = RunApp("stand --gait trot" + Out());
   EXPECT_EQ(stands.exit_code, 2);
   EXPECT_THAT(stands.text, HasSubstr("'stand' does not walk: leave --gait"));
@@ -238,7 +238,7 @@ TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
 INSTANTIATE_TEST_SUITE_P(
     All, TenonQuadrupedUsageTest,
     ::testing::Values(BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
-                      BadUsage{"stand --set app=tenon-cdpr", "this is a scenario of another app"},
+                      BadUsage{"stand --set app=tenon-cdpr", "is a scenario of another app"},
                       BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
                       BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
                       BadUsage{"stand --set start_height_m=-0.1",

@@ -21,7 +21,10 @@ TEST(WalkViewTest, ArrowsStartAtCentreAndFeet) {
   body.com_W << 1, 2, 3;
   LegForceEstimate legs;
   legs.foot_force[kRearLeft] << 4, 5, 6;
-  rig.Fix(view.state, x).Fix(view.body, body).Fix(view.wrench, WrenchEstimate{{7, 8, 9}, {}}).Fix(view.leg_forces, legs);
+  rig.Fix(view.state, x)
+      .Fix(view.body, body)
+      .Fix(view.wrench, WrenchEstimate{{7, 8, 9}, {}})
+      .Fix(view.leg_forces, legs);
   const Geometry& shapes = rig[view.geometry];
   ASSERT_EQ(shapes.size(), 6);
   EXPECT_EQ(shapes[0].p_W, body.com_W);

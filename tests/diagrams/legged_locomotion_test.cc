@@ -27,14 +27,17 @@ Vec<3> Stand(Replaced replaced) {
 
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", outside);
-  const auto& command = builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
-  const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time), [](double) { return WrenchEstimate(); });
+  const auto& command =
+      builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
+  const auto& wrench =
+      builder.AddFunction({"wrench"}, Uses(builder.time), [](double) { return WrenchEstimate(); });
   const auto& leg_forces =
       builder.AddFunction({"leg_forces"}, Uses(builder.time), [](double) { return LegForceEstimate(); });
 
   const OutputPort<ContactSchedule>* schedule = nullptr;
   if (replaced == Replaced::kScheduler) {
-    schedule = &builder.AddFunction({"scheduler"}, Uses(builder.time), [](double) { return ContactSchedule(); });
+    schedule =
+        &builder.AddFunction({"scheduler"}, Uses(builder.time), [](double) { return ContactSchedule(); });
   } else {
     auto& scheduler = builder.Add<FootScheduler>("scheduler", params.scheduler);
     builder.Connect(command, scheduler.command);
@@ -62,7 +65,8 @@ Vec<3> Stand(Replaced replaced) {
 
   const OutputPort<FeetReference>* feet = nullptr;
   if (replaced == Replaced::kSwingPlanner) {
-    feet = &builder.AddFunction({"swing_planner"}, Uses(builder.time), [](double) { return FeetReference(); });
+    feet =
+        &builder.AddFunction({"swing_planner"}, Uses(builder.time), [](double) { return FeetReference(); });
   } else {
     auto& planner = builder.Add<SwingPlanner>("swing_planner", params.swing_planner);
     builder.Connect(*schedule, planner.schedule);
@@ -76,11 +80,11 @@ Vec<3> Stand(Replaced replaced) {
   if (replaced == Replaced::kWholeBody) {
     // The feet carry the weight of the nominal stance, and a joint PD the rest.
     const Vec<12> hold = dynamics.gravity.tail<12>();
-    const auto& torque = builder.AddFunction(
-        {"whole_body", "N m"}, Sampled{Hz(1000)}, Uses(world.joints),
-        [hold, stance = robot.stance](const JointMotion& joints) {
-          return Vec<12>(hold + 500 * (stance - joints.q) - 10 * joints.qd);
-        });
+    const auto& torque =
+        builder.AddFunction({"whole_body", "N m"}, Sampled{Hz(1000)}, Uses(world.joints),
+                            [hold, stance = robot.stance](const JointMotion& joints) {
+                              return Vec<12>(hold + 500 * (stance - joints.q) - 10 * joints.qd);
+                            });
     builder.Connect(torque, world.torque);
   } else {
     auto& whole_body = builder.Add<WholeBodyController>("whole_body", params.whole_body);
@@ -117,7 +121,8 @@ TEST(LeggedLocomotionTest, IsItsFourBlocks) {
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", outside);
   auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(robot));
-  const auto& command = builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
+  const auto& command =
+      builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
   builder.Connect(command, locomotion.command);
   builder.Connect(world.state, locomotion.state);
   builder.Connect(world.foot_forces, locomotion.foot_forces);

@@ -25,14 +25,14 @@ WalkSegment Segment(Gait gait, double forward, double duration) {
 /// What a walk shows, tick by tick.
 struct Findings {
   bool fell = false;
-  double com = 0, foot = 0;              // largest errors [m]
-  double cone = 0;                       // largest ratio of planned tangential to normal force
-  double torque = 0;                     // largest ratio to the limit
-  double slip = 0;                       // farthest in one stance [m]
-  double ground_force = 0;               // mean error [N]
-  long failures = 0;                     // of the optimisation
-  Vec<3> wrench = Vec<3>::Zero();        // last estimate [N]
-  Vec<3> end = Vec<3>::Zero();           // of the trunk [m]
+  double com = 0, foot = 0;        // largest errors [m]
+  double cone = 0;                 // largest ratio of planned tangential to normal force
+  double torque = 0;               // largest ratio to the limit
+  double slip = 0;                 // farthest in one stance [m]
+  double ground_force = 0;         // mean error [N]
+  long failures = 0;               // of the optimisation
+  Vec<3> wrench = Vec<3>::Zero();  // last estimate [N]
+  Vec<3> end = Vec<3>::Zero();     // of the trunk [m]
 };
 
 Findings Walk(const QuadrupedWalkParams& params, double duration) {
@@ -102,7 +102,8 @@ TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
     EXPECT_LE(found.cone, params.locomotion.whole_body.gains.qp.friction + 1e-6) << robot.name;
     EXPECT_LE(found.torque, 1) << robot.name;
     EXPECT_EQ(found.failures, 0) << robot.name;
-    // The ramp to full speed and the wait for the first footstep take a quarter of a second of way each, at most.
+    // The ramp to full speed and the wait for the first footstep take a quarter of a second of way each, at
+    // most.
     EXPECT_NEAR(found.end[0], 0.12 * 2.45, 0.03) << robot.name;
     if (GetParam() == Gait::kTrot) {
       EXPECT_LT(found.ground_force, 0.01 * robot.mass() * 9.81 + 0.5) << robot.name;
