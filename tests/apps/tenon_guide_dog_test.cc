@@ -128,7 +128,7 @@ TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
     EXPECT_EQ(result.exit_code, 2) << arguments;
     EXPECT_THAT(result.text, AllOf(HasSubstr(a), HasSubstr(b))) << arguments;
   };
-  refuses("flat", "required but missing", "person");
+  refuses("flat", "is a scenario of another app", "run tenon-quadruped flat");
   refuses("C1 --set app=tenon-cdpr", "another app", "tenon-guide-dog");
   refuses("C1 --set duration_s=0", "duration_s", "positive");
   refuses("C1 --set person.phases.1.speed_m_per_s=-1", "phase 1", "negative");
