@@ -11,6 +11,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
   alone.robot = scenario.robot;
   alone.duration_s = scenario.duration_s;
   alone.seed = scenario.seed;
+  alone.terrain = scenario.terrain;
   alone.walk = scenario.walk;
   alone.profile = scenario.profile;
   alone.sensors = scenario.sensors;

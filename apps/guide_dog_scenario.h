@@ -27,6 +27,7 @@ struct GuideDogScenario {
   PersonParams person;
   LeashParams leash;
   ObstacleDetectorParams surroundings;
+  TerrainParams terrain;
   SensorScenario sensors;
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
@@ -50,6 +51,7 @@ struct GuideDogScenario {
                       Required("person", &S::person),
                       Field{"leash", &S::leash},
                       Field{"surroundings", &S::surroundings},
+                      Field{"terrain", &S::terrain},
                       Field{"sensors", &S::sensors},
                       Field{"fall", &S::fall},
                       Field{"limit_speed", &S::limit_speed},
