@@ -83,7 +83,8 @@ TEST_F(CasesTest, JudgesWhatIsThere) {
             HasSubstr("| yes | 2.0 | 3.5 | 1.5 | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
             HasSubstr("| A1 | none | **falls at 12.3 s** | 500.0 | 250.00 | 3.5 | 1.00 |"),
             HasSubstr("| **2 of 3** (first falls at 12.3 s) | 9.0 / 300.0 | 3.5 / 3.5 |"),
-            HasSubstr("**no**: 1 of 3 not finished; median of CoM is 9.0 mm; max of CoM is 300.0 mm (only 3 of ")));
+            HasSubstr(
+                "**no**: 1 of 3 not finished; median of CoM is 9.0 mm; max of CoM is 300.0 mm (only 3 of ")));
 }
 
 TEST_F(CasesTest, SaysWhatIsWrong) {
