@@ -23,7 +23,9 @@ class WalkFigures final : public LogSink {
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
   /// And beside it, since it holds times of the wall clock, which no two runs share.
-  static const Source* Solves(const LeggedLocomotion& locomotion) { return &locomotion.whole_body.diagnostics; }
+  static const Source* Solves(const LeggedLocomotion& locomotion) {
+    return &locomotion.whole_body.diagnostics;
+  }
 
   /// `load` is the weight that the robot carries without its controller's knowledge [N]; what comes before
   /// `from` [s] does not count.

@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "../systems/report/browser.h"
 
@@ -31,7 +34,8 @@ using tenon::testing::Browser;
 class ReportPageTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    out = fs::temp_directory_path() / "tenon_report_page_test";
+    out = fs::temp_directory_path() /
+          ("tenon_report_page_test_" + std::to_string(getpid()));  // tests run at once
     fs::remove_all(out);
     const std::string command = std::string(TENON_CDPR) +
                                 " D1 --duration 2 --set 'payload={mass_kg: 3, position_m: [0.05, 0, 0.1], "
@@ -44,7 +48,10 @@ class ReportPageTest : public ::testing::Test {
 
   void Open(Browser& browser) {
     browser.Open(out / "report.html");
-    ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true)
+    // A loaded machine may take a while to draw the first picture.
+    for (int i = 0; i < 100 && browser.Evaluate("!!window.tenonReport && tenonReport.ready") != true; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ASSERT_EQ(browser.Evaluate("!!window.tenonReport && tenonReport.ready"), true)
         << Json(browser.complaints()).dump();
   }
 };

@@ -1,5 +1,6 @@
 #include "tenon/controllers/whole_body_controller.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -230,6 +231,21 @@ TEST(WholeBodyController, AFailureIsCountedAndTheLastTorqueStays) {
   rig.Tick();
   EXPECT_THAT(rig[rig.system().torque], IsNear(before, 1e-6));
   EXPECT_EQ(rig[rig.system().diagnostics].failures_in_a_row, 0);
+}
+
+TEST(WholeBodyController, EndsTheRunAfterTooManyFailuresInARow) {
+  WholeBodyParams params = Params();
+  params.max_failures_in_a_row = 3;
+  Inputs impossible(params.robot);
+  impossible.leg_forces.joint_torque.setConstant(1e4);
+  TestRig<WholeBodyController> rig(params);
+  impossible.Give(rig);
+  rig.Tick().Tick().Tick();
+  EXPECT_FALSE(rig[rig.system().solves].has_value());
+  rig.Tick();
+  ASSERT_TRUE(rig[rig.system().solves].has_value());
+  EXPECT_THAT(*rig[rig.system().solves],
+              ::testing::HasSubstr("failed 4 times in a row, the last time as infeasible"));
 }
 
 // With a slower QP the torques still follow the state: those of a leg that turns quickly, by Coriolis.

@@ -2,7 +2,7 @@
 
 #include "tenon/diagrams/quadruped_walk.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,24 +148,6 @@ TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
   EXPECT_EQ(without.wrench[0], 0);
   EXPECT_GT(without.com, 0.7 * 20 / params.locomotion.whole_body.gains.com_stiffness);
   EXPECT_LT(with.com, 0.5 * without.com);
-}
-
-// A controller that believes in drives too weak to stand finds no solution: that is counted, and ends the run
-// instead of going on with an old torque for ever.
-TEST(QuadrupedWalkTest, EndsWhenTheOptimisationFailsForLong) {
-  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
-  params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
-  params.world.min_height = 0;
-  params.world.max_tilt = 3.14;
-  for (LegDescription& leg : params.locomotion.whole_body.robot.legs)
-    for (JointDescription& joint : leg.joints) joint.torque_limit = 1e-3;
-  DiagramBuilder builder;
-  builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-4});
-  const RunStatus status = simulator.AdvanceTo(2);
-  EXPECT_TRUE(status.ended);
-  EXPECT_THAT(status.reason, ::testing::HasSubstr("the whole-body optimisation failed 101 times in a row"));
 }
 
 }  // namespace

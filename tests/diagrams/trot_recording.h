@@ -20,6 +20,7 @@ struct TrotLoop {
     ExternalForce pull = PointOnLeg(robot, kFrontLeft, 0.5);
     pull.force_W << 20, 0, 0;
     params.world.pulses.push_back({pull, 0, 60});
+    params.observer.kind = ObserverKind::kNone;
     params.walk.segments.resize(2);
     params.walk.segments[0].duration = 0.5;
     params.walk.segments[1].gait = Gait::kTrot;
