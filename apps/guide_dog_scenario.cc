@@ -12,6 +12,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
   alone.duration_s = scenario.duration_s;
   alone.seed = scenario.seed;
   alone.terrain = scenario.terrain;
+  alone.forces = scenario.forces;
   alone.walk = scenario.walk;
   alone.profile = scenario.profile;
   alone.sensors = scenario.sensors;

@@ -28,6 +28,7 @@ struct GuideDogScenario {
   LeashParams leash;
   ObstacleDetectorParams surroundings;
   TerrainParams terrain;
+  std::vector<ForceScenario> forces;
   SensorScenario sensors;
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
@@ -52,6 +53,7 @@ struct GuideDogScenario {
                       Field{"leash", &S::leash},
                       Field{"surroundings", &S::surroundings},
                       Field{"terrain", &S::terrain},
+                      Field{"forces", &S::forces},
                       Field{"sensors", &S::sensors},
                       Field{"fall", &S::fall},
                       Field{"limit_speed", &S::limit_speed},
