@@ -43,9 +43,9 @@ Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int
 
 void WholeBodyQpParams::Validate() const {
   for (const auto& [name, value] :
-       {std::pair{"wrench_weight", wrench_weight}, std::pair{"force_weight", force_weight},
-        std::pair{"acceleration_weight", acceleration_weight}, std::pair{"slack_weight", slack_weight},
-        std::pair{"friction", friction}}) {
+       {std::pair{"wrench_weight", wrench_weight}, std::pair{"moment_weight", moment_weight},
+        std::pair{"force_weight", force_weight}, std::pair{"acceleration_weight", acceleration_weight},
+        std::pair{"slack_weight", slack_weight}, std::pair{"friction", friction}}) {
     Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   }
 }
@@ -89,10 +89,11 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
     qp->A_in.block<4, 3>(row, column) << 1, 0, mu, -1, 0, mu, 0, 1, mu, 0, -1, mu;
   }
   auto H = qp->H.block<12, 12>(first, first);
-  H.noalias() += params_.wrench_weight * (G.transpose() * G);
+  Eigen::Matrix<double, 6, 12> QG = params_.wrench_weight * G;
+  QG.bottomRows<3>() = params_.moment_weight * G.bottomRows<3>();
+  H.noalias() += G.transpose() * QG;
   H.diagonal() += weight;
-  qp->g.segment<12>(first).noalias() -=
-      params_.wrench_weight * (G.transpose() * (task.wrench - task.disturbance));
+  qp->g.segment<12>(first).noalias() -= QG.transpose() * (task.wrench - task.disturbance);
 }
 
 // False if a leg is straight. See the header for the derivation.

@@ -11,7 +11,8 @@
 namespace tenon {
 
 struct WholeBodyQpParams {
-  double wrench_weight = 100;         ///< Q, per N^2 and per (N m)^2
+  double wrench_weight = 100;         ///< Q of the force, per N^2
+  double moment_weight = 100;         ///< Q of the torque about the CoM, per (N m)^2
   double force_weight = 1e-3;         ///< R of the ground's forces, per N^2
   double acceleration_weight = 1e-4;  ///< R of nu'; per (m/s^2)^2 and per (rad/s^2)^2
   double slack_weight = 1e6;          ///< of the swing feet's errors of acceleration, per (m/s^2)^2
@@ -20,6 +21,7 @@ struct WholeBodyQpParams {
 
   static constexpr auto Fields() {
     return std::tuple{Field{"wrench_weight", &WholeBodyQpParams::wrench_weight},
+                      Field{"moment_weight", &WholeBodyQpParams::moment_weight},
                       Field{"force_weight", &WholeBodyQpParams::force_weight},
                       Field{"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
                       Field{"slack_weight", &WholeBodyQpParams::slack_weight},
