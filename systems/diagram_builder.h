@@ -127,7 +127,7 @@ auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& 
                                  When... when) {
   using R = std::remove_cvref_t<std::invoke_result_t<const F&, typename SourceHandle<S>::Argument...>>;
   auto& block = Add<FunctionBlock<R, F, S...>>(spec.name, spec, uses.handles, std::move(function), when...);
-  const auto connect = [this]<class Port>(const SourceHandle<Port>& used, FunctionInput<Port>& input) {
+  const auto connect = [&]<class Port>(const SourceHandle<Port>& used, FunctionInput<Port>& input) {
     if constexpr (!std::is_same_v<Port, Time>) Connect(*used.source, *input.input);
   };
   [&]<std::size_t... I>(std::index_sequence<I...>) {
