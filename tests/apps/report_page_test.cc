@@ -1,18 +1,16 @@
 // Looks at the report of a short flight in a browser: from disk, without network.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
-#include "../systems/report/browser.h"
+#include "tenon/tests/apps/run_app.h"
+#include "tenon/tests/systems/report/browser.h"
 
+namespace tenon {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,14 +32,13 @@ using tenon::testing::Browser;
 class ReportPageTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    out = fs::temp_directory_path() /
-          ("tenon_report_page_test_" + std::to_string(getpid()));  // tests run at once
-    fs::remove_all(out);
-    const std::string command = std::string(TENON_CDPR) +
-                                " D1 --duration 2 --set 'payload={mass_kg: 3, position_m: [0.05, 0, 0.1], "
-                                "attach_s: 0.5, release_s: 1.5}' --out " +
-                                out.string() + " >/dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0);
+    out = test::TemporaryDirectory("tenon_ReportPageTest");
+    const test::Result result =
+        test::RunCommand(std::string(TENON_CDPR) +
+                         " D1 --duration 2 --set 'payload={mass_kg: 3, position_m: [0.05, "
+                         "0, 0.1], attach_s: 0.5, release_s: 1.5}' --out " +
+                         out.string());
+    ASSERT_EQ(result.exit_code, 0) << result.text;
   }
   static void TearDownTestSuite() { fs::remove_all(out); }
   static fs::path out;
@@ -196,3 +193,4 @@ TEST_F(ReportPageTest, WithoutWebGlPlotsAndTableAreThereAndAMessage) {
 }
 
 }  // namespace
+}  // namespace tenon

@@ -1,52 +1,23 @@
 // Runs the binary as its users do.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
+#include "tenon/tests/apps/run_app.h"
 
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
+namespace tenon {
 namespace {
 
 namespace fs = std::filesystem;
+using test::BadUsage;
+using test::Read;
+using test::Result;
+using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-struct Result {
-  int exit_code;
-  std::string text;  // stdout and stderr
-};
-
 Result RunApp(const std::string& arguments) {
-  const std::string command = std::string(TENON_CDPR) + " " + arguments + " 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  return {WEXITSTATUS(pclose(pipe)), text};
+  return RunCommand(std::string(TENON_CDPR) + " " + arguments);
 }
 
-std::string Read(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-class TenonCdprTest : public ::testing::Test {
- protected:
-  TenonCdprTest()
-      : out(fs::temp_directory_path() /
-            ("tenon_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::remove_all(out);
-  }
-  ~TenonCdprTest() override { fs::remove_all(out); }
-  std::string Out() const { return " --out " + out.string(); }
-  fs::path out;
-};
+using TenonCdprTest = test::AppTest;
 
 TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
   const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
@@ -128,18 +99,10 @@ TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
   EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("\n0,"));
 }
 
-struct BadUsage {
-  const char* arguments;
-  const char* message;
-  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
-};
-class TenonCdprUsageTest : public ::testing::TestWithParam<BadUsage> {};
+using TenonCdprUsageTest = test::UsageTest;
 
 TEST_P(TenonCdprUsageTest, IsExitCode2WithAMessage) {
-  const fs::path out = fs::temp_directory_path() / "tenon_usage";
-  const Result result = RunApp(std::string(GetParam().arguments) + " --out " + out.string());
-  EXPECT_EQ(result.exit_code, 2) << result.text;
-  EXPECT_THAT(result.text, HasSubstr(GetParam().message));
+  ExpectExitCode2WithItsMessage(TENON_CDPR);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -190,3 +153,4 @@ TEST(TenonCdprListTest, HelpSaysWhatThereIs) {
 }
 
 }  // namespace
+}  // namespace tenon

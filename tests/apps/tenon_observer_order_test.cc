@@ -1,47 +1,29 @@
 // Runs the binary as its users do.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "tenon/tests/apps/run_app.h"
+
+namespace tenon {
 namespace {
 
-namespace fs = std::filesystem;
+using test::BadUsage;
+using test::Read;
+using test::Result;
+using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-struct Result {
-  int exit_code;
-  std::string text;  // stdout and stderr
-};
-
 Result RunApp(const std::string& arguments) {
-  const std::string command = std::string(TENON_OBSERVER_ORDER) + " " + arguments + " 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  return {WEXITSTATUS(pclose(pipe)), text};
+  return RunCommand(std::string(TENON_OBSERVER_ORDER) + " " + arguments);
 }
 
-std::string Read(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
+using TenonObserverOrderTest = test::AppTest;
 
 // All that A0 has to show. The settling times of first and second order have closed forms.
-TEST(TenonObserverOrderTest, ComparesTheOrders) {
-  const fs::path out = fs::temp_directory_path() / "tenon_observer_order";
-  fs::remove_all(out);
-  const Result result = RunApp("A0 --out " + out.string());
+TEST_F(TenonObserverOrderTest, ComparesTheOrders) {
+  const Result result = RunApp("A0" + Out());
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(result.text, AllOf(HasSubstr("settling ms"), HasSubstr("refused: unstable")));
   const auto summary = nlohmann::json::parse(Read(out / "summary.json"));
@@ -75,22 +57,12 @@ TEST(TenonObserverOrderTest, ComparesTheOrders) {
   EXPECT_THAT(Read(out / "thesis_printed" / "summary.json"), HasSubstr("diverges"));
   EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("<title>A0: "), HasSubstr("thesis_corrected")));
   EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("order_5"));
-  fs::remove_all(out);
 }
 
-struct BadUsage {
-  const char* arguments;
-  const char* message;
-  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
-};
-class TenonObserverOrderUsageTest : public ::testing::TestWithParam<BadUsage> {};
+using TenonObserverOrderUsageTest = test::UsageTest;
 
 TEST_P(TenonObserverOrderUsageTest, IsExitCode2WithAMessage) {
-  const fs::path out = fs::temp_directory_path() / "tenon_observer_order_usage";
-  const Result result = RunApp(std::string(GetParam().arguments) + " --out " + out.string());
-  EXPECT_EQ(result.exit_code, 2) << result.text;
-  EXPECT_THAT(result.text, HasSubstr(GetParam().message));
-  fs::remove_all(out);
+  ExpectExitCode2WithItsMessage(TENON_OBSERVER_ORDER);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -109,3 +81,4 @@ TEST(TenonObserverOrderListTest, ListsScenariosWithTheirDescriptions) {
 }
 
 }  // namespace
+}  // namespace tenon

@@ -1,41 +1,25 @@
 // Runs the binary as its users do.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <vector>
 
+#include "tenon/tests/apps/run_app.h"
+
+namespace tenon {
 namespace {
 
 namespace fs = std::filesystem;
+using test::BadUsage;
+using test::Read;
+using test::Result;
+using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-struct Result {
-  int exit_code;
-  std::string text;  // stdout and stderr
-};
-
 Result RunApp(const std::string& arguments) {
-  const std::string command = std::string(TENON_QUADRUPED) + " " + arguments + " 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  return {WEXITSTATUS(pclose(pipe)), text};
-}
-
-std::string Read(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
+  return RunCommand(std::string(TENON_QUADRUPED) + " " + arguments);
 }
 
 /// A column of signals.csv by its name in the first row.
@@ -56,17 +40,7 @@ std::vector<double> Column(const fs::path& out, const std::string& name) {
   return values;
 }
 
-class TenonQuadrupedTest : public ::testing::Test {
- protected:
-  TenonQuadrupedTest()
-      : out(fs::temp_directory_path() /
-            ("tenon_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::remove_all(out);
-  }
-  ~TenonQuadrupedTest() override { fs::remove_all(out); }
-  std::string Out() const { return " --out " + out.string(); }
-  fs::path out;
-};
+using TenonQuadrupedTest = test::AppTest;
 
 TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
   const Result result = RunApp("stand --duration 0.2 --seed 7" + Out() + " --graph " + out.string() + ".dot");
@@ -221,18 +195,10 @@ TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
   EXPECT_THAT(Read(out / "summary.json"), ::testing::Not(HasSubstr("velocity_estimate")));
 }
 
-struct BadUsage {
-  const char* arguments;
-  const char* message;
-  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
-};
-class TenonQuadrupedUsageTest : public ::testing::TestWithParam<BadUsage> {};
+using TenonQuadrupedUsageTest = test::UsageTest;
 
 TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
-  const fs::path out = fs::temp_directory_path() / "tenon_quadruped_usage";
-  const Result result = RunApp(std::string(GetParam().arguments) + " --out " + out.string());
-  EXPECT_EQ(result.exit_code, 2) << result.text;
-  EXPECT_THAT(result.text, HasSubstr(GetParam().message));
+  ExpectExitCode2WithItsMessage(TENON_QUADRUPED);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -262,3 +228,4 @@ TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
 }
 
 }  // namespace
+}  // namespace tenon

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace tenon::test {
+
+struct Result {
+  int exit_code;     // 128 and the signal's number of what a signal ended, as in a shell
+  std::string text;  // stdout and stderr
+};
+
+inline Result RunCommand(const std::string& command) {
+  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("cannot run '" + command + "'");
+  std::string text;
+  char buffer[4096];
+  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
+  const int status = pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text};
+}
+
+/// The whole file, or nothing of one that is not there.
+inline std::string Read(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// Where nothing is yet, and no other process writes: tests run at once.
+inline std::filesystem::path TemporaryDirectory(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '_');  // of a test with parameters
+  auto directory = std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()));
+  std::filesystem::remove_all(directory);
+  return directory;
+}
+
+/// A test that runs an app. What the app writes to `out` goes with the test.
+class AppTest : public ::testing::Test {
+ protected:
+  ~AppTest() override { std::filesystem::remove_all(out); }
+  std::string Out() const { return " --out " + out.string(); }
+
+  const std::filesystem::path out = [] {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    return TemporaryDirectory("tenon_" + std::string(test->test_suite_name()) + "_" + test->name());
+  }();
+};
+
+struct BadUsage {
+  const char* arguments;
+  const char* message;
+  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
+};
+
+/// A test that an app refuses its arguments.
+class UsageTest : public AppTest, public ::testing::WithParamInterface<BadUsage> {
+ protected:
+  void ExpectExitCode2WithItsMessage(const std::string& app) const {
+    const Result result = RunCommand(app + " " + GetParam().arguments + Out());
+    EXPECT_EQ(result.exit_code, 2) << result.text;
+    EXPECT_THAT(result.text, ::testing::HasSubstr(GetParam().message));
+  }
+};
+
+}  // namespace tenon::test
