@@ -9,7 +9,6 @@
 #include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
-#include "tenon/tests/testing/test_rig.h"
 
 namespace tenon {
 namespace {
@@ -17,6 +16,7 @@ namespace {
 using test::A1;
 using test::DogBot;
 using test::QuadrupedBench;
+using Observed = test::Observed<ComObserver>;
 
 ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source = ForceSource::kImu) {
   ComObserverParams params;
@@ -24,34 +24,6 @@ ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source =
   params.gains.force_source = source;
   return params;
 }
-
-class Observed {
- public:
-  Observed(QuadrupedBench bench_in, const ComObserverParams& params)
-      : bench(std::move(bench_in)), rig(params) {
-    Tick();
-  }
-  const WrenchEstimate& Tick() {
-    if (started_) bench.Step();
-    started_ = true;
-    rig.Fix(rig.system().state, bench.x)
-        .Fix(rig.system().foot_forces, bench.Feet())
-        .Fix(rig.system().imu, bench.Imu())
-        .Tick();
-    return estimate();
-  }
-  const WrenchEstimate& AdvanceTo(double time) {
-    while (bench.t < time - 1e-9) Tick();
-    return estimate();
-  }
-  const WrenchEstimate& estimate() { return rig[rig.system().estimate]; }
-
-  QuadrupedBench bench;
-  TestRig<ComObserver> rig;
-
- private:
-  bool started_ = false;
-};
 
 /// A force on the trunk at p_B, and a torque.
 QuadrupedBench::External OnTrunk(const Vec<3>& p_B, const Vec<3>& force, const Vec<3>& torque) {

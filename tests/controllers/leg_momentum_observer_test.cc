@@ -19,17 +19,14 @@ namespace {
 using test::A1;
 using test::DogBot;
 using test::QuadrupedBench;
+using Observed = test::Observed<LegMomentumObserver>;
 
 /// A robot that flies, turns and moves its legs under known forces on its feet.
 QuadrupedBench Flying(const QuadrupedDescription& robot) {
   QuadrupedBench bench(robot);
   bench.x.v_W = {0.4, -0.2, 1};
   bench.x.w_W = {0.5, -0.3, 0.2};
-  bench.joint_reference = [stance = robot.stance](double t) {
-    Vec<12> q = stance;
-    for (int j = 0; j < kNumJoints; ++j) q[j] += 0.2 * std::sin(10 * t + j);
-    return q;
-  };
+  bench.joint_reference = test::Swinging(robot);
   bench.ground = [](const LeggedState&, const QuadrupedDynamics&, double t) {
     FootForces forces;
     forces.front_left = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)};
@@ -46,35 +43,6 @@ QuadrupedBench::External AtJoints(const Vec<12>& torque) {
     return force;
   };
 }
-
-/// The bench under an observer.
-class Observed {
- public:
-  Observed(QuadrupedBench bench_in, const LegMomentumObserverParams& params)
-      : bench(std::move(bench_in)), rig(params) {
-    Tick();
-  }
-  const LegForceEstimate& Tick() {
-    if (started_) bench.Step();
-    started_ = true;
-    rig.Fix(rig.system().state, bench.x)
-        .Fix(rig.system().torque, bench.Torque())
-        .Fix(rig.system().foot_forces, bench.Feet())
-        .Tick();
-    return estimate();
-  }
-  const LegForceEstimate& AdvanceTo(double time) {
-    while (bench.t < time - 1e-9) Tick();
-    return estimate();
-  }
-  const LegForceEstimate& estimate() { return rig[rig.system().estimate]; }
-
-  QuadrupedBench bench;
-  TestRig<LegMomentumObserver> rig;
-
- private:
-  bool started_ = false;
-};
 
 LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<double> gains = {100}) {
   LegMomentumObserverParams params;

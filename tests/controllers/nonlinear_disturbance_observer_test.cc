@@ -11,13 +11,13 @@
 #include "tenon/tests/testing/allocation_guard.h"
 #include "tenon/tests/testing/expect_throws.h"
 #include "tenon/tests/testing/matchers.h"
-#include "tenon/tests/testing/test_rig.h"
 
 namespace tenon {
 namespace {
 
 using test::DogBot;
 using test::QuadrupedBench;
+using Observed = test::Observed<NonlinearDisturbanceObserver>;
 
 NonlinearDisturbanceObserverParams Params(NdoReading reading) {
   NonlinearDisturbanceObserverParams params;
@@ -31,36 +31,9 @@ QuadrupedBench Flying() {
   QuadrupedBench bench(DogBot());
   bench.x.w_W = {0.5, -0.3, 0.2};
   for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = std::cos(j);
-  bench.joint_reference = [stance = bench.robot.stance](double t) {
-    Vec<12> q = stance;
-    for (int j = 0; j < kNumJoints; ++j) q[j] += 0.2 * std::sin(10 * t + j);
-    return q;
-  };
+  bench.joint_reference = test::Swinging(bench.robot);
   return bench;
 }
-
-class Observed {
- public:
-  Observed(QuadrupedBench bench_in, const NonlinearDisturbanceObserverParams& params)
-      : bench(std::move(bench_in)), rig(params) {
-    Tick();
-  }
-  const LegForceEstimate& Tick() {
-    if (started_) bench.Step();
-    started_ = true;
-    rig.Fix(rig.system().state, bench.x)
-        .Fix(rig.system().torque, bench.Torque())
-        .Fix(rig.system().foot_forces, bench.Feet())
-        .Tick();
-    return rig[rig.system().estimate];
-  }
-
-  QuadrupedBench bench;
-  TestRig<NonlinearDisturbanceObserver> rig;
-
- private:
-  bool started_ = false;
-};
 
 // The error equation F_hat' = Lambda (F - F_hat), integrated by itself with the M_q of the moving robot.
 TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {

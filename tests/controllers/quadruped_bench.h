@@ -2,13 +2,25 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <functional>
+#include <utility>
 
 #include "tenon/controllers/joint_pd.h"
 #include "tenon/plants/description/imu_signals.h"
 #include "tenon/plants/description/quadruped_model.h"
+#include "tenon/tests/testing/test_rig.h"
 
 namespace tenon::test {
+
+/// Legs that swing about the nominal stance [rad].
+inline std::function<Vec<12>(double)> Swinging(const QuadrupedDescription& robot) {
+  return [stance = robot.stance](double t) {
+    Vec<12> q = stance;
+    for (int j = 0; j < kNumJoints; ++j) q[j] += 0.2 * std::sin(10 * t + j);
+    return q;
+  };
+}
 
 /// A quadruped as its model has it, stepped at 1 kHz under torques that are held: what an observer with the
 /// same model has to explain. The ground's forces act at the lowest points of the feet, and are functions of
@@ -125,6 +137,38 @@ struct QuadrupedBench {
   static LeggedState Plus(const LeggedState& state, double h, const LeggedState& rate) {
     return {state.p_WB + h * rate.p_WB, state.q_WB + h * rate.q_WB, state.q + h * rate.q,
             state.v_W + h * rate.v_W,   state.w_W + h * rate.w_W,   state.qd + h * rate.qd};
+  }
+};
+
+/// The bench under an observer, from its first tick at t = 0 on.
+template <class Observer>
+class Observed {
+ public:
+  template <class Params>
+  Observed(QuadrupedBench bench_in, const Params& params) : bench(std::move(bench_in)), rig(params) {
+    Look();
+  }
+  const auto& Tick() {
+    bench.Step();
+    Look();
+    return estimate();
+  }
+  const auto& AdvanceTo(double time) {
+    while (bench.t < time - 1e-9) Tick();
+    return estimate();
+  }
+  const auto& estimate() { return rig[rig.system().estimate]; }
+
+  QuadrupedBench bench;
+  TestRig<Observer> rig;
+
+ private:
+  void Look() {
+    auto& observer = rig.system();
+    rig.Fix(observer.state, bench.x).Fix(observer.foot_forces, bench.Feet());
+    if constexpr (requires { observer.torque; }) rig.Fix(observer.torque, bench.Torque());
+    if constexpr (requires { observer.imu; }) rig.Fix(observer.imu, bench.Imu());
+    rig.Tick();
   }
 };
 
