@@ -62,4 +62,14 @@ inline CdprDescription EightCableRobot() {
   return robot;
 }
 
+/// Of 1 to 8 cables: the robot of that number, or the first cables of the next larger one.
+inline CdprDescription RobotWithCables(int cables) {
+  CdprDescription robot = cables <= 4   ? FourCableRobot()
+                          : cables == 5 ? FiveCableRobot()
+                          : cables == 6 ? SixCableRobot()
+                                        : EightCableRobot();
+  robot.cables.resize(static_cast<std::size_t>(cables));
+  return robot;
+}
+
 }  // namespace tenon::test

@@ -60,11 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 
 
 // At the equilibrium there is nothing to do; beside it the policy pulls back.
 TEST_P(CdprMpcOfRobots, HoldsTheEquilibriumAndPullsBackToIt) {
-  CdprDescription robot = GetParam() <= 4   ? test::FourCableRobot()
-                          : GetParam() == 5 ? test::FiveCableRobot()
-                          : GetParam() == 6 ? test::SixCableRobot()
-                                            : test::EightCableRobot();
-  robot.cables.resize(GetParam());
+  CdprDescription robot = test::RobotWithCables(GetParam());
   if (GetParam() == 7)
     robot.cables[6] = test::SixCableRobot().cables[0], robot.cables[6].anchor_W = {0, 0, 0};
   const CdprMpcParams params = Holding(robot, {0.1, -0.1, 1.8});

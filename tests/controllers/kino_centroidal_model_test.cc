@@ -14,11 +14,7 @@ namespace tenon {
 namespace {
 
 CdprDescription RobotWith(int cables) {
-  CdprDescription robot = cables <= 4   ? test::FourCableRobot()
-                          : cables == 5 ? test::FiveCableRobot()
-                          : cables == 6 ? test::SixCableRobot()
-                                        : test::EightCableRobot();
-  robot.cables.resize(cables);
+  CdprDescription robot = test::RobotWithCables(cables);
   robot.inertia_B << 0.3, 0.02, -0.03, 0.02, 0.25, 0.01, -0.03, 0.01, 0.4;
   return robot;
 }
