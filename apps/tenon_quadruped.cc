@@ -32,10 +32,10 @@ Report MakeReport(const QuadrupedScenario& scenario) {
        .signal_rate = Hz(scenario.log_rate_hz)});
 }
 
-/// One run of a diagram, into the directory of `arguments`.
+/// One run of a diagram, into the directory of `arguments`. A walk has an observer.
 template <class Loop, class Figures>
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
-                  const std::shared_ptr<Figures>& figures) {
+                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
   auto& loop = builder.Add<Loop>("loop", params);
   const auto diagram = builder.Build();
@@ -58,7 +58,7 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
 
   Summary summary(scenario.case_name, scenario.seed, outcome);
   summary.Set("robot", scenario.robot);
-  if (scenario.walk) summary.Set("observer", std::string(EnumName(ObserverOf(scenario))));
+  if (observer) summary.Set("observer", std::string(EnumName(*observer)));
   figures->AddTo(summary);
   summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
   summary.Write(out.path() / "summary.json");
@@ -69,11 +69,11 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
 
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
   if (!scenario.walk)
-    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario),
+    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario), std::nullopt,
                                    std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = MakeWalkParams(scenario);
   const double load = params.world.plant.gravity * scenario.payload.mass_kg;
-  return RunOnce<QuadrupedWalk>(arguments, scenario, params,
+  return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
                                 std::make_shared<WalkFigures>(load, scenario.walk->judged_from_s));
 }
 
