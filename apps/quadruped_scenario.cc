@@ -37,39 +37,39 @@ QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
 }
 
 /// The filter knows its sensors' noise, but takes none for perfect; it does not know their biases.
-LeggedStateEstimatorParams MakeEstimator(const QuadrupedScenario& scenario,
-                                         const QuadrupedWorldParams& world) {
-  const auto& [encoders, torque, foot_force, imu] = scenario.sensors;
+LeggedStateEstimatorParams MakeEstimator(const SensorScenario& sensors, const QuadrupedDescription& robot,
+                                         const QuadrupedPlantParams& plant) {
+  const auto& [encoders, torque, foot_force, imu] = sensors;
   LeggedStateEstimatorParams params;
-  params.robot = LoadRobot(scenario);
-  params.initial = world.plant.initial;
-  params.gravity = world.plant.gravity;
+  params.robot = robot;
+  params.initial = plant.initial;
+  params.gravity = plant.gravity;
   params.noise.specific_force = std::max(imu.acceleration_noise_m_per_s2, 1e-3);
   params.noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s, 1e-4);
   params.noise.encoder = std::max(encoders.angle_noise_rad, 1e-5);
   return params;
 }
 
-QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot) {
   QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
-  plant.robot = LoadRobot(scenario);
+  plant.robot = WithPayload(robot, scenario.payload.Make());
   plant.terrain = scenario.terrain;
   if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
   // Parallel to the plane, its feet above it.
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
-  const double height = plant.robot.StanceHeight();
+  const double height = robot.StanceHeight();
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
   plant.initial.p_WB = height * ground.normal_W + Vec<3>(0, 0, ground.height + scenario.start_height_m);
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
-  plant.initial.q = plant.robot.stance;
+  plant.initial.q = robot.stance;
 
   SetSensors(scenario.sensors, params);
 
   for (const ForceScenario& force : scenario.forces) {
-    ExternalForce push = PointOf(plant.robot, force);
+    ExternalForce push = PointOf(robot, force);
     push.force_W = force.force_N;
     push.torque_W = force.torque_N_m;
     if (force.frequency_rad_per_s > 0)
@@ -79,9 +79,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario) {
       params.pulses.push_back({push, force.start_s, force.duration_s});
   }
   for (const RandomForceScenario& force : scenario.random_forces)
-    params.random.push_back(
-        {plant.robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
-  plant.robot = WithPayload(plant.robot, scenario.payload.Make());
+    params.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
   params.min_height = scenario.fall.min_height_ratio * height;
   params.max_tilt = scenario.fall.max_tilt_rad;
   return params;
@@ -128,34 +126,31 @@ double Duration(const QuadrupedScenario& scenario) {
 }
 
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  const QuadrupedDescription robot = LoadRobot(scenario);
   QuadrupedStandParams params;
-  params.world = MakeWorldParams(scenario);
-  const JointPdScenario& pd = *scenario.pd;
-  params.pd = {LoadRobot(scenario),     pd.stiffness_N_m_per_rad,   pd.damping_N_m_s_per_rad,
-               pd.gravity_compensation, params.world.plant.gravity, Hz(pd.rate_hz)};
+  params.world = MakeWorldParams(scenario, robot);
+  const auto& [stiffness, damping, gravity_compensation, rate_hz] = *scenario.pd;
+  params.pd = {robot, stiffness, damping, gravity_compensation, params.world.plant.gravity, Hz(rate_hz)};
   return params;
 }
 
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkScenario& walk = *scenario.walk;
   QuadrupedWalkParams params;
-  params.world = MakeWorldParams(scenario);
   params.true_robot = LoadRobot(scenario);
+  params.world = MakeWorldParams(scenario, params.true_robot);
   params.walk = walk.path;
   const QuadrupedDescription believed = WithMassFactor(params.true_robot, 1 + walk.mass_error_ratio);
   LocomotionProfile profile = LoadLocomotionProfile(scenario.profile);
-  profile.observer.kind = ObserverOf(scenario);
+  if (scenario.observer) profile.observer.kind = *scenario.observer;
   params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
   params.observer = MakeObserver(believed, profile);
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
-  if (walk.state == StateSource::kEstimated) params.estimator = MakeEstimator(scenario, params.world);
+  if (walk.state == StateSource::kEstimated)
+    params.estimator = MakeEstimator(scenario.sensors, params.true_robot, params.world.plant);
   return params;
-}
-
-ObserverKind ObserverOf(const QuadrupedScenario& scenario) {
-  return scenario.observer ? *scenario.observer : LoadLocomotionProfile(scenario.profile).observer.kind;
 }
 
 std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario) {

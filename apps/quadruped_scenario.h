@@ -294,8 +294,6 @@ double Duration(const QuadrupedScenario& scenario);
 /// What the diagrams need to know of a scenario; read the robot and the controller's files.
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario);
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario);
-/// The observer of a walk: the scenario's, or its profile's.
-ObserverKind ObserverOf(const QuadrupedScenario& scenario);
 /// The scenarios of a sweep, by name.
 std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario);
 /// For a diagram that holds a QuadrupedWorld named "loop.world".

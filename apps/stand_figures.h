@@ -13,6 +13,11 @@ class StandFigures final : public LogSink {
  public:
   /// What it wants to see, in a diagram that calls the QuadrupedStand "loop".
   static std::vector<const Source*> Signals(const QuadrupedStand& loop);
+  static std::vector<const Source*> Judged(const QuadrupedStand& loop) { return Signals(loop); }
+  /// What shows it in a replay.
+  static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedStand& loop) {
+    return {&loop.world.plant.geometry};
+  }
 
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;

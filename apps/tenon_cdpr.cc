@@ -13,12 +13,8 @@ namespace tenon::apps {
 namespace {
 
 Report MakeReport(const CdprScenario& scenario, const std::string& controllers) {
-  return Report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description = fmt::format("{} with {}, {} s, seed {}", scenario.robot, controllers,
-                                            scenario.duration_s, scenario.seed),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  return ScenarioReport(scenario, fmt::format("{} with {}, {} s, seed {}", scenario.robot, controllers,
+                                              scenario.duration_s, scenario.seed));
 }
 
 /// One run, into the directory of `arguments`.
@@ -26,42 +22,34 @@ RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
   const auto diagram = builder.Build();
-  Report report = MakeReport(scenario, std::string(EnumName(scenario.controller)));
-
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = CdprFigures::Signals(loop);
-  report.Log(simulator, signals, {&loop.plant.geometry, &loop.reference.geometry});
-
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
   const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
                    {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
-  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
-  const RunOutcome outcome = Advance(simulator, scenario.duration_s);
 
-  Summary summary(scenario.case_name, scenario.seed, outcome);
-  summary.Set("controller", std::string(EnumName(scenario.controller)));
-  summary.Set("tension_min_N", figures->tension_min());
-  summary.Set("tension_max_N", figures->tension_max());
-  summary.Set("command_min_N", figures->command_min());
-  summary.Set("command_max_N", figures->command_max());
-  summary.Set("tension_rate_rms_N_per_s", figures->tension_rate_rms());
-  summary.Set("euler_oscillation_rms_rad", figures->euler_oscillation_rms());
-  summary.Set("acceleration_rms_m_per_s2", figures->acceleration_rms());
-  summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
-  summary.Set("settling_time_s", figures->settling_time());
-  if (loop.mpc != nullptr) {
-    summary.Set("mpc_time_median_us", 1e6 * solves->time_quantile(0.5));
-    summary.Set("mpc_time_p99_us", 1e6 * solves->time_quantile(0.99));
-    summary.Set("mpc_fallbacks", solves->fallbacks());
-  }
-  summary.Write(out.path() / "summary.json");
-  summary.AddTo(report);
-  report.Write(out.path() / "report.html");
-  return {std::move(summary), std::move(report)};
+  const std::string controller(EnumName(scenario.controller));
+  const auto judge = [&](Summary& summary) {
+    summary.Set("controller", controller);
+    summary.Set("tension_min_N", figures->tension_min());
+    summary.Set("tension_max_N", figures->tension_max());
+    summary.Set("command_min_N", figures->command_min());
+    summary.Set("command_max_N", figures->command_max());
+    summary.Set("tension_rate_rms_N_per_s", figures->tension_rate_rms());
+    summary.Set("euler_oscillation_rms_rad", figures->euler_oscillation_rms());
+    summary.Set("acceleration_rms_m_per_s2", figures->acceleration_rms());
+    summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
+    summary.Set("settling_time_s", figures->settling_time());
+    if (loop.mpc != nullptr) {
+      summary.Set("mpc_time_median_us", 1e6 * solves->time_quantile(0.5));
+      summary.Set("mpc_time_p99_us", 1e6 * solves->time_quantile(0.99));
+      summary.Set("mpc_fallbacks", solves->fallbacks());
+    }
+  };
+  return RunAndWrite(arguments, scenario, scenario.duration_s, simulator, MakeReport(scenario, controller),
+                     signals, {&loop.plant.geometry, &loop.reference.geometry}, judge);
 }
 
 /// One run per controller.

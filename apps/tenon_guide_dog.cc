@@ -26,37 +26,29 @@ int Run(const CommonArguments& arguments) {
   DiagramBuilder builder;
   auto& loop = builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
   const auto diagram = builder.Build();
-  Report report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description = fmt::format("{}, {:.4g} s, seed {}", scenario.robot, duration, scenario.seed),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
-
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   const std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  report.Log(simulator, signals,
-             {&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry, &loop.leash.geometry,
-              &loop.obstacles.geometry});
-
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
   const auto leash =
       std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
   const auto walk = std::make_shared<WalkFigures>();
   std::vector<const Source*> judged = signals;
   judged.push_back(WalkFigures::Solves(loop.locomotion));
   simulator.AddLog(Hz(1000), judged, {leash, walk, std::make_shared<ProgressSink>(duration)});
-  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
-  const RunOutcome outcome = Advance(simulator, duration);
 
-  Summary summary(scenario.case_name, scenario.seed, outcome);
-  summary.Set("robot", scenario.robot);
-  summary.Set("observer", std::string(EnumName(scenario.observer)));
-  leash->AddTo(summary);
-  walk->AddTo(summary);
-  summary.Write(out.path() / "summary.json");
-  summary.AddTo(report);
-  report.Write(out.path() / "report.html");
+  const auto judge = [&](Summary& summary) {
+    summary.Set("robot", scenario.robot);
+    summary.Set("observer", std::string(EnumName(scenario.observer)));
+    leash->AddTo(summary);
+    walk->AddTo(summary);
+  };
+  const std::string description =
+      fmt::format("{}, {:.4g} s, seed {}", scenario.robot, duration, scenario.seed);
+  const Summary summary =
+      RunAndWrite(arguments, scenario, duration, simulator, ScenarioReport(scenario, description), signals,
+                  {&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry,
+                   &loop.leash.geometry, &loop.obstacles.geometry},
+                  judge)
+          .summary;
   summary.Print();
   return summary.exit_code();
 }

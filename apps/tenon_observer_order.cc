@@ -116,12 +116,8 @@ struct Result {
 };
 
 Report MakeReport(const ObserverOrderScenario& scenario) {
-  return Report({.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-                 .description = fmt::format("{} stands; {} N on its front left foot from {} s on",
-                                            scenario.robot, scenario.force_N.norm(), scenario.start_s),
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  return ScenarioReport(scenario, fmt::format("{} stands; {} N on its front left foot from {} s on",
+                                              scenario.robot, scenario.force_N.norm(), scenario.start_s));
 }
 
 void Connect(DiagramBuilder& builder, QuadrupedWorld& world, JointPd& pd, LegMomentumObserver& observer) {

@@ -24,56 +24,38 @@ struct WalkArguments {
 };
 
 Report MakeReport(const QuadrupedScenario& scenario) {
-  return Report(
-      {.title = fmt::format("{}: {}", scenario.case_name, scenario.description),
-       .description = fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed),
-       .plots = scenario.report.plots,
-       .events = scenario.report.events,
-       .signal_rate = Hz(scenario.log_rate_hz)});
+  return ScenarioReport(
+      scenario, fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed));
 }
 
-/// One run of a diagram, into the directory of `arguments`.
+/// One run of a diagram, into the directory of `arguments`. A walk has an observer.
 template <class Loop, class Figures>
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
-                  const std::shared_ptr<Figures>& figures) {
+                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
-  auto& loop = builder.Add<Loop>("loop", params);
+  const auto& loop = builder.Add<Loop>("loop", params);
   const auto diagram = builder.Build();
   const double duration = Duration(scenario);
-  Report report = MakeReport(scenario);
-
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
-  const std::vector<const Source*> signals = Figures::Signals(loop);
-  std::vector<const OutputPort<Geometry>*> geometry{&loop.world.plant.geometry};
-  if constexpr (requires { loop.view; }) geometry.push_back(&loop.view.geometry);
-  report.Log(simulator, signals, geometry);
+  simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures, std::make_shared<ProgressSink>(duration)});
 
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
-  std::vector<const Source*> judged = signals;
-  if constexpr (requires { loop.locomotion; }) judged.push_back(WalkFigures::Solves(loop.locomotion));
-  simulator.AddLog(Hz(1000), judged, {figures, std::make_shared<ProgressSink>(duration)});
-  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
-  const RunOutcome outcome = Advance(simulator, duration);
-
-  Summary summary(scenario.case_name, scenario.seed, outcome);
-  summary.Set("robot", scenario.robot);
-  if (scenario.walk) summary.Set("observer", std::string(EnumName(ObserverOf(scenario))));
-  figures->AddTo(summary);
-  summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
-  summary.Write(out.path() / "summary.json");
-  summary.AddTo(report);
-  report.Write(out.path() / "report.html");
-  return {std::move(summary), std::move(report)};
+  const auto judge = [&](Summary& summary) {
+    summary.Set("robot", scenario.robot);
+    if (observer) summary.Set("observer", std::string(EnumName(*observer)));
+    figures->AddTo(summary);
+    summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
+  };
+  return RunAndWrite(arguments, scenario, duration, simulator, MakeReport(scenario), Figures::Signals(loop),
+                     Figures::Shapes(loop), judge);
 }
 
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
   if (!scenario.walk)
-    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario),
+    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario), std::nullopt,
                                    std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = MakeWalkParams(scenario);
   const double load = params.world.plant.gravity * scenario.payload.mass_kg;
-  return RunOnce<QuadrupedWalk>(arguments, scenario, params,
+  return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
                                 std::make_shared<WalkFigures>(load, scenario.walk->judged_from_s));
 }
 

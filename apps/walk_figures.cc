@@ -25,6 +25,12 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
   return signals;
 }
 
+std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
+  std::vector<const Source*> judged = Signals(loop);
+  judged.push_back(Solves(loop.locomotion));
+  return judged;
+}
+
 void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
   com_ = Columns(names, "loop.errors.errors.com");
   foot_ = Columns(names, "loop.errors.errors.foot");

@@ -20,12 +20,18 @@ class WalkFigures final : public LogSink {
  public:
   static constexpr double kEdge = 0.012;  // s
 
+  /// What shows it in a replay.
+  static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
+    return {&loop.world.plant.geometry, &loop.view.geometry};
+  }
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
   /// And beside it, since it holds times of the wall clock, which no two runs share.
   static const Source* Solves(const LeggedLocomotion& locomotion) {
     return &locomotion.whole_body.diagnostics;
   }
+  /// Both.
+  static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
   /// `load` is the weight that the robot carries without its controller's knowledge [N]; what comes before
   /// `from` [s] does not count.

@@ -1,5 +1,6 @@
 #include "tenon/diagrams/guide_dog.h"
 
+#include "tenon/diagrams/walk_connections.h"
 #include "tenon/systems/primitives/unit_delay.h"
 
 namespace tenon {
@@ -37,33 +38,13 @@ GuideDog::GuideDog(const GuideDogParams& params)
   Connect(state, admittance.state);
 
   Connect(admittance.walk, locomotion.command);
-  Connect(state, locomotion.state);
-  Connect(world.foot_forces, locomotion.foot_forces);
-  Connect(observer.wrench, locomotion.wrench);
-  Connect(observer.leg_forces, locomotion.leg_forces);
-  Connect(locomotion.torque, world.torque);
-
-  Connect(state, observer.state);
-  Connect(world.measured_torque, observer.torque);
-  Connect(world.foot_forces, observer.foot_forces);
-  Connect(world.inertial, observer.imu);
+  ConnectWalk(*this, state);
 
   Connect(world.state, obstacles.state);
   Connect(world.state, leash.robot);
   Connect(person.person, leash.person);
   Connect(leash.leash, person.leash);
   Connect(leash.force, world.pull);
-
-  Connect(world.state, view.state);
-  Connect(locomotion.body, view.body);
-  Connect(observer.wrench, view.wrench);
-  Connect(observer.leg_forces, view.leg_forces);
-  Connect(world.state, errors.state);
-  Connect(world.ground_forces, errors.foot_forces);
-  Connect(locomotion.schedule, errors.schedule);
-  Connect(locomotion.body, errors.body);
-  Connect(locomotion.feet, errors.feet);
-  Connect(locomotion.plan, errors.plan);
 }
 
 }  // namespace tenon

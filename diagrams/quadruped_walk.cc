@@ -1,5 +1,7 @@
 #include "tenon/diagrams/quadruped_walk.h"
 
+#include "tenon/diagrams/walk_connections.h"
+
 namespace tenon {
 
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
@@ -27,30 +29,8 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     Connect(world.inertial, estimator->imu);
     Connect(world.joints, estimator->joints);
     Connect(locomotion.schedule, estimator->schedule);
-    Connect(estimator->state, locomotion.state);
-    Connect(estimator->state, observer.state);
-  } else {
-    Connect(world.state, locomotion.state);
-    Connect(world.state, observer.state);
   }
-  Connect(world.measured_torque, observer.torque);
-  Connect(world.foot_forces, observer.foot_forces);
-  Connect(world.inertial, observer.imu);
-  Connect(observer.wrench, locomotion.wrench);
-  Connect(observer.leg_forces, locomotion.leg_forces);
-  Connect(world.foot_forces, locomotion.foot_forces);
-  Connect(locomotion.torque, world.torque);
-
-  Connect(world.state, view.state);
-  Connect(locomotion.body, view.body);
-  Connect(observer.wrench, view.wrench);
-  Connect(observer.leg_forces, view.leg_forces);
-  Connect(world.state, errors.state);
-  Connect(world.ground_forces, errors.foot_forces);
-  Connect(locomotion.schedule, errors.schedule);
-  Connect(locomotion.body, errors.body);
-  Connect(locomotion.feet, errors.feet);
-  Connect(locomotion.plan, errors.plan);
+  ConnectWalk(*this, estimator ? estimator->state : world.state);
 }
 
 }  // namespace tenon

@@ -48,18 +48,18 @@ struct LeggedEnergy {
 
 /// A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), feet that stick (foot_contact.h).
 ///
-///     ports in   torque        command to the joints' drives [N m]
-///                external      up to eight forces and torques on the robot; none if not connected
-///     ports out  state         pose and velocity of the trunk, joint angles and speeds
-///                acceleration  of B's origin and of the joints, as an inertial unit needs it
-///                foot_forces   of the ground on each foot [N]
-///                foot_depths   of each foot in the ground [m]
-///                foot_slips    velocity of each foot's point in contact along the ground [m/s]
-///                joint_torque  what the drives give after their limits [N m]
-///                energy        kinetic, potential
-///                external_wrench   of `external` about the CoM; what is on the trunk as a payload is not in
-///                it external_torque   of `external` on the joints [N m] geometry      what it looks like,
-///                terrain included
+///     ports in   torque           command to the joints' drives [N m]
+///                external         up to eight forces and torques on the robot; none if not connected
+///     ports out  state            pose and velocity of the trunk, joint angles and speeds
+///                acceleration     of B's origin and of the joints, as an inertial unit needs it
+///                foot_forces      of the ground on each foot [N]
+///                foot_depths      of each foot in the ground [m]
+///                foot_slips       velocity of each foot's point in contact along the ground [m/s]
+///                joint_torque     what the drives give after their limits [N m]
+///                energy           kinetic, potential
+///                external_wrench  of `external` about the CoM; a payload on the trunk is not in it
+///                external_torque  of `external` on the joints [N m]
+///                geometry         what it looks like, terrain included
 ///
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,

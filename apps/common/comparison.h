@@ -8,12 +8,6 @@
 
 namespace tenon::apps {
 
-/// What a run leaves.
-struct RunResult {
-  Summary summary;
-  Report report;
-};
-
 /// One of several runs, into the directory that its arguments name.
 struct Variant {
   std::string name;

@@ -69,4 +69,38 @@ class Summary {
   ExitCode exit_code_;
 };
 
+/// What a run leaves.
+struct RunResult {
+  Summary summary;
+  Report report;
+};
+
+/// A report with the title, plots and events of a scenario.
+Report ScenarioReport(const auto& scenario, const std::string& description) {
+  return Report({.title = scenario.case_name + ": " + scenario.description,
+                 .description = description,
+                 .plots = scenario.report.plots,
+                 .events = scenario.report.events,
+                 .signal_rate = Hz(scenario.log_rate_hz)});
+}
+
+/// Runs a scenario for `duration` [s] and writes all that it leaves into the directory of `arguments`.
+/// `signals` go to signals.csv and, with `shapes`, to the report; `judge` sets the figures of the summary.
+RunResult RunAndWrite(const CommonArguments& arguments, const auto& scenario, double duration,
+                      Simulator& simulator, Report report, const std::vector<const Source*>& signals,
+                      const std::vector<const OutputPort<Geometry>*>& shapes, const auto& judge) {
+  report.Log(simulator, signals, shapes);
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(simulator.context().diagram());
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
+  const RunOutcome outcome = Advance(simulator, duration);
+
+  Summary summary(scenario.case_name, scenario.seed, outcome);
+  judge(summary);
+  summary.Write(out.path() / "summary.json");
+  summary.AddTo(report);
+  report.Write(out.path() / "report.html");
+  return {std::move(summary), std::move(report)};
+}
+
 }  // namespace tenon::apps
