@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <chrono>
 
@@ -9,6 +10,19 @@
 #include "tenon/systems/yaml_node.h"
 
 namespace tenon {
+namespace {
+
+// L' = A nu' from here on; the legs' rows of (2.3) stay as they are.
+void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
+  Vec<6> bias = Vec<6>::Zero();
+  bias.tail<3>() = dynamics->angular_momentum_bias_W;
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> trunk(dynamics->M.topLeftCorner<6, 6>());
+  dynamics->coriolis.head<6>() -= bias;
+  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.solve(bias);
+  dynamics->angular_momentum_bias_W.setZero();
+}
+
+}  // namespace
 
 void WholeBodyGains::Validate() const {
   for (const auto& [name, value] :
@@ -18,7 +32,7 @@ void WholeBodyGains::Validate() const {
   }
   for (const auto& [name, value] :
        {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
-        std::pair{"swing_damping", swing_damping}}) {
+        std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
   }
   qp.Validate();
@@ -32,6 +46,7 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
 
 void WholeBodyController::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
   model_.Calc(state, dynamics);
+  if (params.gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
 }
 
 WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
@@ -47,14 +62,25 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.wrench.tail<3>() =
       dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * turn.angle() * turn.axis() +
                                        params.gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
-  task.disturbance << wrench.force_W, wrench.torque_W;
+  task.tilt = (turn.angle() * turn.axis()).head<2>().norm();
+  Vec<6> disturbance;
+  disturbance << wrench.force_W, wrench.torque_W;
+  if (params.gains.dynamics == BodyDynamics::kExact) {
+    task.disturbance = disturbance;
+  } else {
+    task.wrench -= disturbance;
+  }
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];
     task.stance[i] = schedule.legs[i].stance();
-    task.foot_acceleration[i] = reference.a_W +
-                                params.gains.swing_damping * (reference.v_W - dynamics.feet[i].v_W) +
-                                params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+    const Vec<3>& v_W = dynamics.feet[i].v_W;
+    if (task.stance[i]) {
+      task.foot_acceleration[i] = -params.gains.stance_damping * v_W;
+    } else {
+      task.foot_acceleration[i] = reference.a_W + params.gains.swing_damping * (reference.v_W - v_W) +
+                                  params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+    }
   }
   if (params.gains.compensation == LegCompensation::kExact) {
     task.joint_disturbance = leg_forces.joint_torque;

@@ -25,6 +25,16 @@ constexpr auto EnumNames(LegCompensation) {
                     std::pair{LegCompensation::kThesis, "thesis"}};
 }
 
+/// The dynamics that the optimisation believes.
+enum class BodyDynamics {
+  kExact,      ///< of all 18 coordinates, the estimated wrench in them
+  kDecoupled,  ///< eq. (2.3): without the wrench, see DecoupledDynamics, and without A' nu in L'
+};
+constexpr auto EnumNames(BodyDynamics) {
+  return std::array{std::pair{BodyDynamics::kExact, "exact"},
+                    std::pair{BodyDynamics::kDecoupled, "decoupled"}};
+}
+
 /// What is tuned of the whole-body controller; read from a file such as controllers/profiles/standard.yaml.
 struct WholeBodyGains {
   double com_stiffness = 2500;    ///< [N/m]
@@ -33,6 +43,8 @@ struct WholeBodyGains {
   double trunk_damping = 50;      ///< [1/s]
   double swing_stiffness = 2500;  ///< acceleration of a swing foot per error [1/s^2]
   double swing_damping = 100;     ///< [1/s]
+  double stance_damping = 50;     ///< deceleration of a stance foot that moves, per velocity [1/s]
+  BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp;
 
@@ -43,6 +55,8 @@ struct WholeBodyGains {
                       Field{"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
                       Field{"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
                       Field{"swing_damping_per_s", &WholeBodyGains::swing_damping},
+                      Field{"stance_damping_per_s", &WholeBodyGains::stance_damping},
+                      Field{"dynamics", &WholeBodyGains::dynamics},
                       Field{"leg_compensation", &WholeBodyGains::compensation},
                       Field{"qp", &WholeBodyGains::qp}};
   }
@@ -98,11 +112,14 @@ struct WholeBodyPlan {
 ///
 ///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
 ///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
-///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p)
+///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p),   a_stance = -k_s v
 ///
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.
+///
+/// The last term stops a foot that is taken to stand but has no contact; with (2.30) alone it would go on at
+/// its speed until the leg is straight.
 ///
 /// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
 /// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.

@@ -48,6 +48,8 @@ void WholeBodyQpParams::Validate() const {
         std::pair{"slack_weight", slack_weight}, std::pair{"friction", friction}}) {
     Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   }
+  for (const auto& [name, value] : {std::pair{"tilt_weight", tilt_weight}, std::pair{"free_tilt", free_tilt}})
+    Demand(value >= 0, fmt::format("{} = {} must not be negative", name, value));
 }
 
 WholeBodyQp::Problem::Problem(int variables, int equalities)
@@ -90,7 +92,7 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
   }
   auto H = qp->H.block<12, 12>(first, first);
   Eigen::Matrix<double, 6, 12> QG = params_.wrench_weight * G;
-  QG.bottomRows<3>() = params_.moment_weight * G.bottomRows<3>();
+  QG.bottomRows<3>() = params_.MomentWeight(task.tilt) * G.bottomRows<3>();
   H.noalias() += G.transpose() * QG;
   H.diagonal() += weight;
   qp->g.segment<12>(first).noalias() -= QG.transpose() * (task.wrench - task.disturbance);
@@ -111,8 +113,7 @@ bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBody
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
-    Eigen::Vector3d a = -FootOf(dynamics, leg).bias;
-    if (!task.stance[i]) a += task.foot_acceleration[i];
+    const Eigen::Vector3d a = task.foot_acceleration[i] - FootOf(dynamics, leg).bias;
     offset_.segment<3>(6 + 3 * leg).noalias() = inverse[i] * a;
     S.noalias() += M_b * by_trunk[i];
     right.col(12).noalias() -= M_b * offset_.segment<3>(6 + 3 * leg);
@@ -173,7 +174,7 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
     const auto i = static_cast<std::size_t>(leg);
     const int joint = 6 + 3 * leg, column = 18 + 3 * leg, row = kRowsPerLeg * leg + 4;
     qp.A_eq.block<3, 18>(3 * leg, 0) = dynamics.FootJacobian(leg);
-    qp.b_eq.segment<3>(3 * leg) = -FootOf(dynamics, leg).bias;
+    qp.b_eq.segment<3>(3 * leg) = task.foot_acceleration[i] - FootOf(dynamics, leg).bias;
     auto A = qp.A_in.middleRows<3>(row);
     A.setZero();
     A.leftCols<18>() = dynamics.M.middleRows<3>(joint);
@@ -182,7 +183,6 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
       A.middleCols<3>(column) = -FootOf(dynamics, leg).J_leg.transpose();
     } else {
       qp.A_eq.block<3, 3>(3 * leg, column) = -Eigen::Matrix3d::Identity();
-      qp.b_eq.segment<3>(3 * leg) += task.foot_acceleration[i];
     }
     const Eigen::Vector3d constant =
         dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);

@@ -13,6 +13,8 @@ namespace tenon {
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force, per N^2
   double moment_weight = 100;         ///< Q of the torque about the CoM, per (N m)^2
+  double tilt_weight = 0;             ///< what it gains as the trunk tilts, per (N m)^2 and per rad^2
+  double free_tilt = 0.3;             ///< up to here it gains nothing [rad]
   double force_weight = 1e-3;         ///< R of the ground's forces, per N^2
   double acceleration_weight = 1e-4;  ///< R of nu'; per (m/s^2)^2 and per (rad/s^2)^2
   double slack_weight = 1e6;          ///< of the swing feet's errors of acceleration, per (m/s^2)^2
@@ -22,13 +24,20 @@ struct WholeBodyQpParams {
   static constexpr auto Fields() {
     return std::tuple{Field{"wrench_weight", &WholeBodyQpParams::wrench_weight},
                       Field{"moment_weight", &WholeBodyQpParams::moment_weight},
+                      Field{"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
+                      Field{"free_tilt_rad", &WholeBodyQpParams::free_tilt},
                       Field{"force_weight", &WholeBodyQpParams::force_weight},
                       Field{"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
                       Field{"slack_weight", &WholeBodyQpParams::slack_weight},
                       Field{"friction", &WholeBodyQpParams::friction},
                       Field{"eliminate", &WholeBodyQpParams::eliminate}};
   }
-  void Validate() const;  ///< throws ParameterError unless all are positive
+  /// Q of the torque while the trunk is tilted.
+  double MomentWeight(double tilt) const {
+    const double beyond = tilt > free_tilt ? tilt - free_tilt : 0;
+    return moment_weight + tilt_weight * beyond * beyond;
+  }
+  void Validate() const;  ///< throws ParameterError unless all are positive; the tilt's may be zero
 };
 
 /// What the body is to do now.
@@ -37,7 +46,8 @@ struct WholeBodyTask {
   Vec<6> wrench = Vec<6>::Zero();                    ///< wanted at the CoM: force, torque about it [N, N m]
   Vec<6> disturbance = Vec<6>::Zero();               ///< the part of it that others exert: w-hat [N, N m]
   Vec<12> joint_disturbance = Vec<12>::Zero();       ///< F-hat, which others exert on the joints [N m]
-  std::array<Vec<3>, kNumLegs> foot_acceleration{};  ///< wanted of the swing feet [m/s^2]
+  std::array<Vec<3>, kNumLegs> foot_acceleration{};  ///< wanted: hard in stance, soft in swing [m/s^2]
+  double tilt = 0;                                   ///< of the trunk, from its reference [rad]
 
   WholeBodyTask() { foot_acceleration.fill(Vec<3>::Zero()); }
 };
@@ -68,11 +78,15 @@ struct WholeBodySolution {
 ///
 ///     min |G f - (w - w_hat)|^2_Q + |f|^2_R + |nu'|^2_R + |gamma|^2_slack      over nu', f, gamma
 ///     the trunk's rows of   M nu' + h = (w_hat about B's origin, tau + F_hat) + sum J_i^T f_i
-///     J_i nu' + J_i' nu = 0,   J_k nu' + J_k' nu = a_k + gamma_k
+///     J_i nu' + J_i' nu = a_i,   J_k nu' + J_k' nu = a_k + gamma_k
 ///     |f_x|, |f_y| <= mu f_z,   |tau| <= limit, with tau from the joints' rows
 ///
 /// which are the exact dynamics: (2.28) as in the thesis but with w_hat, the slack of (2.43) as an equality,
 /// since a symmetric slack is a quadratic cost, and tau less F_hat on all legs in place of (2.41).
+///
+/// On two feet force and torque contradict each other: a push from the side is met by the friction of the
+/// feet, which rolls the trunk, or by letting the CoM go. Q weighs them: the force first, until the trunk
+/// tilts, from where on the torque's weight grows with the square of the tilt.
 ///
 /// It is solved in 30 variables, or in 12: three per leg, f_i or gamma_k. Then each leg's joints follow from
 /// trunk and foot by a 3 x 3 solve, qdd = J_leg^-1 (a_foot - J' nu - J_b a_b), and a_b from the trunk's rows

@@ -152,6 +152,58 @@ TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
   EXPECT_THAT(foot(kRearLeft), IsNear(Vec<3>(Vec<3>::Zero()), 1e-3));
 }
 
+// It is taken to stand but has no contact: its joints move.
+TEST(WholeBodyController, AStanceFootThatMovesIsStopped) {
+  Inputs inputs(Params().robot);
+  inputs.state.qd.segment<3>(3) << 0.3, -1, 0.5;
+  inputs.Follow();
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const QuadrupedDynamics::Foot& foot = inputs.dynamics.feet[kFrontRight];
+  ASSERT_GT(foot.v_W.norm(), 0.1);
+  const Vec<3> a =
+      inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration + foot.bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(-50 * foot.v_W), 1e-9));
+}
+
+// Eq. (2.3): I_com and M_q each for themselves, the legs' rows without the wrench on the trunk.
+TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
+  WholeBodyParams params = Params();
+  params.gains.dynamics = BodyDynamics::kDecoupled;
+  params.gains.compensation = LegCompensation::kThesis;
+  Inputs inputs(params.robot);
+  inputs.Swing({kFrontRight});
+  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
+  inputs.state.qd.segment<3>(3) << 1, -4, 3;
+  inputs.state.qd.segment<3>(6) << 0.1, 0.3, -0.2;
+  inputs.Follow();
+  inputs.wrench.force_W = Vec<3>(10, -20, -30);
+  inputs.wrench.torque_W = Vec<3>(3, 2, -1);
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodySolution& solution = rig[rig.system().plan].solution;
+  DecoupledDynamics decoupled;
+  inputs.model.CalcDecoupled(inputs.state, inputs.dynamics, &decoupled);
+  ASSERT_GT(inputs.dynamics.angular_momentum_bias_W.norm(), 0.1);
+
+  Vec<12> force;
+  Vec<3> sum = Vec<3>::Zero(), torque = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    force.segment<3>(3 * leg) = solution.force[leg];
+    sum += solution.force[leg];
+    torque += (inputs.dynamics.feet[leg].p_W - inputs.dynamics.com_W).cross(solution.force[leg]);
+  }
+  const double m = inputs.model.mass();
+  const Vec<3> com = inputs.dynamics.M.topRows<3>() * solution.acceleration / m + inputs.dynamics.com_bias_W;
+  EXPECT_THAT(com, IsNear(Vec<3>(sum / m - Vec<3>(0, 0, 9.81)), 1e-9));
+  EXPECT_THAT(Vec<3>(inputs.dynamics.angular_map * solution.acceleration), IsNear(torque, 1e-9));
+  const Vec<12> expected = decoupled.M_q * solution.acceleration.tail<12>() + decoupled.coriolis -
+                           decoupled.J_q.transpose() * force;
+  EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-9));
+}
+
 // A foot in the air is pushed, and the observers know. It is to keep still: in both forms the push is
 // compensated once. Twice, or not at all, it would accelerate by several m/s^2.
 TEST(WholeBodyController, APushedSwingFootIsHeld) {
@@ -320,8 +372,14 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "com_stiffness = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
                                      "swing_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
+                                     "stance_damping = -1", "negative"));
   EXPECT_TRUE(
       Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }),
+                                     "tilt_weight = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.free_tilt = -0.1; }),
+                                     "free_tilt = -0.1", "negative"));
 }
 
 }  // namespace
