@@ -146,6 +146,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
   params.observer = MakeObserver(believed, profile);
   params.locomotion.com_planner.reference = walk.com_reference;
+  params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated)

@@ -43,6 +43,7 @@ struct WalkScenario {
   WalkScheduleParams path;
   std::string gaits = "standard";  ///< a shipped table or a YAML file
   ComReference com_reference = ComReference::kPendulum;
+  ZmpPlanParams zmp;  ///< of ComReference::kZmpSpline
   StepProperties step;
   StateSource state =
       StateSource::kTrue;       ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
@@ -54,6 +55,7 @@ struct WalkScenario {
     return std::tuple{Required("path", &WalkScenario::path),
                       Field{"gaits", &WalkScenario::gaits},
                       Field{"com_reference", &WalkScenario::com_reference},
+                      Field{"zmp", &WalkScenario::zmp},
                       Field{"step", &WalkScenario::step},
                       Field{"state", &WalkScenario::state},
                       Field{"friction", &WalkScenario::friction},

@@ -213,6 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
                       BadUsage{"stand --set sensors.torque.noise_ratio=-1", "the noise of the force sensor"},
                       BadUsage{"estimated --set walk.state=guessed", "estimated"},
+                      BadUsage{"flat --set walk.zmp.horizon_steps=9", "zmp.horizon_steps is 9"},
                       BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
                       BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
                       BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
