@@ -381,17 +381,18 @@ TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
 
 // ---- Events ----
 
+struct UpdatedAtStart final : LeafSystem<void> {
+  DiscreteState<int> n{this, "n", 5};
+  ContinuousState<double> x{this, "x", 1.0};
+  TimeDerivative<double> dx{x, Uses(), [] { return 0.0; }};
+  Update<int> n0{n, AtStart{}, Uses(n), [](int n) { return n + 1; }};
+  Update<double> x0{x, AtStart{}, Uses(n), [](int n) { return 10.0 * n; }};
+  OutputPort<int> seen{this, "seen", Sampled{Hz(10)}, Uses(n), [](int n) { return n; }};
+};
+
 TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
-  struct Block final : LeafSystem<void> {
-    DiscreteState<int> n{this, "n", 5};
-    ContinuousState<double> x{this, "x", 1.0};
-    TimeDerivative<double> dx{x, Uses(), [] { return 0.0; }};
-    Update<int> n0{n, AtStart{}, Uses(n), [](int n) { return n + 1; }};
-    Update<double> x0{x, AtStart{}, Uses(n), [](int n) { return 10.0 * n; }};
-    OutputPort<int> seen{this, "seen", Sampled{Hz(10)}, Uses(n), [](int n) { return n; }};
-  };
   DiagramBuilder builder;
-  auto& block = builder.Add<Block>("block");
+  auto& block = builder.Add<UpdatedAtStart>("block");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   simulator.Initialize();
@@ -416,18 +417,19 @@ TEST(SimulatorTest, AtStartRefusesSamplesThatHaveNotRun) {
               ThrowsMessage<RunError>(HasSubstr("'one.output' is read at t = 0 s")));
 }
 
+struct UpdatedEachStep final : LeafSystem<void> {
+  ContinuousState<Vec<2>> x{this, "x", Vec<2>(1, 0)};
+  DiscreteState<int> steps{this, "steps"};
+  TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -x[0]); }};
+  Update<int> count{steps, EachStep{}, Uses(steps), [](int n) { return n + 1; }};
+  // Projection on the circle, as for a unit quaternion.
+  Update<Vec<2>> project{x, EachStep{}, Uses(x), [](const Vec<2>& x) { return Vec<2>(x / x.norm()); }};
+};
+
 TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
-  struct Block final : LeafSystem<void> {
-    ContinuousState<Vec<2>> x{this, "x", Vec<2>(1, 0)};
-    DiscreteState<int> steps{this, "steps"};
-    TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -x[0]); }};
-    Update<int> count{steps, EachStep{}, Uses(steps), [](int n) { return n + 1; }};
-    // Projection on the circle, as for a unit quaternion.
-    Update<Vec<2>> project{x, EachStep{}, Uses(x), [](const Vec<2>& x) { return Vec<2>(x / x.norm()); }};
-  };
   for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
     DiagramBuilder builder;
-    auto& block = builder.Add<Block>("block");
+    auto& block = builder.Add<UpdatedEachStep>("block");
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .rtol = 1e-4, .atol = 1e-6});
     simulator.AdvanceTo(1);
@@ -456,12 +458,13 @@ TEST(SimulatorTest, ModesSwitchTheDynamics) {
   EXPECT_NEAR(simulator.context().Eval(car.x), 1 - 4, 1e-12);
 }
 
+struct Sawtooth final : LeafSystem<void> {
+  ContinuousState<double> x{this, "x"};
+  TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
+  Update<double> reset{x, Sampled{Seconds(0.5)}, Uses(), [] { return 0.0; }};
+};
+
 TEST(SimulatorTest, ContinuousStatesCanBeUpdatedAtTicks) {
-  struct Sawtooth final : LeafSystem<void> {
-    ContinuousState<double> x{this, "x"};
-    TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
-    Update<double> reset{x, Sampled{Seconds(0.5)}, Uses(), [] { return 0.0; }};
-  };
   for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
     DiagramBuilder builder;
     auto& saw = builder.Add<Sawtooth>("saw");

@@ -217,21 +217,23 @@ TEST(WitnessTest, UpdateThatFlipsItsOwnWitnessIsAnError) {
               ThrowsMessage<RunError>(HasSubstr("witness 'flip.w' fires for the 11th time at t = 0.5 s")));
 }
 
+enum class Heater { kOff, kOn };
+
 /// A thermostat with hysteresis, whose mode changes the dynamics: dT/dt = (heat ? 20 : 0) - T. Between 10 and
 /// 15 degrees, heating takes ln(10 / 5) s and cooling ln(15 / 10) s.
+class Room final : public LeafSystem<void> {
+ public:
+  Mode<Heater> heater{this, "heater", Heater::kOn};
+  ContinuousState<double> x{this, {"temperature", "degC"}, 10.0};
+  TimeDerivative<double> dx{x, Uses(x, heater),
+                            [](double T, Heater h) { return (h == Heater::kOn ? 20 : 0) - T; }};
+  Witness warm{this, "warm", Crossing::kRising, Uses(x), [](double T) { return T - 15; }};
+  Witness cold{this, "cold", Crossing::kFalling, Uses(x), [](double T) { return T - 10; }};
+  Update<Heater> off{heater, warm, Uses(), [] { return Heater::kOff; }};
+  Update<Heater> on{heater, cold, Uses(), [] { return Heater::kOn; }};
+};
+
 TEST(WitnessTest, ThermostatSwitchesItsMode) {
-  enum class Heater { kOff, kOn };
-  class Room final : public LeafSystem<void> {
-   public:
-    Mode<Heater> heater{this, "heater", Heater::kOn};
-    ContinuousState<double> x{this, {"temperature", "degC"}, 10.0};
-    TimeDerivative<double> dx{x, Uses(x, heater),
-                              [](double T, Heater h) { return (h == Heater::kOn ? 20 : 0) - T; }};
-    Witness warm{this, "warm", Crossing::kRising, Uses(x), [](double T) { return T - 15; }};
-    Witness cold{this, "cold", Crossing::kFalling, Uses(x), [](double T) { return T - 10; }};
-    Update<Heater> off{heater, warm, Uses(), [] { return Heater::kOff; }};
-    Update<Heater> on{heater, cold, Uses(), [] { return Heater::kOn; }};
-  };
   for (const Method method : kMethods) {
     DiagramBuilder builder;
     auto& room = builder.Add<Room>("room");
