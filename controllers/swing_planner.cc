@@ -34,6 +34,7 @@ void StepProperties::Validate() const {
   Demand(
       shift_bandwidth > 0,
       fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
+  Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
   Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
 }
 
@@ -85,7 +86,9 @@ Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench) const {
   const double weight = mass_ * params.gravity;
   const double load = std::max(weight - f[2], kLeastWeight * weight);
   const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
-  return Shortened(shift / load, params.step.largest_shift);
+  const double length = shift.norm() / load, free = params.step.free_shift;
+  if (length <= free) return Eigen::Vector2d::Zero();
+  return Shortened(shift / load * (1 - free * free / (length * length)), params.step.largest_shift);
 }
 
 Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,

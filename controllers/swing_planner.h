@@ -19,8 +19,9 @@ struct StepProperties {
   double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 7 cm deeper in 0.25 s [m/s]
   double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
   double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
-  bool wrench_shift = false;        ///< moves the footholds against the estimated wrench
-  double shift_bandwidth = 4;       ///< of its low-pass filter [rad/s]
+  bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
+  double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
+  double shift_bandwidth = 8;       ///< of its low-pass filter [rad/s]
   double largest_shift = 0.1;       ///< [m]
 
   static constexpr auto Fields() {
@@ -29,6 +30,7 @@ struct StepProperties {
                       Field{"search_depth_m", &StepProperties::search_depth},
                       Field{"velocity_feedback_s", &StepProperties::velocity_feedback},
                       Field{"wrench_shift", &StepProperties::wrench_shift},
+                      Field{"free_shift_m", &StepProperties::free_shift},
                       Field{"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
                       Field{"largest_shift_m", &StepProperties::largest_shift}};
   }
@@ -56,11 +58,12 @@ struct SwingPlannerParams {
 /// **Foothold.** Chosen at lift-off, so that in the middle of its coming stance the foot is at its nominal
 /// place below the path, plus k (v - v_ref) with the CoM's horizontal velocity, plus the shift
 ///
-///     ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
+///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
 ///
-/// which is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
-/// filtered and limited. Then drawn into the reach of the leg, seen from its nominal place at touchdown. The
-/// height is the mean of the feet that stand.
+/// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
+/// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that
+/// move for every push disturb the walk more than it does. Then drawn into the reach of the leg, seen from
+/// its nominal place at touchdown. The height is the mean of the feet that stand.
 ///
 /// **Swing.** From the measured place at lift-off. Over ground one polynomial of degree five from rest to
 /// rest; in height two, each half of the swing long: lift and lower, joined with equal acceleration.

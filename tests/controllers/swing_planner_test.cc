@@ -227,7 +227,7 @@ TEST(SwingPlannerTest, SecondSearchBeginsAnew) {
 
 TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
   SwingPlannerParams params = Params();
-  params.step.wrench_shift = true;
+  params.step.free_shift = 0;
   Trot trot(params), reference(params);
   trot.wrench.force_W << 15, 20, -30;
   trot.wrench.torque_W << 2, 3, 0;
@@ -246,9 +246,28 @@ TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
   EXPECT_THAT(moment.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-6));
 }
 
+// A wrench that calls for s shifts by s - d^2 / s, and by nothing below d.
+TEST(SwingPlannerTest, SmallWrenchesShiftNothing) {
+  SwingPlannerParams params = Params();
+  params.step.free_shift = 0.08;
+  for (const double part : {0.5, 1.0, 1.1}) {
+    Trot trot(params), reference(params);
+    const Vec<3> weight(0, 0, params.robot.mass() * 9.81);
+    trot.wrench.force_W = part * 0.08 / trot.stance().com_height * weight[2] * Vec<3>(0.6, -0.8, 0);
+    for (Trot* t : {&trot, &reference}) {
+      t->Set(kStance);
+      for (int n = 0; n < 5000; ++n) t->Tick();
+      t->Swing();
+    }
+    const Vec<3> shift = trot.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
+    const double expected = part > 1 ? 0.08 * (part - 1 / part) : 0;
+    EXPECT_THAT(shift, IsNear(Vec<3>(expected * Vec<3>(0.6, -0.8, 0)), 1e-6)) << part;
+  }
+}
+
 TEST(SwingPlannerTest, ShiftIsSlowAndLimited) {
   SwingPlannerParams params = Params();
-  params.step.wrench_shift = true;
+  params.step.shift_bandwidth = 4;
   Trot trot(params), reference(params);
   trot.wrench.force_W << 200, 0, 0;
   for (Trot* t : {&trot, &reference}) {
@@ -262,10 +281,15 @@ TEST(SwingPlannerTest, ShiftIsSlowAndLimited) {
 }
 
 TEST(SwingPlannerTest, ShiftIsAnOption) {
-  Trot trot, reference;
-  trot.wrench.force_W << 60, 0, 0;
-  trot.Swing();
-  reference.Swing();
+  SwingPlannerParams params = Params();
+  params.step.wrench_shift = false;
+  Trot trot(params), reference(params);
+  trot.wrench.force_W << 100, 0, 0;
+  for (Trot* t : {&trot, &reference}) {
+    t->Set(kStance);
+    for (int n = 0; n < 1000; ++n) t->Tick();
+    t->Swing();
+  }
   EXPECT_EQ(trot.Foothold(kFrontLeft), reference.Foothold(kFrontLeft));
 }
 
@@ -292,6 +316,7 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses(&StepProperties::search_depth, -1, "search depth of -1 m"));
   EXPECT_TRUE(refuses(&StepProperties::velocity_feedback, -1, "feedback of -1 s"));
   EXPECT_TRUE(refuses(&StepProperties::shift_bandwidth, 0, "bandwidth of 0 rad/s"));
+  EXPECT_TRUE(refuses(&StepProperties::free_shift, -1, "free shift of -1 m"));
   EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
