@@ -256,7 +256,7 @@ TEST(SwingPlannerTest, SmallWrenchesShiftNothing) {
     trot.wrench.force_W = part * 0.08 / trot.stance().com_height * weight[2] * Vec<3>(0.6, -0.8, 0);
     for (Trot* t : {&trot, &reference}) {
       t->Set(kStance);
-      for (int n = 0; n < 5000; ++n) t->Tick();
+      for (int n = 0; n < 2000; ++n) t->Tick();
       t->Swing();
     }
     const Vec<3> shift = trot.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
