@@ -56,13 +56,14 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   WholeBodyTask task;
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * state.R_WB().transpose());
+  const Eigen::Vector3d lean = turn.angle() * turn.axis();
   task.wrench.head<3>() = params.gains.com_stiffness * (body.com_W - dynamics.com_W) +
                           params.gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
                           model_.mass() * (body.com_acceleration_W + up);
   task.wrench.tail<3>() =
-      dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * turn.angle() * turn.axis() +
+      dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * lean +
                                        params.gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
-  task.tilt = (turn.angle() * turn.axis()).head<2>().norm();
+  task.tilt = lean.head<2>().norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
   if (params.gains.dynamics == BodyDynamics::kExact) {

@@ -225,23 +225,30 @@ TEST(SwingPlannerTest, SecondSearchBeginsAnew) {
   EXPECT_THAT(trot.Reference(kFrontLeft).p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
 }
 
+/// By how much a wrench that has lasted for `ticks` moves the foothold.
+Vec<3> ShiftUnder(const WrenchEstimate& wrench, const SwingPlannerParams& params, int ticks) {
+  Trot pushed(params), reference(params);
+  pushed.wrench = wrench;
+  for (Trot* trot : {&pushed, &reference}) {
+    trot->Set(kStance);
+    for (int n = 1; n < ticks; ++n) trot->Tick();
+    trot->Set(kSwing);
+    trot->Tick();
+  }
+  return pushed.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
+}
+
 TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
   SwingPlannerParams params = Params();
   params.step.free_shift = 0;
-  Trot trot(params), reference(params);
-  trot.wrench.force_W << 15, 20, -30;
-  trot.wrench.torque_W << 2, 3, 0;
-  for (Trot* t : {&trot, &reference}) {
-    t->Set(kStance);
-    for (int n = 0; n < 5000; ++n) t->Tick();
-    t->Swing();
-  }
-  const Eigen::Vector3d shift = trot.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
+  WrenchEstimate wrench;
+  wrench.force_W << 15, 20, -30;
+  wrench.torque_W << 2, 3, 0;
+  const Vec<3> shift = ShiftUnder(wrench, params, 5000);
   // The ground holds the weight and the disturbance, at the shifted place below the CoM: no moment is left.
-  const Eigen::Vector3d at(shift[0], shift[1], -trot.stance().com_height);
+  const Eigen::Vector3d at(shift[0], shift[1], -Trot(params).stance().com_height);
   const Eigen::Vector3d weight(0, 0, params.robot.mass() * 9.81);
-  const Eigen::Vector3d moment =
-      at.cross(Eigen::Vector3d(weight - trot.wrench.force_W)) + trot.wrench.torque_W;
+  const Eigen::Vector3d moment = at.cross(Eigen::Vector3d(weight - wrench.force_W)) + wrench.torque_W;
   EXPECT_GT(shift.norm(), 0.04);
   EXPECT_THAT(moment.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-6));
 }
@@ -250,47 +257,31 @@ TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
 TEST(SwingPlannerTest, SmallWrenchesShiftNothing) {
   SwingPlannerParams params = Params();
   params.step.free_shift = 0.08;
+  const Vec<3> direction(0.6, -0.8, 0);
+  const double weight = params.robot.mass() * 9.81, height = Trot(params).stance().com_height;
   for (const double part : {0.5, 1.0, 1.1}) {
-    Trot trot(params), reference(params);
-    const Vec<3> weight(0, 0, params.robot.mass() * 9.81);
-    trot.wrench.force_W = part * 0.08 / trot.stance().com_height * weight[2] * Vec<3>(0.6, -0.8, 0);
-    for (Trot* t : {&trot, &reference}) {
-      t->Set(kStance);
-      for (int n = 0; n < 2000; ++n) t->Tick();
-      t->Swing();
-    }
-    const Vec<3> shift = trot.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
+    WrenchEstimate wrench;
+    wrench.force_W = part * 0.08 / height * weight * direction;
     const double expected = part > 1 ? 0.08 * (part - 1 / part) : 0;
-    EXPECT_THAT(shift, IsNear(Vec<3>(expected * Vec<3>(0.6, -0.8, 0)), 1e-6)) << part;
+    EXPECT_THAT(ShiftUnder(wrench, params, 2000), IsNear(Vec<3>(expected * direction), 1e-6)) << part;
   }
 }
 
 TEST(SwingPlannerTest, ShiftIsSlowAndLimited) {
   SwingPlannerParams params = Params();
   params.step.shift_bandwidth = 4;
-  Trot trot(params), reference(params);
-  trot.wrench.force_W << 200, 0, 0;
-  for (Trot* t : {&trot, &reference}) {
-    t->Set(kStance);
-    for (int n = 0; n < 249; ++n) t->Tick();  // 1 / 4 s
-    t->Set(kSwing);
-    t->Tick();
-  }
-  const Eigen::Vector3d shift = trot.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
-  EXPECT_THAT(shift, IsNear(Eigen::Vector3d(0.1 * (1 - std::exp(-1)), 0, 0), 1e-9));
+  WrenchEstimate wrench;
+  wrench.force_W << 200, 0, 0;
+  EXPECT_THAT(ShiftUnder(wrench, params, 250),  // 1 / 4 s
+              IsNear(Vec<3>(0.1 * (1 - std::exp(-1)), 0, 0), 1e-9));
 }
 
 TEST(SwingPlannerTest, ShiftIsAnOption) {
   SwingPlannerParams params = Params();
   params.step.wrench_shift = false;
-  Trot trot(params), reference(params);
-  trot.wrench.force_W << 100, 0, 0;
-  for (Trot* t : {&trot, &reference}) {
-    t->Set(kStance);
-    for (int n = 0; n < 1000; ++n) t->Tick();
-    t->Swing();
-  }
-  EXPECT_EQ(trot.Foothold(kFrontLeft), reference.Foothold(kFrontLeft));
+  WrenchEstimate wrench;
+  wrench.force_W << 100, 0, 0;
+  EXPECT_EQ(ShiftUnder(wrench, params, 1000), Vec<3>(Vec<3>::Zero()));
 }
 
 TEST(SwingPlannerTest, DoesNotAllocate) {
