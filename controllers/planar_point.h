@@ -1,5 +1,8 @@
 #pragma once
 
+#include <tuple>
+
+#include "tenon/systems/fields.h"
 #include "tenon/systems/signal.h"
 
 namespace tenon {
@@ -9,6 +12,12 @@ struct PlanarPoint {
   Vec<2> position = Vec<2>::Zero();      ///< x [m]
   Vec<2> velocity = Vec<2>::Zero();      ///< x' [m/s]
   Vec<2> acceleration = Vec<2>::Zero();  ///< x'' [m/s^2]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"position", &PlanarPoint::position, "m"},
+                      Field{"velocity", &PlanarPoint::velocity, "m/s"},
+                      Field{"acceleration", &PlanarPoint::acceleration, "m/s^2"}};
+  }
 };
 
 }  // namespace tenon

@@ -17,6 +17,19 @@ Eigen::Vector2d Shortened(const Eigen::Vector2d& v, double longest) {
   return length > longest ? Eigen::Vector2d(v * (longest / length)) : v;
 }
 
+/// The motion over ground at the time t after lift-off.
+PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
+  PlanarPoint course;
+  for (const int axis : {0, 1}) {
+    const MotionPoint from{leg.from.position[axis], leg.from.velocity[axis], leg.from.acceleration[axis]};
+    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - leg.from_time, t - leg.from_time);
+    course.position[axis] = now.position;
+    course.velocity[axis] = now.velocity;
+    course.acceleration[axis] = now.acceleration;
+  }
+  return course;
+}
+
 bool Searches(ContactState state) {
   return state == ContactState::kLate || state == ContactState::kSearching;
 }
@@ -31,6 +44,9 @@ void StepProperties::Validate() const {
   Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
   Demand(velocity_feedback >= 0,
          fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
+  Demand(retarget_phase >= 0 && retarget_phase < 1,
+         fmt::format("a retarget phase of {}: it must be at least 0 and less than 1, where the swing ends",
+                     retarget_phase));
   Demand(
       shift_bandwidth > 0,
       fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
@@ -64,12 +80,22 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     if (leg.state == ContactState::kStance) {
       if (before != leg.state || !memory.started) leg.foothold = foot[i];
     } else if (leg.state == ContactState::kSwing) {
-      if (before == leg.state && memory.started) continue;
+      const bool lifts_off = before != leg.state || !memory.started;
+      if (!lifts_off && schedule.legs[i].phase > params.step.retarget_phase) continue;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
-      leg.begin = foot[i];
-      leg.foothold << Foothold(i, schedule, path, params.step.velocity_feedback * v_error + memory.shift),
-          schedule.num_stance() > 0 ? ground : foot[i][2];
+      if (lifts_off) {
+        leg.from = {.position = foot[i].head<2>()};
+        leg.from_time = 0;
+        leg.lift_off_height = foot[i][2];
+        leg.foothold[2] = schedule.num_stance() > 0 ? ground : foot[i][2];
+      } else {
+        const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
+        leg.from = Course(leg, swing, t);
+        leg.from_time = t;
+      }
+      leg.foothold.head<2>() =
+          Foothold(i, schedule, path, params.step.velocity_feedback * v_error + memory.shift);
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();
     } else {
@@ -122,22 +148,19 @@ FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memo
 FootReference SwingPlanner::Swing(const LegMemory& leg, double phase, double duration) const {
   const StepProperties& step = params.step;
   const double t = phase * duration, half = duration / 2;
-  FootReference foot;
-  const auto set = [&](int axis, const MotionPoint& point) {
-    foot.p_W[axis] = point.position;
-    foot.v_W[axis] = point.velocity;
-    foot.a_W[axis] = point.acceleration;
-  };
-  for (const int axis : {0, 1}) {
-    set(axis, Quintic({leg.begin[axis]}, {leg.foothold[axis]}, duration, t));
-  }
-  const double z_begin = leg.begin[2], z_end = leg.foothold[2];
+  const PlanarPoint course = Course(leg, duration, t);
+  const double z_begin = leg.lift_off_height, z_end = leg.foothold[2];
   const double z_top = std::max(z_begin, z_end) + step.height;
   // At the top, the mean of what cubics from rest to rest would have on its two sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
   const double v = step.touchdown_speed;
   const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
-  set(2, t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half));
+  const MotionPoint height =
+      t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half);
+  FootReference foot;
+  foot.p_W << course.position, height.position;
+  foot.v_W << course.velocity, height.velocity;
+  foot.a_W << course.acceleration, height.acceleration;
   return foot;
 }
 

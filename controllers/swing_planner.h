@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "tenon/controllers/nominal_stance.h"
+#include "tenon/controllers/planar_point.h"
 #include "tenon/plants/description/disturbance_signals.h"
 #include "tenon/plants/description/gait_signals.h"
 #include "tenon/plants/description/legged_signals.h"
@@ -19,9 +20,10 @@ struct StepProperties {
   double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 7 cm deeper in 0.25 s [m/s]
   double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
   double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
+  double retarget_phase = 0.7;      ///< of the swing; until then its foothold is chosen anew at every tick
   bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
   double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
-  double shift_bandwidth = 8;       ///< of its low-pass filter [rad/s]
+  double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
   double largest_shift = 0.1;       ///< [m]
 
   static constexpr auto Fields() {
@@ -29,6 +31,7 @@ struct StepProperties {
                       Field{"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
                       Field{"search_depth_m", &StepProperties::search_depth},
                       Field{"velocity_feedback_s", &StepProperties::velocity_feedback},
+                      Field{"retarget_phase", &StepProperties::retarget_phase},
                       Field{"wrench_shift", &StepProperties::wrench_shift},
                       Field{"free_shift_m", &StepProperties::free_shift},
                       Field{"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
@@ -55,8 +58,9 @@ struct SwingPlannerParams {
 ///     ports out  feet       position, velocity, acceleration of all feet; sampled
 ///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
 ///
-/// **Foothold.** Chosen at lift-off, so that in the middle of its coming stance the foot is at its nominal
-/// place below the path, plus k (v - v_ref) with the CoM's horizontal velocity, plus the shift
+/// **Foothold.** Chosen at lift-off, and over ground anew at every tick until retarget_phase, so that in the
+/// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
+/// CoM's horizontal velocity, plus the shift
 ///
 ///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
 ///
@@ -65,8 +69,9 @@ struct SwingPlannerParams {
 /// move for every push disturb the walk more than it does. Then drawn into the reach of the leg, seen from
 /// its nominal place at touchdown. The height is the mean of the feet that stand.
 ///
-/// **Swing.** From the measured place at lift-off. Over ground one polynomial of degree five from rest to
-/// rest; in height two, each half of the swing long: lift and lower, joined with equal acceleration.
+/// **Swing.** From the measured place at lift-off. Over ground a polynomial of degree five from rest to rest,
+/// which a new foothold replaces by the one that goes on from where the old has come, with its velocity and
+/// acceleration; in height two, each half of the swing long: lift and lower, joined with equal acceleration.
 /// It arrives with a small speed downwards. A foot that is late, or searches, goes on from there,
 ///
 ///     z = z_0 - D (1 - e^(-v t / D)),
@@ -80,12 +85,17 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   /// One leg's motion since its last event.
   struct LegMemory {
     ContactState state = ContactState::kStance;
-    Vec<3> begin = Vec<3>::Zero();     ///< of the swing [m]
+    PlanarPoint from;                  ///< over ground, where the course to the foothold began,
+    double from_time = 0;              ///< at this time after lift-off [s]
+    double lift_off_height = 0;        ///< [m]
     Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
     double searching = 0;              ///< for how long, late included [s]
 
     static constexpr auto Fields() {
-      return std::tuple{Field{"state", &LegMemory::state}, Field{"begin", &LegMemory::begin, "m"},
+      return std::tuple{Field{"state", &LegMemory::state},
+                        Field{"from", &LegMemory::from},
+                        Field{"from_time", &LegMemory::from_time, "s"},
+                        Field{"lift_off_height", &LegMemory::lift_off_height, "m"},
                         Field{"foothold", &LegMemory::foothold, "m"},
                         Field{"searching", &LegMemory::searching, "s"}};
     }

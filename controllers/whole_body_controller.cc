@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 
 #include "tenon/plants/description/quaternion.h"
@@ -35,6 +36,7 @@ void WholeBodyGains::Validate() const {
         std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
   }
+  Demand(swing_limit > 0, fmt::format("swing_limit = {} must be positive", swing_limit));
   qp.Validate();
 }
 
@@ -79,8 +81,11 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     if (task.stance[i]) {
       task.foot_acceleration[i] = -params.gains.stance_damping * v_W;
     } else {
-      task.foot_acceleration[i] = reference.a_W + params.gains.swing_damping * (reference.v_W - v_W) +
-                                  params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+      const Eigen::Vector3d correction =
+          params.gains.swing_damping * (reference.v_W - v_W) +
+          params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+      const double limit = params.gains.swing_limit;
+      task.foot_acceleration[i] = reference.a_W + correction * std::min(1.0, limit / correction.norm());
     }
   }
   if (params.gains.compensation == LegCompensation::kExact) {

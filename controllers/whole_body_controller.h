@@ -43,6 +43,7 @@ struct WholeBodyGains {
   double trunk_damping = 50;      ///< [1/s]
   double swing_stiffness = 2500;  ///< acceleration of a swing foot per error [1/s^2]
   double swing_damping = 100;     ///< [1/s]
+  double swing_limit = 200;       ///< of both together: a foot that is stuck does not get all torque [m/s^2]
   double stance_damping = 50;     ///< deceleration of a stance foot that moves, per velocity [1/s]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
@@ -55,12 +56,14 @@ struct WholeBodyGains {
                       Field{"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
                       Field{"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
                       Field{"swing_damping_per_s", &WholeBodyGains::swing_damping},
+                      Field{"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
                       Field{"stance_damping_per_s", &WholeBodyGains::stance_damping},
                       Field{"dynamics", &WholeBodyGains::dynamics},
                       Field{"leg_compensation", &WholeBodyGains::compensation},
                       Field{"qp", &WholeBodyGains::qp}};
   }
-  void Validate() const;  ///< throws ParameterError unless stiffness > 0, damping >= 0, and the QP's
+  void Validate()
+      const;  ///< throws ParameterError unless stiffness and limit > 0, damping >= 0, and the QP's
 };
 
 struct WholeBodyParams {
@@ -114,6 +117,7 @@ struct WholeBodyPlan {
 ///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
 ///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p),   a_stance = -k_s v
 ///
+/// (the two corrections of a swing foot together not longer than swing_limit)
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.

@@ -44,8 +44,9 @@ Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int
 void WholeBodyQpParams::Validate() const {
   for (const auto& [name, value] :
        {std::pair{"wrench_weight", wrench_weight}, std::pair{"moment_weight", moment_weight},
-        std::pair{"force_weight", force_weight}, std::pair{"acceleration_weight", acceleration_weight},
-        std::pair{"slack_weight", slack_weight}, std::pair{"friction", friction}}) {
+        std::pair{"yaw_weight", yaw_weight}, std::pair{"force_weight", force_weight},
+        std::pair{"acceleration_weight", acceleration_weight}, std::pair{"slack_weight", slack_weight},
+        std::pair{"friction", friction}}) {
     Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   }
   for (const auto& [name, value] : {std::pair{"tilt_weight", tilt_weight}, std::pair{"free_tilt", free_tilt}})
@@ -92,7 +93,8 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
   }
   auto H = qp->H.block<12, 12>(first, first);
   Eigen::Matrix<double, 6, 12> QG = params_.wrench_weight * G;
-  QG.bottomRows<3>() = params_.MomentWeight(task.tilt) * G.bottomRows<3>();
+  QG.middleRows<2>(3) = params_.MomentWeight(task.tilt) * G.middleRows<2>(3);
+  QG.row(5) = params_.yaw_weight * G.row(5);
   H.noalias() += G.transpose() * QG;
   H.diagonal() += weight;
   qp->g.segment<12>(first).noalias() -= QG.transpose() * (task.wrench - task.disturbance);

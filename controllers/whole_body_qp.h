@@ -12,7 +12,8 @@ namespace tenon {
 
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force, per N^2
-  double moment_weight = 100;         ///< Q of the torque about the CoM, per (N m)^2
+  double moment_weight = 100;         ///< Q of the torque about the CoM that tilts, per (N m)^2
+  double yaw_weight = 100;            ///< Q of the torque about the CoM that turns, per (N m)^2
   double tilt_weight = 0;             ///< what it gains as the trunk tilts, per (N m)^2 and per rad^2
   double free_tilt = 0.3;             ///< up to here it gains nothing [rad]
   double force_weight = 1e-3;         ///< R of the ground's forces, per N^2
@@ -24,6 +25,7 @@ struct WholeBodyQpParams {
   static constexpr auto Fields() {
     return std::tuple{Field{"wrench_weight", &WholeBodyQpParams::wrench_weight},
                       Field{"moment_weight", &WholeBodyQpParams::moment_weight},
+                      Field{"yaw_weight", &WholeBodyQpParams::yaw_weight},
                       Field{"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
                       Field{"free_tilt_rad", &WholeBodyQpParams::free_tilt},
                       Field{"force_weight", &WholeBodyQpParams::force_weight},
@@ -32,7 +34,7 @@ struct WholeBodyQpParams {
                       Field{"friction", &WholeBodyQpParams::friction},
                       Field{"eliminate", &WholeBodyQpParams::eliminate}};
   }
-  /// Q of the torque while the trunk is tilted.
+  /// Q of the torque that tilts while the trunk is tilted.
   double MomentWeight(double tilt) const {
     const double beyond = tilt > free_tilt ? tilt - free_tilt : 0;
     return moment_weight + tilt_weight * beyond * beyond;
@@ -86,7 +88,9 @@ struct WholeBodySolution {
 ///
 /// On two feet force and torque contradict each other: a push from the side is met by the friction of the
 /// feet, which rolls the trunk, or by letting the CoM go. Q weighs them: the force first, until the trunk
-/// tilts, from where on the torque's weight grows with the square of the tilt.
+/// tilts, from where on the torque's weight grows with the square of the tilt. The torque about the vertical
+/// has a weight of its own: where friction does not suffice for all, a robot that turns is better off than
+/// one that tilts.
 ///
 /// It is solved in 30 variables, or in 12: three per leg, f_i or gamma_k. Then each leg's joints follow from
 /// trunk and foot by a 3 x 3 solve, qdd = J_leg^-1 (a_foot - J' nu - J_b a_b), and a_b from the trunk's rows

@@ -50,7 +50,7 @@ class Trot {
     rig_.Fix(block.state, state).Fix(block.wrench, wrench).Tick();
     return rig_[block.feet][kFrontLeft];
   }
-  /// The swing from stance, tick by tick; the last entry is the first tick of a late foot.
+  /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot.
   std::vector<FootReference> Swing() {
     Set(kStance);
     Tick();
@@ -58,6 +58,7 @@ class Trot {
     for (int n = 0; n < kSwingTicks; ++n) {
       Set(kSwing, static_cast<double>(n) / kSwingTicks);
       swing.push_back(Tick());
+      path = path.At(1e-3);
     }
     Set(kLate, 1);
     swing.push_back(Tick());
@@ -147,9 +148,9 @@ TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
   trot.path.velocity << 0.12, -0.04;
   trot.path.yaw_rate = 0.5;
   trot.path.yaw = 0.2;
+  const PlanarPath middle = trot.path.At(0.115 + 0.415 / 2);
   trot.Swing();
   for (const Leg leg : {kFrontLeft, kRearRight}) {
-    const PlanarPath middle = trot.path.At(0.115 + 0.415 / 2);
     const Eigen::Vector2d from_path =
         middle.Heading().transpose() * (trot.Foothold(leg).head<2>() - middle.position_W);
     EXPECT_THAT(from_path, IsNear(trot.stance().foot[leg], 1e-12));
@@ -157,15 +158,35 @@ TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
   }
 }
 
-TEST(SwingPlannerTest, FootholdIsChosenAtLiftOff) {
-  Trot trot;
-  trot.Set(kSwing);
-  trot.Tick();
-  const Eigen::Vector3d chosen = trot.Foothold(kFrontLeft);
-  trot.path.velocity << 1, 0;
-  trot.Set(kSwing, 0.5);
-  trot.Tick();
-  EXPECT_EQ(trot.Foothold(kFrontLeft), chosen);
+/// A swing in which the CoM gets faster by 1 m/s at tick `pushed_at`.
+std::vector<FootReference> PushedSwing(Trot& trot, int pushed_at) {
+  std::vector<FootReference> swing;
+  for (int n = 0; n < kSwingTicks; ++n) {
+    if (n == pushed_at) trot.state.v_W[1] += 1;
+    trot.Set(kSwing, static_cast<double>(n) / kSwingTicks);
+    swing.push_back(trot.Tick());
+  }
+  return swing;
+}
+
+TEST(SwingPlannerTest, FootInTheAirGoesToANewFoothold) {
+  Trot trot, still;
+  still.Swing();
+  ExpectConsistent(PushedSwing(trot, 40));
+  EXPECT_THAT(trot.Foothold(kFrontLeft) - still.Foothold(kFrontLeft),
+              IsNear(Eigen::Vector3d(0, 0.03, 0), 1e-12));
+  trot.Set(kLate, 1);
+  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
+  EXPECT_THAT(trot.Tick().v_W.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-12));
+}
+
+TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
+  Trot late, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}}), still;
+  still.Swing();
+  PushedSwing(late, 81);  // 0.704 of the swing
+  PushedSwing(never, 1);
+  EXPECT_THAT(late.Foothold(kFrontLeft), IsNear(still.Foothold(kFrontLeft), 1e-12));
+  EXPECT_THAT(never.Foothold(kFrontLeft), IsNear(still.Foothold(kFrontLeft), 1e-12));
 }
 
 TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
@@ -185,8 +206,8 @@ TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
 TEST(SwingPlannerTest, FootholdStaysInReach) {
   Trot trot;
   trot.path.velocity << 3, 0;
-  trot.Swing();
   const Eigen::Vector2d at_touchdown = trot.path.At(0.115).position_W + trot.stance().foot[kFrontLeft];
+  trot.Swing();
   EXPECT_THAT(trot.Foothold(kFrontLeft).head<2>() - at_touchdown,
               IsNear(Eigen::Vector2d(trot.stance().reach[kFrontLeft], 0), 1e-12));
 }
@@ -306,6 +327,7 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses(&StepProperties::touchdown_speed, 0, "touchdown at 0 m/s"));
   EXPECT_TRUE(refuses(&StepProperties::search_depth, -1, "search depth of -1 m"));
   EXPECT_TRUE(refuses(&StepProperties::velocity_feedback, -1, "feedback of -1 s"));
+  EXPECT_TRUE(refuses(&StepProperties::retarget_phase, 1, "retarget phase of 1"));
   EXPECT_TRUE(refuses(&StepProperties::shift_bandwidth, 0, "bandwidth of 0 rad/s"));
   EXPECT_TRUE(refuses(&StepProperties::free_shift, -1, "free shift of -1 m"));
   EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));

@@ -152,6 +152,25 @@ TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
   EXPECT_THAT(foot(kRearLeft), IsNear(Vec<3>(Vec<3>::Zero()), 1e-3));
 }
 
+// An edge holds it: not all torque of the leg goes there.
+TEST(WholeBodyController, AStuckSwingFootIsPulledWithinALimit) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({kFrontRight, kRearLeft});
+  inputs.Follow();
+  FootReference& reference = inputs.feet[kFrontRight];
+  reference.p_W += Vec<3>(0.12, 0, 0.16);
+  reference.a_W = Vec<3>(1, 2, 3);
+  WholeBodyParams params = Params();
+  params.gains.swing_limit = 20;
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const QuadrupedDynamics::Foot& foot = inputs.dynamics.feet[kFrontRight];
+  const Vec<3> a =
+      inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration + foot.bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(1 + 12, 2, 3 + 16), 1e-3));
+}
+
 // It is taken to stand but has no contact: its joints move.
 TEST(WholeBodyController, AStanceFootThatMovesIsStopped) {
   Inputs inputs(Params().robot);
@@ -372,6 +391,8 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "com_stiffness = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
                                      "swing_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }),
+                                     "swing_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
                                      "stance_damping = -1", "negative"));
   EXPECT_TRUE(

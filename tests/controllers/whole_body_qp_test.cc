@@ -176,6 +176,23 @@ TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   }
 }
 
+// On slippery ground a wrench is asked for that takes more friction than there is.
+TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  WholeBodyTask task;
+  task.wrench << 30, 20, model_.mass() * model_.gravity(), 10, 0, 30;
+  const auto error = [&](double yaw_weight) {
+    WholeBodyQp qp(Limits(), {.moment_weight = 30, .yaw_weight = yaw_weight, .friction = 0.3});
+    WholeBodySolution solution;
+    EXPECT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    return Vec<6>(WrenchOf(dynamics_, solution.force) - task.wrench);
+  };
+  const Vec<6> heavy = error(30), light = error(0.3);
+  EXPECT_GT(std::abs(light[5]), std::abs(heavy[5]) + 1);
+  EXPECT_LT(light.segment<2>(3).norm(), heavy.segment<2>(3).norm() / 2);
+  EXPECT_LT(light.head<3>().norm(), heavy.head<3>().norm());
+}
+
 TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
   RandomStream random(1);
   int limited = 0, on_the_pyramid = 0;
