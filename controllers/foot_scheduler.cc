@@ -19,6 +19,21 @@ bool StepIsOver(const ContactSchedule& schedule) {
   return schedule.step_time >= schedule.timing.step_duration() - kClockTolerance;
 }
 
+/// Whether the stance of this step is over, and its legs have not lifted off.
+bool LiftsOff(const FootScheduler::Memory& memory) {
+  const ContactSchedule& schedule = memory.schedule;
+  return schedule.gait != Gait::kStand && !memory.lifted &&
+         schedule.step_time >= schedule.timing.stance - kClockTolerance;
+}
+
+/// Whether a leg that is to stand while the others swing feels no ground.
+bool OthersSearch(const ContactSchedule& schedule) {
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    if (!SwingsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
+  }
+  return false;
+}
+
 /// Phases and times to the next events, from the clock.
 void PlanLegs(bool lifted, ContactSchedule* schedule) {
   const GaitTiming& timing = schedule->timing;
@@ -123,7 +138,7 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
   } else {
     const double dt = params.rate.period();
     if (schedule.gait != Gait::kStand) {
-      if (StepIsOver(schedule)) {
+      if (StepIsOver(schedule) || LiftsOff(memory)) {
         memory.waited += dt;
       } else {
         schedule.step_time += dt;
@@ -136,9 +151,12 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       BeginStep(command.gait, &memory);
     }
   }
-  const bool lift_off = schedule.gait != Gait::kStand && !memory.lifted &&
-                        schedule.step_time >= schedule.timing.stance - kClockTolerance;
-  if (lift_off) memory.lifted = true;
+  const bool wait_over = memory.waited >= params.late_wait - kClockTolerance;
+  const bool lift_off = LiftsOff(memory) && (wait_over || !OthersSearch(schedule));
+  if (lift_off) {
+    memory.lifted = true;
+    memory.waited = 0;
+  }
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegContact& leg = schedule.legs[i];
     if (lift_off && SwingsIn(schedule, i)) leg.state = NextContactState(leg.state, {.lift_off = true});

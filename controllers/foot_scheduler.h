@@ -47,7 +47,7 @@ struct FootSchedulerParams {
   GaitTable gaits;
   double touchdown_force = 0;        ///< a foot with more touches the ground [N]
   double early_touchdown_phase = 0;  ///< part of the swing before which no touchdown counts
-  double late_wait = 0;              ///< how long the clock waits for a late foot [s]
+  double late_wait = 0;              ///< how long the clock waits for a late or searching foot [s]
   double search_after = 0;           ///< time without force after which a stance foot searches [s]
   Rate rate = Hz(1000);
 
@@ -92,8 +92,10 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 /// A step of the gait is a stance of all feet, then the swing of one group (GaitTiming). A foot that lands
 /// early stands from there on, without shortening the step. A foot that has not landed at the end of its
 /// swing is late: the clock waits for it, at most late_wait, then it is searching and the next step begins.
-/// So when a step begins, no leg is in swing or late. Gaits change at the beginning of a step; from standing
-/// at once. The gaits of this block have no flight phase: at most one group is in the air.
+/// So when a step begins, no leg is in swing or late. While a leg that is to carry the robot alone with
+/// others is searching, those others do not lift off; the clock waits for it as for a late foot. Gaits change
+/// at the beginning of a step; from standing at once. The gaits of this block have no flight phase: at most
+/// one group is in the air.
 class FootScheduler final : public LeafSystem<FootSchedulerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -102,7 +104,7 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   struct Memory {
     bool started = false;
     bool lifted = false;                      ///< this step's legs have lifted off
-    double waited = 0;                        ///< for late feet, in this step [s]
+    double waited = 0;                        ///< before this lift-off, or before the next step [s]
     std::array<double, kNumLegs> unloaded{};  ///< time in stance without force [s]
     ContactSchedule schedule;
 

@@ -29,9 +29,9 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
     // The leg turns about its second joint; what is left of its length beside the height is reach.
     const auto& joints = robot.legs[i].joints;
     const double length = joints[2].p_PJ.norm() + robot.legs[i].foot_J.norm();
-    const Eigen::Vector3d leg = p_foot - dynamics.origin_W[3 * i + 1];
-    const double longest = kFullestExtension * length;
-    const double horizontal = longest * longest - leg[2] * leg[2];
+    const Eigen::Vector3d leg = p_foot - robot.HipPosition(static_cast<int>(i), robot.stance);
+    longest[i] = kFullestExtension * length;
+    const double horizontal = longest[i] * longest[i] - leg[2] * leg[2];
     reach[i] = horizontal > 0 ? std::sqrt(horizontal) - leg.head<2>().norm() : 0;
     if (reach[i] <= 0) {
       throw ParameterError(

@@ -16,6 +16,7 @@ struct NominalStance {
   std::array<Eigen::Vector2d, kNumLegs> foot;  ///< from the centre of the feet [m]
   Eigen::Vector3d com_B;                       ///< [m]
   double com_height;                           ///< above level ground [m]
+  std::array<double, kNumLegs> longest;        ///< from hip to foot, with the knee still bent [m]
   std::array<double, kNumLegs> reach;          ///< how far a foot on the ground goes from there [m]
 };
 

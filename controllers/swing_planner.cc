@@ -6,16 +6,12 @@
 #include <cmath>
 
 #include "tenon/controllers/quintic.h"
+#include "tenon/controllers/shortened.h"
 
 namespace tenon {
 namespace {
 
 constexpr double kLeastWeight = 0.5;  // of the robot's, that its feet carry at least while it walks
-
-Eigen::Vector2d Shortened(const Eigen::Vector2d& v, double longest) {
-  const double length = v.norm();
-  return length > longest ? Eigen::Vector2d(v * (longest / length)) : v;
-}
 
 /// The motion over ground at the time t after lift-off.
 PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
@@ -28,6 +24,19 @@ PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t
     course.acceleration[axis] = now.acceleration;
   }
   return course;
+}
+
+/// Draws a foot that is farther from its hip than `longest` in, at its height: so it finds the ground sooner
+/// than if the leg were shortened.
+void KeepBent(const Eigen::Vector3d& hip, double longest, FootReference* foot) {
+  const Eigen::Vector3d leg = foot->p_W - hip;
+  if (leg.norm() <= longest) return;
+  const double height = std::clamp(leg[2], -longest, longest);
+  const double outward = std::sqrt(longest * longest - height * height);
+  foot->p_W << hip.head<2>() + Shortened<2>(leg.head<2>(), outward), hip[2] + height;
+  foot->v_W.head<2>().setZero();
+  foot->a_W.head<2>().setZero();
+  if (height != leg[2]) foot->v_W[2] = foot->a_W[2] = 0;
 }
 
 bool Searches(ContactState state) {
@@ -77,10 +86,13 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
     leg.state = schedule.legs[i].state;
+    leg.hip = state.p_WB + R * params.robot.HipPosition(static_cast<int>(i), state.q);
     if (leg.state == ContactState::kStance) {
       if (before != leg.state || !memory.started) leg.foothold = foot[i];
     } else if (leg.state == ContactState::kSwing) {
-      const bool lifts_off = before != leg.state || !memory.started;
+      const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
+      // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
+      const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
       if (!lifts_off && schedule.legs[i].phase > params.step.retarget_phase) continue;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
@@ -90,7 +102,6 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         leg.lift_off_height = foot[i][2];
         leg.foothold[2] = schedule.num_stance() > 0 ? ground : foot[i][2];
       } else {
-        const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
         leg.from = Course(leg, swing, t);
         leg.from_time = t;
       }
@@ -114,7 +125,7 @@ Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench) const {
   const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
   const double length = shift.norm() / load, free = params.step.free_shift;
   if (length <= free) return Eigen::Vector2d::Zero();
-  return Shortened(shift / load * (1 - free * free / (length * length)), params.step.largest_shift);
+  return Shortened<2>(shift / load * (1 - free * free / (length * length)), params.step.largest_shift);
 }
 
 Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,
@@ -126,7 +137,7 @@ Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& s
   };
   const Eigen::Vector2d at_touchdown = nominal(touchdown);
   const Eigen::Vector2d wanted = nominal(touchdown + schedule.timing.leg_stance() / 2) + correction;
-  return at_touchdown + Shortened(wanted - at_touchdown, stance.reach[leg]);
+  return at_touchdown + Shortened<2>(wanted - at_touchdown, stance.reach[leg]);
 }
 
 FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan) const {
@@ -140,7 +151,9 @@ FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memo
       foot = Search(leg);
     } else {
       foot.p_W = leg.foothold;
+      continue;
     }
+    KeepBent(leg.hip, stance.longest[i], &foot);
   }
   return reference;
 }

@@ -20,7 +20,7 @@ struct StepProperties {
   double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 7 cm deeper in 0.25 s [m/s]
   double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
   double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
-  double retarget_phase = 0.7;      ///< of the swing; until then its foothold is chosen anew at every tick
+  double retarget_phase = 0.7;      ///< part of the swing in which the foothold is chosen anew at every tick
   bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
   double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
   double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
@@ -60,7 +60,7 @@ struct SwingPlannerParams {
 ///
 /// **Foothold.** Chosen at lift-off, and over ground anew at every tick until retarget_phase, so that in the
 /// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
-/// CoM's horizontal velocity, plus the shift
+/// horizontal velocity of a CoM fixed to the trunk, plus the shift
 ///
 ///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
 ///
@@ -77,6 +77,10 @@ struct SwingPlannerParams {
 ///     z = z_0 - D (1 - e^(-v t / D)),
 ///
 /// bounded by the search depth D. Throughout the swing the acceleration does not jump.
+///
+/// In the air no foot is sent farther from its hip than a leg with a bent knee reaches, wherever the trunk
+/// is: through a straight one the knee would snap to the other side, and there is no force to get it back.
+/// It is drawn in at its height.
 class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -89,6 +93,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     double from_time = 0;              ///< at this time after lift-off [s]
     double lift_off_height = 0;        ///< [m]
     Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
+    Vec<3> hip = Vec<3>::Zero();       ///< [m]
     double searching = 0;              ///< for how long, late included [s]
 
     static constexpr auto Fields() {
@@ -97,6 +102,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
                         Field{"from_time", &LegMemory::from_time, "s"},
                         Field{"lift_off_height", &LegMemory::lift_off_height, "m"},
                         Field{"foothold", &LegMemory::foothold, "m"},
+                        Field{"hip", &LegMemory::hip, "m"},
                         Field{"searching", &LegMemory::searching, "s"}};
     }
   };

@@ -4,9 +4,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <chrono>
 
+#include "tenon/controllers/shortened.h"
 #include "tenon/plants/description/quaternion.h"
 #include "tenon/systems/yaml_node.h"
 
@@ -84,8 +84,7 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       const Eigen::Vector3d correction =
           params.gains.swing_damping * (reference.v_W - v_W) +
           params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
-      const double limit = params.gains.swing_limit;
-      task.foot_acceleration[i] = reference.a_W + correction * std::min(1.0, limit / correction.norm());
+      task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, params.gains.swing_limit);
     }
   }
   if (params.gains.compensation == LegCompensation::kExact) {

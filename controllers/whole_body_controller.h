@@ -41,8 +41,8 @@ struct WholeBodyGains {
   double com_damping = 400;       ///< [N s/m]
   double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
   double trunk_damping = 50;      ///< [1/s]
-  double swing_stiffness = 2500;  ///< acceleration of a swing foot per error [1/s^2]
-  double swing_damping = 100;     ///< [1/s]
+  double swing_stiffness = 4900;  ///< acceleration of a swing foot per error [1/s^2]
+  double swing_damping = 140;     ///< [1/s]
   double swing_limit = 200;       ///< of both together: a foot that is stuck does not get all torque [m/s^2]
   double stance_damping = 50;     ///< deceleration of a stance foot that moves, per velocity [1/s]
   BodyDynamics dynamics = BodyDynamics::kExact;
@@ -115,15 +115,14 @@ struct WholeBodyPlan {
 ///
 ///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
 ///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
-///     a_swing = a_ref + k_d (v_ref - v) + k_p (p_ref - p),   a_stance = -k_s v
+///     a_swing = a_ref + [k_d (v_ref - v) + k_p (p_ref - p)],   a_stance = -k_s v
 ///
-/// (the two corrections of a swing foot together not longer than swing_limit)
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.
 ///
-/// The last term stops a foot that is taken to stand but has no contact; with (2.30) alone it would go on at
-/// its speed until the leg is straight.
+/// The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken to stand but has no
+/// contact; with (2.30) alone it would go on at its speed until the leg is straight.
 ///
 /// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
 /// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.

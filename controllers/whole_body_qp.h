@@ -12,10 +12,10 @@ namespace tenon {
 
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force, per N^2
-  double moment_weight = 100;         ///< Q of the torque about the CoM that tilts, per (N m)^2
-  double yaw_weight = 100;            ///< Q of the torque about the CoM that turns, per (N m)^2
-  double tilt_weight = 0;             ///< what it gains as the trunk tilts, per (N m)^2 and per rad^2
+  double moment_weight = 100;         ///< Q of the torque about the CoM, its horizontal part, per (N m)^2
+  double tilt_weight = 0;             ///< what that gains as the trunk tilts, per (N m)^2 and per rad^2
   double free_tilt = 0.3;             ///< up to here it gains nothing [rad]
+  double yaw_weight = 100;            ///< Q of the torque's vertical part, at any tilt, per (N m)^2
   double force_weight = 1e-3;         ///< R of the ground's forces, per N^2
   double acceleration_weight = 1e-4;  ///< R of nu'; per (m/s^2)^2 and per (rad/s^2)^2
   double slack_weight = 1e6;          ///< of the swing feet's errors of acceleration, per (m/s^2)^2
@@ -25,16 +25,16 @@ struct WholeBodyQpParams {
   static constexpr auto Fields() {
     return std::tuple{Field{"wrench_weight", &WholeBodyQpParams::wrench_weight},
                       Field{"moment_weight", &WholeBodyQpParams::moment_weight},
-                      Field{"yaw_weight", &WholeBodyQpParams::yaw_weight},
                       Field{"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
                       Field{"free_tilt_rad", &WholeBodyQpParams::free_tilt},
+                      Field{"yaw_weight", &WholeBodyQpParams::yaw_weight},
                       Field{"force_weight", &WholeBodyQpParams::force_weight},
                       Field{"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
                       Field{"slack_weight", &WholeBodyQpParams::slack_weight},
                       Field{"friction", &WholeBodyQpParams::friction},
                       Field{"eliminate", &WholeBodyQpParams::eliminate}};
   }
-  /// Q of the torque that tilts while the trunk is tilted.
+  /// Q of the torque's horizontal part at this tilt of the trunk.
   double MomentWeight(double tilt) const {
     const double beyond = tilt > free_tilt ? tilt - free_tilt : 0;
     return moment_weight + tilt_weight * beyond * beyond;

@@ -34,9 +34,11 @@ class OutputDirectory {
 struct ReportScenario {
   std::vector<Plot> plots;          ///< with names of signals as in signals.csv
   std::vector<std::string> events;  ///< signals of which every change is marked
+  std::vector<Band> bands;          ///< modes
 
   static constexpr auto Fields() {
-    return std::tuple{Field{"plots", &ReportScenario::plots}, Field{"events", &ReportScenario::events}};
+    return std::tuple{Field{"plots", &ReportScenario::plots}, Field{"events", &ReportScenario::events},
+                      Field{"bands", &ReportScenario::bands}};
   }
 };
 
@@ -75,12 +77,13 @@ struct RunResult {
   Report report;
 };
 
-/// A report with the title, plots and events of a scenario.
+/// A report with the title, plots, events and bands of a scenario.
 Report ScenarioReport(const auto& scenario, const std::string& description) {
   return Report({.title = scenario.case_name + ": " + scenario.description,
                  .description = description,
                  .plots = scenario.report.plots,
                  .events = scenario.report.events,
+                 .bands = scenario.report.bands,
                  .signal_rate = Hz(scenario.log_rate_hz)});
 }
 

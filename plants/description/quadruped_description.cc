@@ -124,6 +124,11 @@ double QuadrupedDescription::mass() const {
   return sum;
 }
 
+Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
+  const auto& joints = legs[static_cast<std::size_t>(leg)].joints;
+  return joints[0].p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg], joints[0].axis) * joints[1].p_PJ;
+}
+
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
   Eigen::Vector3d p = at.foot_J;

@@ -3,6 +3,7 @@
 'use strict';
 
 const SIGNAL_COLORS = ['#1f77b4', '#d9541e', '#2a9d5c', '#8e5bb5', '#c8960c', '#c2407f', '#1aa6a6', '#6b7280'];
+const BAND_COLORS = ['#d7e8f7', '#fbe3c8', '#f8d3d0', '#ddf0dc', '#e8ddf3'];
 const RUN_COLORS = ['#1f77b4', '#d9541e', '#2a9d5c', '#8e5bb5', '#c8960c', '#c2407f', '#1aa6a6', '#6b7280'];
 
 function decode(text, Type) {
@@ -187,8 +188,33 @@ class Plots {
       },
       clickCallback: (event) => this.seek(plot.graph.toDataXCoord(plot.graph.eventToDomCoords(event)[0])),
       drawCallback: (graph) => this.synchronize(graph),
-      underlayCallback: (context, area, graph) => this.drawEvents(context, area, graph),
+      underlayCallback: (context, area, graph) => {
+        this.drawBands(context, area, graph);
+        this.drawEvents(context, area, graph);
+      },
     });
+  }
+
+  // The modes of the first run that is shown, as bands along the lower edge.
+  drawBands(context, area, graph) {
+    const run = this.runs.find((_, r) => this.visible[r]);
+    const height = 13;
+    context.save();
+    context.font = '10px sans-serif';
+    ((run && run.bands) || []).forEach((band, b) => {
+      const top = area.y + area.h - (b + 1) * height;
+      band.forEach((interval, i) => {
+        const end = i + 1 < band.length ? band[i + 1].time : this.duration;
+        const left = Math.max(graph.toDomXCoord(interval.time), area.x);
+        const right = Math.min(graph.toDomXCoord(end), area.x + area.w);
+        if (right <= left) return;
+        context.fillStyle = BAND_COLORS[Math.round(Math.abs(interval.value)) % BAND_COLORS.length];
+        context.fillRect(left, top, right - left, height);
+        context.fillStyle = '#4b5563';
+        if (context.measureText(interval.name).width + 6 < right - left) context.fillText(interval.name, left + 3, top + 10);
+      });
+    });
+    context.restore();
   }
 
   drawEvents(context, area, graph) {

@@ -49,6 +49,7 @@ bool Means(const std::vector<std::string>& names, const std::string& column) {
 /// What is gathered of one run. Shared by the reports that show it.
 struct Report::Run {
   std::vector<std::string> event_signals;
+  std::vector<Band> band_signals;
   std::shared_ptr<ColumnLog> signals, frames;
   std::shared_ptr<Geometry> shapes = std::make_shared<Geometry>();
   std::vector<std::pair<std::string, Json>> figures;
@@ -60,6 +61,7 @@ struct Report::Run {
   Json Series(const Plot& plot, std::size_t max_rows) const;
   Json Frames(std::size_t max_bytes) const;
   Json Events() const;
+  Json Bands() const;
 };
 
 void ReportParams::Validate() const {
@@ -169,6 +171,26 @@ Json Report::Run::Events() const {
   return list;
 }
 
+Json Report::Run::Bands() const {
+  Json bands = Json::array();
+  for (const Band& band : band_signals) {
+    Json intervals = Json::array();
+    for (const std::size_t column : FindColumns(signals->names(), band.signal)) {
+      for (std::size_t row = 0; row < signals->rows() && intervals.size() < kChangesMarked; ++row) {
+        const float value = signals->at(row, column);
+        if (row > 0 && value == signals->at(row - 1, column)) continue;
+        const auto index = static_cast<std::size_t>(std::max(value, 0.0F));
+        const bool named = index < band.names.size() && value == static_cast<float>(index);
+        intervals.push_back({{"time", signals->time()[row]},
+                             {"value", value},
+                             {"name", named ? band.names[index] : Number(value)}});
+      }
+    }
+    bands.push_back(std::move(intervals));
+  }
+  return bands;
+}
+
 Report::Report(ReportParams params) : params_(std::move(params)) {
   params_.Validate();
   internal::CheckPageParts();
@@ -211,12 +233,16 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
     check(fmt::format("plot '{}':", plot.title), plot.references);
   }
   check("events of the report:", params_.events);
+  for (const Band& band : params_.bands) check("bands of the report:", {band.signal});
 
   run.event_signals = params_.events;
+  run.band_signals = params_.bands;
   // The sinks outlive this call, and perhaps the report: they hold copies.
   run.signals = std::make_shared<ColumnLog>(
-      [plots = params_.plots, events = params_.events](const std::string& column) {
+      [plots = params_.plots, events = params_.events, bands = params_.bands](const std::string& column) {
         return plots.empty() || Means(events, column) ||
+               std::any_of(bands.begin(), bands.end(),
+                           [&](const Band& band) { return Means({band.signal}, column); }) ||
                std::any_of(plots.begin(), plots.end(), [&](const Plot& plot) {
                  return Means(plot.signals, column) || Means(plot.references, column);
                });
@@ -274,6 +300,7 @@ void Report::Write(const std::filesystem::path& file) const {
         json["plots"].push_back(run->Series(plot, kPlotRows / std::max<std::size_t>(2, variants_.size())));
       json["frames"] = run->Frames(kFrameBytes / variants_.size());
       json["events"] = run->Events();
+      json["bands"] = run->Bands();
     }
     data["runs"].push_back(std::move(json));
   }

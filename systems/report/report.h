@@ -26,11 +26,22 @@ struct Plot {
   }
 };
 
+/// A signal with few values, a mode, that is shown as a band along the time of every plot.
+struct Band {
+  std::string signal;              ///< one column
+  std::vector<std::string> names;  ///< of its values 0, 1, ...
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("signal", &Band::signal), Required("names", &Band::names)};
+  }
+};
+
 struct ReportParams {
   std::string title{};
   std::string description{};          ///< one line under the title
   std::vector<Plot> plots{};          ///< none: one for each logged signal and unit
   std::vector<std::string> events{};  ///< names of signals of which every change is marked
+  std::vector<Band> bands{};          ///< under one another, the first at the top
   Rate signal_rate = Hz(200);         ///< of what is plotted
   Rate frame_rate = Hz(50);           ///< of the replay; it interpolates between frames
 

@@ -243,6 +243,30 @@ TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
   }
 }
 
+// The front right foot would carry the robot alone with the rear left one.
+TEST(FootSchedulerTest, NoLegLiftsOffWhileOneThatStaysSearches) {
+  const auto lifts_off = [](const ContactSchedule& s) { return s.legs[kFrontLeft].state == kSwing; };
+  const auto searches = [](const ContactSchedule& s) { return s.legs[kFrontRight].state == kSearching; };
+  Walk found(Gait::kTrot), lost(Gait::kTrot), same_pair(Gait::kTrot);
+  for (Walk* walk : {&found, &lost}) {
+    walk->Force(kFrontRight, 0);
+    ASSERT_GT(walk->Until(searches), 0);
+  }
+  ASSERT_EQ(LegsIn(found.schedule(), kSwing), std::set<int>());
+  while (found.time() < 0.2) EXPECT_FALSE(lifts_off(found.Tick())) << found.time();
+  EXPECT_NEAR(found.schedule().legs[kFrontLeft].time_to_lift_off, 0, 1e-12);
+  found.Free(kFrontRight);
+  EXPECT_EQ(found.Until(lifts_off), 1) << "there is the ground";
+
+  // At most as long as for a late foot: 0.15 s of stance and 0.25 s.
+  ASSERT_GT(lost.Until(lifts_off), 0);
+  EXPECT_NEAR(lost.time(), 0.15 + Standard().late_wait, 3e-3);
+
+  same_pair.Force(kRearRight, 0);  // which is to swing
+  ASSERT_GT(same_pair.Until(lifts_off), 0);
+  EXPECT_NEAR(same_pair.time(), 0.15, 3e-3);
+}
+
 TEST(FootSchedulerTest, GaitsChangeAtTheBeginningOfAStep) {
   Walk walk(Gait::kTrot);
   for (int n = 0; n < 200; ++n) walk.Tick();

@@ -50,12 +50,14 @@ class Trot {
     rig_.Fix(block.state, state).Fix(block.wrench, wrench).Tick();
     return rig_[block.feet][kFrontLeft];
   }
-  /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot.
-  std::vector<FootReference> Swing() {
+  /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
+  /// the tick `pushed_at` the CoM gets faster by 1 m/s to the left.
+  std::vector<FootReference> Swing(int pushed_at = -1) {
     Set(kStance);
     Tick();
     std::vector<FootReference> swing;
     for (int n = 0; n < kSwingTicks; ++n) {
+      if (n == pushed_at) state.v_W[1] += 1;
       Set(kSwing, static_cast<double>(n) / kSwingTicks);
       swing.push_back(Tick());
       path = path.At(1e-3);
@@ -158,35 +160,56 @@ TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
   }
 }
 
-/// A swing in which the CoM gets faster by 1 m/s at tick `pushed_at`.
-std::vector<FootReference> PushedSwing(Trot& trot, int pushed_at) {
-  std::vector<FootReference> swing;
-  for (int n = 0; n < kSwingTicks; ++n) {
-    if (n == pushed_at) trot.state.v_W[1] += 1;
-    trot.Set(kSwing, static_cast<double>(n) / kSwingTicks);
-    swing.push_back(trot.Tick());
-  }
-  return swing;
-}
-
 TEST(SwingPlannerTest, FootInTheAirGoesToANewFoothold) {
-  Trot trot, still;
+  Trot pushed, still;
   still.Swing();
-  ExpectConsistent(PushedSwing(trot, 40));
-  EXPECT_THAT(trot.Foothold(kFrontLeft) - still.Foothold(kFrontLeft),
-              IsNear(Eigen::Vector3d(0, 0.03, 0), 1e-12));
-  trot.Set(kLate, 1);
-  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
-  EXPECT_THAT(trot.Tick().v_W.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-12));
+  ExpectConsistent(pushed.Swing(40));  // into the first tick of the late foot, which is at its foothold
+  EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft), IsNear(Vec<3>(0, 0.03, 0), 1e-12));
 }
 
 TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
-  Trot late, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}}), still;
+  Trot still, before, after, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
   still.Swing();
-  PushedSwing(late, 81);  // 0.704 of the swing
-  PushedSwing(never, 1);
-  EXPECT_THAT(late.Foothold(kFrontLeft), IsNear(still.Foothold(kFrontLeft), 1e-12));
-  EXPECT_THAT(never.Foothold(kFrontLeft), IsNear(still.Foothold(kFrontLeft), 1e-12));
+  before.Swing(80);  // 0.696 of the swing
+  after.Swing(81);   // 0.704
+  never.Swing(1);
+  const Vec<3> foothold = still.Foothold(kFrontLeft);
+  EXPECT_THAT(before.Foothold(kFrontLeft), IsNear(Vec<3>(foothold + Vec<3>(0, 0.03, 0)), 1e-12));
+  EXPECT_THAT(after.Foothold(kFrontLeft), IsNear(foothold, 1e-12));
+  EXPECT_THAT(never.Foothold(kFrontLeft), IsNear(foothold, 1e-12));
+}
+
+// Without a stance between them, a landing and the next lift-off can fall into one tick.
+TEST(SwingPlannerTest, ASwingAfterASwingBeginsAnew) {
+  Trot trot;
+  trot.path.velocity << 0.12, 0;
+  trot.Swing();
+  trot.Set(kSwing, 0.6);
+  trot.Tick();
+  trot.Set(kSwing, 0);
+  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
+}
+
+// The trunk goes away from a foothold: its foot follows it before the knee is straight.
+TEST(SwingPlannerTest, KneesStayBent) {
+  const QuadrupedDescription robot = test::DogBot();
+  const auto& leg = robot.legs[kFrontLeft];
+  const double longest = 0.95 * (leg.joints[2].p_PJ.norm() + leg.foot_J.norm());
+  Trot aside, up;
+  for (Trot* trot : {&aside, &up}) trot->Swing();
+  aside.state.p_WB[1] -= 0.6;
+  up.state.p_WB[2] += 0.5;
+  for (Trot* trot : {&aside, &up}) {
+    const Vec<3> foothold = trot->Foothold(kFrontLeft);
+    const Vec<3> to_foot = trot->Tick().p_W - trot->state.p_WB - robot.HipPosition(kFrontLeft, trot->state.q);
+    EXPECT_NEAR(to_foot.norm(), longest, 1e-12);
+    if (trot == &aside) {
+      EXPECT_LT(trot->Reference(kFrontLeft).p_W[2], foothold[2] + 1e-9) << "still searching for the ground";
+    } else {
+      EXPECT_NEAR(to_foot.head<2>().norm(), 0, 1e-7) << "below the hip";
+      EXPECT_EQ(trot->Reference(kFrontLeft).v_W.norm(), 0);
+    }
+  }
 }
 
 TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
@@ -310,7 +333,7 @@ TEST(SwingPlannerTest, DoesNotAllocate) {
   trot.Set(kStance);
   trot.Tick();
   AllocationGuard guard;
-  for (const ContactState state : {kSwing, kLate, kSearching, kStance}) {
+  for (const ContactState state : {kSwing, kSwing, kLate, kSearching, kStance}) {
     trot.Set(state, 0.5);
     trot.Tick();
   }

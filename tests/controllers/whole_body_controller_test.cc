@@ -148,7 +148,7 @@ TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
   const auto foot = [&](int leg) {
     return Vec<3>(inputs.dynamics.FootJacobian(leg) * a + inputs.dynamics.feet[leg].bias);
   };
-  EXPECT_THAT(foot(kFrontRight), IsNear(Vec<3>(1 + 10 + 5, 2 + 2.5, 3 - 5 + 10), 1e-3));
+  EXPECT_THAT(foot(kFrontRight), IsNear(Vec<3>(1 + 14 + 9.8, 2 + 4.9, 3 - 7 + 19.6), 1e-3));
   EXPECT_THAT(foot(kRearLeft), IsNear(Vec<3>(Vec<3>::Zero()), 1e-3));
 }
 

@@ -124,12 +124,14 @@ TEST_P(QuadrupedModelTest, ALockedRobotTurnsWithItsCentroidalInertia) {
   }
 }
 
-TEST_P(QuadrupedModelTest, FeetAreWhereTheDescriptionSays) {
+TEST_P(QuadrupedModelTest, FeetAndHipsAreWhereTheDescriptionSays) {
   const LeggedState x = RandomState(random_);
   model_.Calc(x, &dynamics_);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const Eigen::Vector3d p = x.p_WB + x.R_WB() * robot_.FootPosition(leg, x.q);
     EXPECT_THAT(dynamics_.feet[static_cast<std::size_t>(leg)].p_W, IsNear(p, 1e-14));
+    const Eigen::Vector3d hip = x.p_WB + x.R_WB() * robot_.HipPosition(leg, x.q);
+    EXPECT_THAT(dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 1)], IsNear(hip, 1e-14));
   }
 }
 

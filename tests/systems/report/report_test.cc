@@ -172,6 +172,17 @@ TEST_F(ReportTest, ChangesOfASignalAreEvents) {
   EXPECT_EQ(events[0]["label"], "force.output 2 → -1.5 N");
 }
 
+TEST_F(ReportTest, ModesAreBands) {
+  Run({.title = "cart",
+       .plots = {{"x", {"cart.x"}, {}}},
+       .bands = {{"force.output", {"a", "b", "push"}}},
+       .signal_rate = Hz(10)})
+      .Write(file);
+  const Json bands = DataOf(file).at("runs").at(0).at("bands");
+  EXPECT_EQ(bands, Json::parse(R"([[{"time": 0.0, "value": 2.0, "name": "push"},
+                                    {"time": 0.5, "value": -1.5, "name": "-1.5"}]])"));
+}
+
 TEST_F(ReportTest, VerdictFiguresAndEvents) {
   Report report = Run({.title = "cart"});
   report.AddFigure("error_max_m", 0.25);
@@ -209,6 +220,9 @@ TEST_F(ReportTest, WrongNameIsRefusedBeforeTheRun) {
   Report references({.title = "cart", .plots = {{"speed", {"cart.x"}, {"cart.y"}}}});
   EXPECT_TRUE(
       Throws<ParameterError>([&] { references.Log(simulator, {&cart->state}); }, "no signal 'cart.y'"));
+  Report bands({.title = "cart", .bands = {{"forc", {}}}});
+  EXPECT_TRUE(Throws<ParameterError>([&] { bands.Log(simulator, {force}); }, "bands of the report",
+                                     "no signal 'forc'"));
   Report events({.title = "cart", .events = {"forc"}});
   EXPECT_TRUE(Throws<ParameterError>([&] { events.Log(simulator, {force}); }, "events of the report",
                                      "no signal 'forc'"));
