@@ -35,17 +35,21 @@ struct Findings {
   Vec<3> end = Vec<3>::Zero();     // of the trunk [m]
 };
 
+SimulatorOptions WalkOptions() {
+  return {.order = 2,
+          .rtol = 1e-2,
+          .atol = 1e-4,
+          .state_atol = {{"loop.world.plant.motion.v_W", 1e-2},
+                         {"loop.world.plant.motion.w_W", 1e-2},
+                         {"loop.world.plant.motion.qd", 1e-2},
+                         {"loop.world.plant.bristles", 1e-6}}};
+}
+
 Findings Walk(const QuadrupedWalkParams& params, double duration) {
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2,
-                                 .rtol = 1e-2,
-                                 .atol = 1e-4,
-                                 .state_atol = {{"loop.world.plant.motion.v_W", 1e-2},
-                                                {"loop.world.plant.motion.w_W", 1e-2},
-                                                {"loop.world.plant.motion.qd", 1e-2},
-                                                {"loop.world.plant.bristles", 1e-6}}});
+  Simulator simulator(*diagram, WalkOptions());
   Context& context = simulator.context();
   const Vec<12> limit = WholeBodyController::TorqueLimit(params.true_robot);
   Findings found;
@@ -120,6 +124,51 @@ TEST(QuadrupedWalkTest, SquatsAndTrotsInPlace) {
   EXPECT_FALSE(found.fell);
   EXPECT_LT(found.com, 5e-3);
   EXPECT_LT(found.slip, 2e-3);
+}
+
+/// The first foot that is late when a trot steps down an edge of 3 cm.
+struct LateFoot {
+  bool found = false, landed = false;
+  double pressed = 0;  // the largest force on it until then [N]
+};
+
+LateFoot StepDown(double touchdown_force) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
+  params.locomotion.scheduler.touchdown_force = touchdown_force;
+  QuadrupedPlantParams& plant = params.world.plant;
+  plant.terrain.boxes = {{.centre = Vec<2>(-0.6, 0), .size = Vec<2>(2, 2), .height = 0.03, .friction = 1}};
+  plant.initial.p_WB[2] += 0.03;
+  DiagramBuilder builder;
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, WalkOptions());
+  LateFoot late;
+  int leg = -1;
+  for (int k = 1; k <= 3000; ++k) {
+    if (simulator.AdvanceTo(k / 1000.0).ended) break;
+    const auto& legs = simulator.context().Eval(loop.locomotion.schedule).legs;
+    for (int i = 0; i < kNumLegs && leg < 0; ++i) {
+      if (legs[static_cast<std::size_t>(i)].state == ContactState::kLate) leg = i;
+    }
+    if (leg < 0) continue;
+    late.found = true;
+    late.pressed = std::max(late.pressed, simulator.context().Eval(loop.world.plant.foot_forces)[leg].norm());
+    const ContactState state = legs[static_cast<std::size_t>(leg)].state;
+    late.landed = state == ContactState::kStance;
+    if (state != ContactState::kLate) break;
+  }
+  return late;
+}
+
+// The force is the one with which the foot, on its way down, comes upon the ground: no other is needed.
+TEST(QuadrupedWalkTest, ALateFootLandsByTheForceThatItPressesWith) {
+  const double shipped = MakeQuadrupedWalk(test::DogBot()).locomotion.scheduler.touchdown_force;
+  const LateFoot foot = StepDown(shipped);
+  ASSERT_TRUE(foot.found);
+  EXPECT_TRUE(foot.landed);
+  EXPECT_GT(foot.pressed, 3 * shipped);
+  EXPECT_TRUE(StepDown(5 * shipped).landed) << "there is a margin";
 }
 
 TEST(QuadrupedWalkTest, ChangesGaitsAndTurnsWhileItWalks) {
