@@ -20,7 +20,8 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.observer.leg_forces,
                                      &loop.locomotion.body,
                                      &loop.locomotion.schedule,
-                                     &loop.errors.errors};
+                                     &loop.errors.errors,
+                                     &loop.errors.external_foot_forces};
   if (loop.estimator) signals.push_back(&loop.estimator->estimate);
   return signals;
 }

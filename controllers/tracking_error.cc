@@ -1,5 +1,7 @@
 #include "tenon/controllers/tracking_error.h"
 
+#include "tenon/controllers/foot_forces.h"
+
 namespace tenon {
 
 WalkingErrors TrackingError::CalcErrors(const LeggedState& state, const FootForces& foot_forces,
@@ -18,6 +20,13 @@ WalkingErrors TrackingError::CalcErrors(const LeggedState& state, const FootForc
       errors.ground_force[leg] = (plan.solution.force[leg] - foot_forces[leg]).norm();
   }
   return errors;
+}
+
+FootForces TrackingError::CalcExternalFootForces(const LeggedState& state,
+                                                 const Vec<12>& external_torque) const {
+  QuadrupedDynamics dynamics;
+  model_.Calc(state, &dynamics);
+  return SolveFootForces(dynamics, external_torque, params.min_singular_value);
 }
 
 }  // namespace tenon

@@ -14,7 +14,8 @@
 namespace tenon {
 
 struct TrackingErrorParams {
-  QuadrupedDescription robot;  ///< the true one
+  QuadrupedDescription robot;        ///< the true one
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
 };
 
 struct WalkingErrors {
@@ -35,7 +36,10 @@ struct WalkingErrors {
 ///
 ///     ports in   state, foot_forces              the true ones
 ///                schedule, body, feet, plan      of the controller
-///     port out   errors
+///                external_torque                 of disturbances at the joints; none if not connected
+///     ports out  errors
+///                external_foot_forces            those disturbances as forces at the feet, which do the same
+///                                                at the joints, as observers tell them: see SolveFootForces
 class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -45,13 +49,18 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WholeBodyPlan> plan{this, {"plan"}};
+  InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
   OutputPort<WalkingErrors> errors{
       this, {"errors"}, Uses(state, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
+  OutputPort<FootForces> external_foot_forces{
+      this, {"external_foot_forces"}, Uses(state, external_torque), &TrackingError::CalcExternalFootForces};
 
  private:
   WalkingErrors CalcErrors(const LeggedState& state, const FootForces& foot_forces,
                            const ContactSchedule& schedule, const BodyReference& body,
                            const FeetReference& feet, const WholeBodyPlan& plan) const;
+
+  FootForces CalcExternalFootForces(const LeggedState& state, const Vec<12>& external_torque) const;
 
   QuadrupedModel model_{params.robot};
 };

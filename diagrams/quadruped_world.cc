@@ -37,6 +37,7 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
 
   Connect(plant.state, state);
   Connect(plant.foot_forces, ground_forces);
+  Connect(plant.external_torque, external_torque);
   Connect(encoders.joints, joints);
   Connect(torque_sensor.measured, measured_torque);
   Connect(foot_sensor.measured, foot_forces);

@@ -35,6 +35,7 @@ struct QuadrupedWorldParams {
 ///                pull             one more force on the robot; none if not connected
 ///     ports out  state            the true one
 ///                ground_forces    on the feet, the true ones
+///                external_torque  of forces on the legs at the joints, the true one [N m]
 ///                joints           of the encoders
 ///                measured_torque  of the joints [N m]
 ///                foot_forces      as measured
@@ -57,6 +58,7 @@ class QuadrupedWorld final : public Subdiagram {
 
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<FootForces> ground_forces{this, {"ground_forces"}};
+  OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}};
   OutputPort<JointMotion> joints{this, {"joints"}};
   OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m"}};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}};

@@ -30,6 +30,7 @@ void ConnectWalk(auto& walk, const OutputPort<LeggedState>& state) {
   walk.Connect(walk.locomotion.body, walk.errors.body);
   walk.Connect(walk.locomotion.feet, walk.errors.feet);
   walk.Connect(walk.locomotion.plan, walk.errors.plan);
+  walk.Connect(walk.world.external_torque, walk.errors.external_torque);
 }
 
 }  // namespace tenon
