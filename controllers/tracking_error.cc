@@ -4,11 +4,13 @@
 
 namespace tenon {
 
-WalkingErrors TrackingError::CalcErrors(const LeggedState& state, const FootForces& foot_forces,
+void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
+  model_.Calc(state, dynamics);
+}
+
+WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                                         const ContactSchedule& schedule, const BodyReference& body,
                                         const FeetReference& feet, const WholeBodyPlan& plan) const {
-  QuadrupedDynamics dynamics;
-  model_.Calc(state, &dynamics);
   WalkingErrors errors;
   errors.com_position = dynamics.com_W;
   errors.com = dynamics.com_W - body.com_W;
@@ -22,10 +24,8 @@ WalkingErrors TrackingError::CalcErrors(const LeggedState& state, const FootForc
   return errors;
 }
 
-FootForces TrackingError::CalcExternalFootForces(const LeggedState& state,
+FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynamics,
                                                  const Vec<12>& external_torque) const {
-  QuadrupedDynamics dynamics;
-  model_.Calc(state, &dynamics);
   return SolveFootForces(dynamics, external_torque, params.min_singular_value);
 }
 

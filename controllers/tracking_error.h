@@ -50,19 +50,25 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WholeBodyPlan> plan{this, {"plan"}};
   InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
-  OutputPort<WalkingErrors> errors{
-      this, {"errors"}, Uses(state, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
-  OutputPort<FootForces> external_foot_forces{
-      this, {"external_foot_forces"}, Uses(state, external_torque), &TrackingError::CalcExternalFootForces};
 
  private:
-  WalkingErrors CalcErrors(const LeggedState& state, const FootForces& foot_forces,
+  QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &TrackingError::CalcDynamics};
+
+ public:
+  OutputPort<WalkingErrors> errors{
+      this, {"errors"}, Uses(dynamics_, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
+  OutputPort<FootForces> external_foot_forces{this,
+                                              {"external_foot_forces"},
+                                              Uses(dynamics_, external_torque),
+                                              &TrackingError::CalcExternalFootForces};
+
+ private:
+  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
+  WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                            const ContactSchedule& schedule, const BodyReference& body,
                            const FeetReference& feet, const WholeBodyPlan& plan) const;
-
-  FootForces CalcExternalFootForces(const LeggedState& state, const Vec<12>& external_torque) const;
-
-  QuadrupedModel model_{params.robot};
+  FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque) const;
 };
 
 }  // namespace tenon

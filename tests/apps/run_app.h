@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace tenon::test {
 
@@ -35,6 +36,24 @@ inline std::string Read(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
+}
+
+/// A column of signals.csv by its name in the first row.
+inline std::vector<double> Column(const std::filesystem::path& out, const std::string& name) {
+  std::ifstream file(out / "signals.csv");
+  std::string line, cell;
+  std::getline(file, line);
+  std::istringstream header(line);
+  int column = 0;
+  while (std::getline(header, cell, ',') && cell != name) ++column;
+  EXPECT_EQ(cell, name);
+  std::vector<double> values;
+  while (std::getline(file, line)) {
+    std::istringstream row(line);
+    for (int i = 0; i <= column; ++i) std::getline(row, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
 }
 
 /// Where nothing is yet, and no other process writes: tests run at once.

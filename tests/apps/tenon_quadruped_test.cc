@@ -12,6 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::BadUsage;
+using test::Column;
 using test::Read;
 using test::Result;
 using test::RunCommand;
@@ -20,24 +21,6 @@ using ::testing::HasSubstr;
 
 Result RunApp(const std::string& arguments) {
   return RunCommand(std::string(TENON_QUADRUPED) + " " + arguments);
-}
-
-/// A column of signals.csv by its name in the first row.
-std::vector<double> Column(const fs::path& out, const std::string& name) {
-  std::ifstream file(out / "signals.csv");
-  std::string line, cell;
-  std::getline(file, line);
-  std::istringstream header(line);
-  int column = 0;
-  while (std::getline(header, cell, ',') && cell != name) ++column;
-  EXPECT_EQ(cell, name);
-  std::vector<double> values;
-  while (std::getline(file, line)) {
-    std::istringstream row(line);
-    for (int i = 0; i <= column; ++i) std::getline(row, cell, ',');
-    values.push_back(std::stod(cell));
-  }
-  return values;
 }
 
 using TenonQuadrupedTest = test::AppTest;
