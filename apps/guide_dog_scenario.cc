@@ -39,7 +39,6 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.walk = alone.walk;
   params.locomotion = alone.locomotion;
   params.estimator = alone.estimator;
-  params.true_robot = alone.true_robot;
   params.observer = alone.observer;
   params.observer.kind = scenario.observer;
   params.supervisor = scenario.supervisor;

@@ -53,7 +53,8 @@ LeggedStateEstimatorParams MakeEstimator(const SensorScenario& sensors, const Qu
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot) {
   QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
-  plant.robot = WithPayload(robot, scenario.payload.Make());
+  plant.robot = robot;
+  plant.payload = scenario.payload.Make();
   plant.terrain = scenario.terrain;
   if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
@@ -137,10 +138,10 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkScenario& walk = *scenario.walk;
   QuadrupedWalkParams params;
-  params.true_robot = LoadRobot(scenario);
-  params.world = MakeWorldParams(scenario, params.true_robot);
+  const QuadrupedDescription robot = LoadRobot(scenario);
+  params.world = MakeWorldParams(scenario, robot);
   params.walk = walk.path;
-  const QuadrupedDescription believed = WithMassFactor(params.true_robot, 1 + walk.mass_error_ratio);
+  const QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
   LocomotionProfile profile = LoadLocomotionProfile(scenario.profile);
   if (scenario.observer) profile.observer.kind = *scenario.observer;
   params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
@@ -150,7 +151,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(scenario.sensors, params.true_robot, params.world.plant);
+    params.estimator = MakeEstimator(scenario.sensors, robot, params.world.plant);
   return params;
 }
 

@@ -21,14 +21,25 @@ namespace {
 
 constexpr double kSettled = 0.02;  // of the force: the estimate has settled once it stays so near
 
-/// Gains of an observer; those that it has by default if there are none.
+/// Gains of an observer, given or designed; those that it has by default if there are none.
 struct VariantScenario {
   std::string name;
   std::vector<double> gains_per_s;
+  std::optional<ButterworthDesign> butterworth;
 
   static constexpr auto Fields() {
     return std::tuple{Required("name", &VariantScenario::name),
-                      Field{"gains_per_s", &VariantScenario::gains_per_s}};
+                      Field{"gains_per_s", &VariantScenario::gains_per_s},
+                      Field{"butterworth", &VariantScenario::butterworth}};
+  }
+  void Validate() const {
+    Demand(gains_per_s.empty() || !butterworth,
+           fmt::format("the variant '{}' has gains_per_s and butterworth: leave one away", name));
+  }
+  /// Leaves gains alone.
+  void Resolve() {
+    gains_per_s = LegObserverGains{.gains = gains_per_s, .butterworth = butterworth}.Gains();
+    butterworth.reset();
   }
 };
 
@@ -258,8 +269,7 @@ int Run(const CommonArguments& arguments) {
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   scenario.Validate();
-  for (VariantScenario& variant : scenario.variants)
-    if (variant.gains_per_s.empty()) variant.gains_per_s = LegObserverGains().gains;
+  for (VariantScenario& variant : scenario.variants) variant.Resolve();
   return RunAll(arguments, scenario);
 }
 

@@ -54,9 +54,8 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
     return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario), std::nullopt,
                                    std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = MakeWalkParams(scenario);
-  const double load = params.world.plant.gravity * scenario.payload.mass_kg;
   return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
-                                std::make_shared<WalkFigures>(load, scenario.walk->judged_from_s));
+                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
 }
 
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {

@@ -58,7 +58,7 @@ void WalkFigures::Row(std::span<const double> row) {
   com_max_ = std::max(com_max_, com);
   com_square_ += com * com;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double force = row[external_force_[i]] - (i == 2 ? load_ : 0);
+    const double force = row[external_force_[i]];
     estimate_sum_[i] += row[estimated_force_[i]];
     estimate_square_ += (row[estimated_force_[i]] - force) * (row[estimated_force_[i]] - force);
   }

@@ -33,9 +33,8 @@ class WalkFigures final : public LogSink {
   /// Both.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
-  /// `load` is the weight that the robot carries without its controller's knowledge [N]; what comes before
-  /// `from` [s] does not count.
-  explicit WalkFigures(double load = 0, double from = 0) : load_(load), from_(from) {}
+  /// What comes before `from` [s] does not count.
+  explicit WalkFigures(double from = 0) : from_(from) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.
@@ -56,7 +55,7 @@ class WalkFigures final : public LogSink {
 
   void LegRow(std::span<const double> row, std::size_t leg);
 
-  double load_, from_;
+  double from_;
   std::vector<std::size_t> external_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, torque_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};

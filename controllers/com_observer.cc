@@ -32,7 +32,8 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
 
   const Memory before = memory;
   memory.started = true;
-  memory.linear = mass * (dynamics.com_velocity_W - (from_imu ? state.v_W : Vec<3>(Vec<3>::Zero())));
+  memory.linear = mass * dynamics.com_velocity_W;
+  if (from_imu) memory.linear -= mass * (state.v_W + state.w_W.cross(state.R_WB() * params.robot.imu_B));
   memory.angular = dynamics.angular_momentum_W;
   memory.ground.setZero();
   memory.moment.setZero();

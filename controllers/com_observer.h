@@ -60,11 +60,11 @@ struct ComObserverParams {
 /// x'' is differentiated: a filter needs their means over an interval only, and these are differences of
 /// momenta. So tau_ext has the mean (L[n] - L[n-1]) / h minus the mean moment of the ground at the ends.
 ///
-/// **Force.** The trunk's velocity v_B is hard to know, its specific force s_B is measured at B's origin, and
-/// the centre of mass moves relative to B's origin with a velocity u = x' - v_B that joint speeds and angular
-/// velocity tell. So, from m (v_B' + g e_z) = m R_WB s_B,
+/// **Force.** The trunk's velocity is hard to know, but its specific force s is measured at the point I of
+/// the inertial unit, and the centre of mass moves relative to I with a velocity u = x' - v_I that joint
+/// speeds and angular velocity tell. So, from m (v_I' + g e_z) = m R_WB s,
 ///
-///     f_ext = m R_WB s_B + m u' - sum_i f_i,   the mean of u' being (u[n] - u[n-1]) / h,
+///     f_ext = m R_WB s + m u' - sum_i f_i,   the mean of u' being (u[n] - u[n-1]) / h,
 ///
 /// with the inertial unit and the ground at the instant of the unit's sample, the start of the interval: the
 /// shaking of a stiff contact is in both and cancels. No velocity of the trunk, no gravity and no angular

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <tenon/systems/fields.h>
 #include <tenon/systems/signal.h>
 
 #include <Eigen/Core>
 #include <complex>
+#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -26,6 +28,17 @@ std::vector<double> GainsOfPolynomial(const std::vector<double>& coefficients);
 /// order 1 is the low-pass of gain w, order 3 is (w/2, w, 2w). Throws ParameterError unless the order is from
 /// 1 to kMaxEstimatorOrder and the bandwidth positive.
 std::vector<double> ButterworthGains(int order, double bandwidth);
+
+/// An estimator by its order and bandwidth, see ButterworthGains.
+struct ButterworthDesign {
+  int order = 1;
+  double bandwidth = 100;  ///< [rad/s]
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("order", &ButterworthDesign::order),
+                      Required("bandwidth_rad_per_s", &ButterworthDesign::bandwidth)};
+  }
+};
 
 /// The roots of the characteristic polynomial [1/s].
 std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gains);

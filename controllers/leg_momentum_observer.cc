@@ -8,11 +8,18 @@
 
 namespace tenon {
 
+std::vector<double> LegObserverGains::Gains() const {
+  if (butterworth) return ButterworthGains(butterworth->order, butterworth->bandwidth);
+  return gains.empty() ? std::vector<double>{100, 256} : gains;
+}
+
 void LegObserverGains::Validate() const {
+  Demand(gains.empty() || !butterworth,
+         "gains_per_s and butterworth are both given, but either makes the estimator: leave one away");
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
          fmt::format("min_singular_value_m = {} must be positive: a straight leg has no inverse",
                      min_singular_value));
-  DemandHurwitz(gains);
+  DemandHurwitz(Gains());
 }
 
 void LegMomentumObserverParams::Validate() const {

@@ -4,6 +4,7 @@
 #include <tenon/plants/description/quadruped_model.h>
 
 #include <array>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -23,18 +24,22 @@ constexpr auto EnumNames(LegDynamics) {
   return std::array{std::pair{LegDynamics::kExact, "exact"}, std::pair{LegDynamics::kThesis, "thesis"}};
 }
 
-/// What is tuned of a leg observer. By default of second order with a damping of 0.8, which settles fast:
-/// noise and lag are those of the first order at 100 rad/s, see docs/observers.md.
+/// What is tuned of a leg observer.
 struct LegObserverGains {
-  std::vector<double> gains = {100, 256};  ///< K_1 ... K_r [1/s]; see ButterworthGains, GainsOfPolynomial
+  std::vector<double> gains;                     ///< K_1 ... K_r [1/s]; see GainsOfPolynomial
+  std::optional<ButterworthDesign> butterworth;  ///< instead of `gains`
   LegDynamics dynamics = LegDynamics::kExact;
   double min_singular_value = 0.02;  ///< of a leg's Jacobian; below, its foot force is damped [m]
 
   static constexpr auto Fields() {
     return std::tuple{Field{"gains_per_s", &LegObserverGains::gains},
+                      Field{"butterworth", &LegObserverGains::butterworth},
                       Field{"dynamics", &LegObserverGains::dynamics},
                       Field{"min_singular_value_m", &LegObserverGains::min_singular_value}};
   }
+  /// K_1 ... K_r [1/s], given or designed. With neither, (100, 256): a second order with a damping of 0.8
+  /// that settles fast; noise and lag are those of the first order at 100 rad/s, see docs/observers.md.
+  std::vector<double> Gains() const;
   void Validate() const;  ///< throws ParameterError; the poles must be stable, see DemandHurwitz
 };
 
@@ -92,7 +97,7 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
 
  private:
   const QuadrupedModel model_{params.robot};
-  const DisturbanceFilter filter_{params.gains.gains, params.rate.period()};
+  const DisturbanceFilter filter_{params.gains.Gains(), params.rate.period()};
 
  public:
   InputPort<LeggedState> state{this, {"state"}};

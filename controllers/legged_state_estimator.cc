@@ -33,20 +33,15 @@ void LeggedStateEstimatorParams::Validate() const {
          fmt::format("robot.contact.stiffness = {} N/m must be positive: read the robot by LoadQuadruped",
                      robot.contact.stiffness));
   Demand(std::isfinite(gravity), fmt::format("gravity = {} is not finite; give m/s^2", gravity));
-  Demand(imu_p_B.allFinite(), "imu_p_B, where the IMU sits, is not finite; give metres in the trunk's frame");
-  const auto turn = [](const char* name, const Vec<4>& q) {
-    Demand(q.allFinite() && q.norm() > 0.5,
-           fmt::format("{} is no rotation; give a unit quaternion (w, x, y, z), 1 0 0 0 for none", name));
-  };
-  turn("imu_q_B", imu_q_B);
-  turn("initial.q_WB", initial.q_WB);
+  Demand(initial.q_WB.allFinite() && initial.q_WB.norm() > 0.5,
+         "initial.q_WB is no rotation; give a unit quaternion (w, x, y, z), 1 0 0 0 for none");
   Demand(initial.p_WB.allFinite() && initial.v_W.allFinite() && initial.w_W.allFinite(),
          "initial, where the robot starts, is not finite; give its pose and velocity");
 }
 
 void LeggedStateEstimator::Start(const JointMotion& joints, Memory& memory) const {
   const LeggedState& x = params.initial;
-  const Vec<3> arm_W = x.R_WB() * params.imu_p_B;
+  const Vec<3> arm_W = x.R_WB() * params.robot.imu_B;
   ContactAidedMean mean;
   mean.p_WI = x.p_WB + arm_W;
   mean.v_WI = x.v_W + x.w_W.cross(arm_W);
@@ -79,8 +74,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
   const double T = params.rate.period();
   ContactAidedFilter& filter = memory.filter;
   const bool first = !memory.started;
-  const Eigen::Matrix3d R_BI = RotationFromQuaternion(params.imu_q_B);
-  ContactAidedInput input{{R_BI * last_imu.angular_velocity_B, R_BI * last_imu.specific_force_B}, {}};
+  ContactAidedInput input{last_imu, {}};
   if (first) {
     Start(joints, memory);
     input.inertial.angular_velocity_B = params.initial.R_WB().transpose() * params.initial.w_W;
@@ -99,7 +93,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
   std::array<FootMeasurement, kNumLegs> feet;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const QuadrupedDynamics::Foot& foot = legs.feet[leg];
-    feet[leg].p_IF_B = foot.p_W - params.imu_p_B;
+    feet[leg].p_IF_B = foot.p_W - params.robot.imu_B;
     feet[leg].covariance = std::pow(params.noise.encoder, 2) * foot.J_leg * foot.J_leg.transpose();
     feet[leg].covariance.diagonal().array() += std::pow(params.noise.foot, 2);
   }
@@ -130,8 +124,8 @@ LeggedEstimate LeggedStateEstimator::Output(const ImuMeasurement& imu_B, const J
   const Eigen::Matrix3d R = mean.R_WB();
   x.q_WB = mean.q_WB;
   x.w_W = R * (imu_B.angular_velocity_B - mean.angular_velocity_bias_B);
-  x.p_WB = mean.p_WI - R * params.imu_p_B;
-  x.v_W = mean.v_WI - x.w_W.cross(R * params.imu_p_B);
+  x.p_WB = mean.p_WI - R * params.robot.imu_B;
+  x.v_W = mean.v_WI - x.w_W.cross(R * params.robot.imu_B);
   x.q = joints.q;
   x.qd = joints.qd;
 

@@ -30,9 +30,7 @@ struct LeggedStateEstimatorParams {
   LeggedState initial;         ///< where it starts
   LeggedStartDeviation start;  ///< how well this is known
   ContactAidedNoise noise;
-  Vec<3> imu_p_B = Vec<3>::Zero();  ///< where the IMU sits on the trunk [m]
-  Vec<4> imu_q_B{1, 0, 0, 0};       ///< takes components along the IMU's axes to those along the trunk's
-  double settle_time = 0.02;        ///< a foot counts once it has been in stance so long [s]
+  double settle_time = 0.02;  ///< a foot counts once it has been in stance so long [s]
   double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
   double gravity = 9.81;  ///< [m/s^2]
   Rate rate = Hz(1000);   ///< of the filter; that of IMU and encoders should not be lower

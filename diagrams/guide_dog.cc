@@ -15,8 +15,8 @@ GuideDog::GuideDog(const GuideDogParams& params)
       obstacles(Add<ObstacleDetector>("obstacles", params.obstacles)),
       person(Add<Person>("person", params.person)),
       leash(Add<Leash>("leash", params.leash)),
-      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})),
-      view(Add<WalkView>("view", WalkViewParams{params.true_robot})) {
+      errors(Add<TrackingError>("errors", TrackingErrorParams{params.world.plant.robot})),
+      view(Add<WalkView>("view", WalkViewParams{params.world.plant.robot})) {
   if (params.estimator) {
     auto& last = Add<UnitDelay<ContactSchedule>>(
         "last_schedule", UnitDelayParams<ContactSchedule>{.rate = params.estimator->rate});

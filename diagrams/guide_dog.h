@@ -28,7 +28,6 @@ struct GuideDogParams {
   ObstacleDetectorParams obstacles;
   PersonParams person;
   LeashParams leash;
-  QuadrupedDescription true_robot;  ///< errors are those of its CoM and feet
 };
 
 /// A quadruped that leads a person on a leash (Morlando 2023, section 2.5.4 and figure 2.29).

@@ -6,7 +6,6 @@ namespace tenon {
 
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
   QuadrupedWalkParams params;
-  params.true_robot = robot;
   params.world.plant.robot = robot;
   params.world.plant.initial.p_WB[2] = robot.StanceHeight();
   params.world.plant.initial.q = robot.stance;
@@ -21,8 +20,8 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
       locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),
       world(Add<QuadrupedWorld>("world", params.world)),
       observer(Add<DisturbanceObserver>("observer", params.observer)),
-      errors(Add<TrackingError>("errors", TrackingErrorParams{params.true_robot})),
-      view(Add<WalkView>("view", WalkViewParams{params.true_robot})) {
+      errors(Add<TrackingError>("errors", TrackingErrorParams{params.world.plant.robot})),
+      view(Add<WalkView>("view", WalkViewParams{params.world.plant.robot})) {
   Connect(walk.command, locomotion.command);
   if (params.estimator) {
     estimator = &Add<LeggedStateEstimator>("estimator", *params.estimator);

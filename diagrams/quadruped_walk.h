@@ -18,7 +18,6 @@ struct QuadrupedWalkParams {
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
-  QuadrupedDescription true_robot;  ///< without what disturbs it: errors are those of its CoM and feet
 };
 
 /// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses;

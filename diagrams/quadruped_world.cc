@@ -3,13 +3,21 @@
 #include <string>
 
 namespace tenon {
+namespace {
+
+ImuParams OnRobot(ImuParams imu, const QuadrupedDescription& robot) {
+  imu.p_B = robot.imu_B;
+  return imu;
+}
+
+}  // namespace
 
 QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
     : plant(Add<QuadrupedPlant>("plant", params.plant)),
       encoders(Add<JointEncoders>("encoders", params.encoders)),
       torque_sensor(Add<JointTorqueSensor>("torque_sensor", params.torque_sensor)),
       foot_sensor(Add<FootForceSensor>("foot_sensor", params.foot_sensor)),
-      imu(Add<TrunkImu>("imu", params.imu)),
+      imu(Add<TrunkImu>("imu", OnRobot(params.imu, params.plant.robot))),
       disturbances(Add<ForceBundle>(
           "disturbances",
           ForceBundleParams{1 + params.pulses.size() + params.sines.size() + params.random.size()})) {

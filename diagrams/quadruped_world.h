@@ -17,7 +17,7 @@ struct QuadrupedWorldParams {
   JointEncodersParams encoders;
   ForceSensorParams torque_sensor;
   ForceSensorParams foot_sensor;
-  ImuParams imu;
+  ImuParams imu;                         ///< its place is the robot's
   std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
   std::vector<SineForceParams> sines;
   std::vector<RandomForceParams> random;

@@ -17,6 +17,7 @@ constexpr int kNumBodies = 1 + kNumJoints;
 // The order of the shapes: these, the links, the feet, their forces, the external forces, the terrain.
 enum Index {
   kTrunk,
+  kPayload,
   kPath,
   kFirstLink,
   kFirstFoot = kFirstLink + kNumJoints,
@@ -31,6 +32,7 @@ std::size_t At(int index) {
 
 /// The edges of the uniform box with these moments: m (b^2 + c^2) / 12 about its first axis, and so on.
 Vec<3> BoxEdges(const RigidInertia& body) {
+  if (body.mass == 0) return Vec<3>::Zero();
   const Vec<3> I = body.inertia.diagonal();
   const Vec<3> squares = 6 / body.mass * (Vec<3>::Constant(I.sum()) - 2 * I);
   return squares.cwiseMax(0.0).cwiseSqrt();
@@ -71,10 +73,13 @@ void AddTerrain(const TerrainParams& params, Geometry* shapes) {
 
 }  // namespace
 
-Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const TerrainParams& terrain) {
+Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                               const TerrainParams& terrain) {
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
   shapes[kTrunk] = Shape::Box(ShapeRole::kRobot, "trunk", TrunkEdges(robot));
+  shapes[kPayload] = Shape::Box(ShapeRole::kPayload, "payload", BoxEdges(payload));
+  shapes[kPayload].visible = payload.mass > 0;
   shapes[kPath] = Shape::Trace(ShapeRole::kRobot, "path of the trunk");
   for (int j = 0; j < kNumJoints; ++j)
     shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kRobot, "link of " + robot.joint(j).name,
@@ -91,15 +96,17 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const TerrainP
   return shapes;
 }
 
-void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const LeggedState& x, const FootForces& feet,
-                           const ExternalForces& external, Geometry* geometry) {
+void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                           const LeggedState& x, const FootForces& feet, const ExternalForces& external,
+                           Geometry* geometry) {
   Geometry& shapes = *geometry;
   std::array<Eigen::Matrix3d, kNumBodies> R_W;
   std::array<Eigen::Vector3d, kNumBodies> p_W;
   R_W[0] = x.R_WB();
   p_W[0] = x.p_WB;
   shapes[kTrunk].p_W = p_W[0] + R_W[0] * robot.trunk.com;
-  shapes[kTrunk].q_W = x.q_WB.normalized();
+  shapes[kPayload].p_W = p_W[0] + R_W[0] * payload.com;
+  shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
   shapes[kPath].p_W = x.p_WB;
 
   for (int j = 0; j < kNumJoints; ++j) {

@@ -123,13 +123,18 @@ std::array<Vec<3>, kNumLegs> QuadrupedPlant::CalcFootSlips(const FootContacts& c
 }
 
 LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
-  return {body.KineticEnergy(), params.gravity * params.robot.mass() * body.Com()[2]};
+  return {body.KineticEnergy(), params.gravity * loaded_.mass() * body.Com()[2]};
 }
 
 WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
                                                   const ExternalForces& external) const {
+  const RigidInertia& payload = params.payload;
+  const Vec<3> payload_W = body.Position(0, payload.com);
+  const Vec<3> com =
+      (loaded_.mass() * body.Com() - payload.mass * payload_W) / (loaded_.mass() - payload.mass);
   WrenchEstimate wrench;
-  const Vec<3> com = body.Com();
+  wrench.force_W[2] = -payload.mass * params.gravity;
+  wrench.torque_W = (payload_W - com).cross(wrench.force_W);
   for (const ExternalForce& force : external) {
     wrench.force_W += force.force_W;
     wrench.torque_W += force.torque_W + (body.Position(force.body, force.p_B) - com).cross(force.force_W);
@@ -154,7 +159,7 @@ Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const Exte
 
 void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
                                   const ExternalForces& external, Geometry* out) const {
-  MoveQuadrupedGeometry(params.robot, x, feet, external, out);
+  MoveQuadrupedGeometry(params.robot, params.payload, x, feet, external, out);
 }
 
 LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,

@@ -16,6 +16,7 @@ namespace tenon {
 
 struct QuadrupedPlantParams {
   QuadrupedDescription robot;
+  RigidInertia payload;  ///< fixed to the trunk, in B; none by default
   TerrainParams terrain;
   LeggedState initial;
   double gravity = 9.81;     ///< [m/s^2]
@@ -57,9 +58,9 @@ struct LeggedEnergy {
 ///                foot_slips       velocity of each foot's point in contact along the ground [m/s]
 ///                joint_torque     what the drives give after their limits [N m]
 ///                energy           kinetic, potential
-///                external_wrench  of `external` about the CoM; a payload on the trunk is not in it
-///                external_torque  of `external` on the joints [N m]
-///                geometry         what it looks like, terrain included
+///                external_wrench  of `external` and the payload's weight, about the CoM of the robot without
+///                it external_torque  of `external` on the joints [N m] geometry         what it looks like,
+///                terrain included
 ///
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,
@@ -87,14 +88,17 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   using LeafSystem::LeafSystem;
   const Terrain terrain{params.terrain};
 
+ private:
+  const QuadrupedDescription loaded_{WithPayload(params.robot, params.payload)};
+
+ public:
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
 
   ContinuousState<LeggedState> motion{this, {"motion"}, params.initial};
   ContinuousState<FootBristles> bristles{this, {"bristles"}};
 
-  Shared<QuadrupedBody> body{this, "body", QuadrupedBody(params.robot), Uses(motion),
-                             &QuadrupedPlant::CalcBody};
+  Shared<QuadrupedBody> body{this, "body", QuadrupedBody(loaded_), Uses(motion), &QuadrupedPlant::CalcBody};
   Shared<FootContacts> contacts{this, "contacts", Uses(body, bristles), &QuadrupedPlant::CalcContacts};
 
   OutputPort<LeggedState> state{this, {"state"}, Uses(motion), &QuadrupedPlant::CalcState};
@@ -115,7 +119,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
       this, {"external_torque", "N m"}, Uses(body, external), &QuadrupedPlant::CalcExternalTorque};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
-                                MakeQuadrupedGeometry(params.robot, params.terrain),
+                                MakeQuadrupedGeometry(params.robot, params.payload, params.terrain),
                                 Uses(state, foot_forces, external),
                                 &QuadrupedPlant::CalcGeometry};
 

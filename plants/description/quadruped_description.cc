@@ -30,18 +30,17 @@ struct RobotFile {
   std::string urdf;
   PerLeg<std::string> feet;
   double foot_radius = 0;
+  Eigen::Vector3d imu = Eigen::Vector3d::Zero();
   PerLeg<Eigen::Vector3d> stance;
   DriveProperties drive;
   ContactProperties contact;
 
   static constexpr auto Fields() {
-    return std::tuple{Required("name", &RobotFile::name),
-                      Required("urdf", &RobotFile::urdf),
-                      Required("feet", &RobotFile::feet),
-                      Required("foot_radius_m", &RobotFile::foot_radius),
-                      Required("nominal_stance", &RobotFile::stance),
-                      Required("drive", &RobotFile::drive),
-                      Required("contact", &RobotFile::contact)};
+    return std::tuple{
+        Required("name", &RobotFile::name),       Required("urdf", &RobotFile::urdf),
+        Required("feet", &RobotFile::feet),       Required("foot_radius_m", &RobotFile::foot_radius),
+        Field{"imu_position_m", &RobotFile::imu}, Required("nominal_stance", &RobotFile::stance),
+        Required("drive", &RobotFile::drive),     Required("contact", &RobotFile::contact)};
   }
   void Validate() const {
     if (!(foot_radius > 0))
@@ -49,6 +48,8 @@ struct RobotFile {
           fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
                       "sphere that touches the ground",
                       foot_radius));
+    if (!imu.allFinite())
+      throw ParameterError("imu_position_m is not finite; give metres in the root link, 0 for its origin");
   }
 };
 
@@ -170,6 +171,7 @@ QuadrupedDescription LoadQuadruped(const std::filesystem::path& path) {
   QuadrupedDescription robot;
   robot.name = file.name;
   robot.foot_radius = file.foot_radius;
+  robot.imu_B = file.imu;
   robot.drive = file.drive;
   robot.contact = file.contact;
   for (int leg = 0; leg < kNumLegs; ++leg)

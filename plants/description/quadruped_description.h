@@ -88,8 +88,9 @@ struct QuadrupedDescription {
   std::string name;
   RigidInertia trunk;  ///< in B
   std::array<LegDescription, kNumLegs> legs;
-  double foot_radius = 0;                    ///< [m]
-  Vec<kNumJoints> stance = Vec<12>::Zero();  ///< joint angles at which it stands [rad]
+  double foot_radius = 0;                           ///< [m]
+  Eigen::Vector3d imu_B = Eigen::Vector3d::Zero();  ///< where the inertial unit is, its axes along B's [m]
+  Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles at which it stands [rad]
   DriveProperties drive;
   ContactProperties contact;
 

@@ -72,6 +72,9 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"A0 --set start_s=3", "nothing would be seen"},
                       BadUsage{"A0 --set force_N=[0,0,0]", "there is nothing to estimate"},
                       BadUsage{"A0 --set variants=[]", "there are no variants"},
+                      BadUsage{"A0 --set 'variants=[{name: a, gains_per_s: [1], butterworth: {order: 1, "
+                               "bandwidth_rad_per_s: 1}}]'",
+                               "'a' has gains_per_s and butterworth"},
                       BadUsage{"A0 --set robot=dogbt", "did you mean 'dogbot'"}));
 
 TEST(TenonObserverOrderListTest, ListsScenariosWithTheirDescriptions) {

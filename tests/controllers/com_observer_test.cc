@@ -107,6 +107,20 @@ TEST(ComObserverTest, StartsOnAMovingRobotWithoutTransient) {
   }
 }
 
+// Far from the trunk's origin the unit feels the rotation too: 2 m/s^2 here, which would be 45 N.
+TEST(ComObserverTest, CarriesTheAccelerationFromTheInertialUnit) {
+  for (const Vec<3>& place : {Vec<3>(0, 0, 0), Vec<3>(0.3, -0.1, 0.2)}) {
+    QuadrupedDescription robot = DogBot();
+    robot.imu_B = place;
+    QuadrupedBench bench(robot);
+    bench.x.w_W = {1, 2, -1};
+    bench.external = OnTrunk({0, 0.1, 0}, {20, 0, 0}, Vec<3>::Zero());
+    Observed run(bench, Params(robot));
+    for (int n = 1; n <= 200; ++n)
+      ASSERT_THAT(run.Tick().force_W, IsNear(Vec<3>(-20, 0, 0) * std::expm1(-20e-3 * n), 1)) << n;
+  }
+}
+
 // A sway of the state's velocity, as an estimator may have it, does not reach the force.
 TEST(ComObserverTest, DoesNotReadTheVelocityOfTheTrunk) {
   Observed right(Standing(DogBot()), Params(DogBot())), wrong(Standing(DogBot()), Params(DogBot()));

@@ -220,6 +220,16 @@ TEST(LegMomentumObserverTest, DoesNotAllocate) {
   }
 }
 
+TEST(LegMomentumObserverTest, TakesGainsADesignOrItsDefault) {
+  LegObserverGains gains;
+  EXPECT_EQ(gains.Gains(), (std::vector<double>{100, 256}));
+  gains.butterworth = ButterworthDesign{3, 40};
+  EXPECT_EQ(gains.Gains(), ButterworthGains(3, 40));
+  gains.butterworth.reset();
+  gains.gains = {7};
+  EXPECT_EQ(gains.Gains(), std::vector<double>{7});
+}
+
 TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
   const auto refuses = [](const LegMomentumObserverParams& params, const auto&... parts) {
     return Throws<ParameterError>([&] { LegMomentumObserver observer(params); }, parts...);
@@ -228,6 +238,12 @@ TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
   LegMomentumObserverParams params = Params(DogBot());
   params.gains.min_singular_value = 0;
   EXPECT_TRUE(refuses(params, "min_singular_value_m = 0 must be positive"));
+  params = Params(DogBot());
+  params.gains.butterworth = ButterworthDesign{3, 100};
+  EXPECT_TRUE(refuses(params, "gains_per_s and butterworth are both given", "leave one away"));
+  params = Params(DogBot(), {});
+  params.gains.butterworth = ButterworthDesign{0, 100};
+  EXPECT_TRUE(refuses(params, "an estimator of order 0: give 1 to 12"));
   // As the thesis prints its gains.
   params = Params(DogBot(), {17.5, 6.28, 2.25});
   EXPECT_TRUE(refuses(params, "with the gains 17.5, 6.28, 2.25 the estimate diverges", "2.01 ± 5.95i, -6.28",

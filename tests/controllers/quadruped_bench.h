@@ -74,11 +74,13 @@ struct QuadrupedBench {
     model.Calc(x, &dynamics);
     return ground(x, dynamics, t);
   }
-  /// At B's origin, without errors, under the torques of the interval that begins.
+  /// Where the robot has it, without errors, under the torques of the interval that begins.
   ImuMeasurement Imu() const {
     const Vec<18> acceleration = Acceleration(x, Torque(), t);
     const Eigen::Matrix3d R_BW = x.R_WB().transpose();
-    return {R_BW * x.w_W, R_BW * (acceleration.head<3>() + Vec<3>(0, 0, 9.81))};
+    const Vec<3> arm = x.R_WB() * robot.imu_B, alpha = acceleration.segment<3>(3);
+    const Vec<3> a = acceleration.head<3>() + alpha.cross(arm) + x.w_W.cross(x.w_W.cross(arm));
+    return {R_BW * x.w_W, R_BW * (a + Vec<3>(0, 0, 9.81))};
   }
 
   /// To the next tick, by the classical Runge-Kutta method.

@@ -85,10 +85,8 @@ TEST(QuadrupedStandTest, FallsWhenPushedOver) {
 // The feet carry what is on the robot: its weight, the payload's, and the vertical force of the surroundings.
 TEST(QuadrupedStandTest, FeetCarryPayloadAndDisturbances) {
   QuadrupedStandParams params = Params(DogBot());
-  RigidInertia load;
-  load.mass = 10;
-  load.com = {0, 0, 0.1};
-  params.world.plant.robot = WithPayload(params.world.plant.robot, load);
+  params.world.plant.payload.mass = 10;
+  params.world.plant.payload.com = {0, 0, 0.1};
   PulseForceParams push;
   push.push.force_W = {0, 0, -30};
   push.duration = 10;

@@ -24,7 +24,7 @@ QuadrupedWalkParams Trot() {
   trot.duration = 10;
   params.walk.segments = {stand, trot};
   params.estimator.emplace();
-  params.estimator->robot = params.true_robot;
+  params.estimator->robot = params.world.plant.robot;
   params.estimator->initial = params.world.plant.initial;
   return params;
 }

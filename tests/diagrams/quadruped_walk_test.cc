@@ -51,7 +51,7 @@ Findings Walk(const QuadrupedWalkParams& params, double duration) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, WalkOptions());
   Context& context = simulator.context();
-  const Vec<12> limit = WholeBodyController::TorqueLimit(params.true_robot);
+  const Vec<12> limit = WholeBodyController::TorqueLimit(params.world.plant.robot);
   Findings found;
   std::array<Vec<3>, kNumLegs> slip;
   std::array<double, kNumLegs> stood{};  // for how long [s]

@@ -48,6 +48,33 @@ TEST(ImuTest, ReadsInTheBodysAxes) {
   EXPECT_THAT(R_WB * measurement.angular_velocity_B, IsNear(Tilted().w_W, 1e-15));
 }
 
+// Against the second derivative of the unit's place in a motion that is known.
+TEST(ImuTest, OffTheOriginFeelsTheRotationToo) {
+  ImuParams params = Noiseless();
+  params.p_B = {0.3, -0.2, 0.1};
+  const auto angles = [](double t) { return Vec<3>(0.3 * t, -0.4 * std::sin(2 * t), 0.5 * t * t); };
+  const auto origin = [](double t) { return Vec<3>(std::sin(t), t * t, std::cos(3 * t)); };
+  const auto place = [&](double t) -> Vec<3> {
+    return origin(t) + RotationFromEuler(angles(t)) * params.p_B;
+  };
+  const double t = 0.7, h = 1e-4;
+  const auto second = [&](const auto& f) -> Vec<3> { return (f(t + h) - 2 * f(t) + f(t - h)) / (h * h); };
+  const auto velocity = [&](double at) -> Vec<3> {  // the angular one, of R' R^T
+    const Eigen::Matrix3d cross = (RotationFromEuler(angles(at + h)) - RotationFromEuler(angles(at - h))) /
+                                  (2 * h) * RotationFromEuler(angles(at)).transpose();
+    return {cross(2, 1), cross(0, 2), cross(1, 0)};
+  };
+  const Eigen::Matrix3d R_WB = RotationFromEuler(angles(t));
+  Rig rig(params);
+  rig.Fix(rig.system().body,
+          PlatformState{origin(t), QuaternionFromRotation(R_WB), Vec<3>::Zero(), velocity(t)})
+      .Fix(rig.system().acceleration,
+           PlatformAcceleration{second(origin), (velocity(t + h) - velocity(t - h)) / (2 * h)})
+      .Tick();
+  EXPECT_THAT(R_WB * rig[rig.system().measurement].specific_force_B - Vec<3>(0, 0, 9.81),
+              IsNear(second(place), 1e-5));
+}
+
 TEST(ImuTest, InFreeFallReadsNothing) {
   Rig rig(Noiseless());
   rig.Fix(rig.system().body, Tilted())
@@ -137,6 +164,9 @@ TEST(ImuTest, RefusesParametersThatMakeNoSense) {
   params = {};
   params.angular_velocity_bias[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses(params, "bias", "rad/s"));
+  params = {};
+  params.p_B[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses(params, "p_B, where the IMU is, is not finite", "give metres"));
   params = {};
   params.gravity = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses(params, "gravity is nan"));

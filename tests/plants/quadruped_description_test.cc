@@ -216,6 +216,15 @@ TEST(QuadrupedDescriptionTest, RefusesYamlThatItDoesNotKnow) {
   EXPECT_TRUE(Refused(radius, "dogbot.yaml", "foot_radius_m is 0 m", "must be positive"));
 }
 
+TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
+  RobotFiles moved("dogbot");
+  moved.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [0.1, -0.2, 0.3]");
+  EXPECT_EQ(moved.Load().imu_B, Eigen::Vector3d(0.1, -0.2, 0.3));
+  RobotFiles nowhere("dogbot");
+  nowhere.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [.nan, 0, 0]");
+  EXPECT_TRUE(Refused(nowhere, "dogbot.yaml"));
+}
+
 TEST(QuadrupedDescriptionTest, RefusesAStanceThatCannotBe) {
   RobotFiles order("dogbot");
   order.Change(&RobotFiles::yaml, "front_left: front_left_foot, front_right: front_right_foot",

@@ -67,10 +67,27 @@ TEST(QuadrupedGeometryTest, TrunkIsTheBoxOfItsInertiaAndHoldsTheLegs) {
   const Vec<3> edges(0.8, 0.4, 0.2), squares = edges.cwiseAbs2();
   robot.trunk.inertia =
       Vec<3>(robot.trunk.mass / 12 * (Vec<3>::Constant(squares.sum()) - squares)).asDiagonal();
-  EXPECT_THAT(Named(MakeQuadrupedGeometry(robot, {}), "trunk").size, IsNear(edges, 1e-12));
+  EXPECT_THAT(Named(MakeQuadrupedGeometry(robot, {}, {}), "trunk").size, IsNear(edges, 1e-12));
   for (LegDescription& leg : robot.legs) leg.joints[0].p_PJ *= 2;
   const Vec<3> hip = robot.legs[0].joints[0].p_PJ.cwiseAbs();
-  EXPECT_NEAR(Named(MakeQuadrupedGeometry(robot, {}), "trunk").size[0], 2 * hip[0], 1e-12);
+  EXPECT_NEAR(Named(MakeQuadrupedGeometry(robot, {}, {}), "trunk").size[0], 2 * hip[0], 1e-12);
+}
+
+TEST(QuadrupedGeometryTest, PayloadIsABoxOnTheTrunk) {
+  QuadrupedPlantParams params = Params(DogBot());
+  params.payload.mass = 3;
+  params.payload.com = {0.1, 0, 0.2};
+  params.payload.inertia.diagonal() = 3.0 / 12 * Vec<3>(0.05, 0.10, 0.13);  // edges of 0.3, 0.2, 0.1 m
+  TestRig<QuadrupedPlant> rig(params);
+  LeggedState x = test::Standing(DogBot());
+  x.q_WB = QuaternionFromRotationVector({0.1, -0.2, 1});
+  rig.Set(rig.system().motion, x);
+  const Shape& box = Named(rig[rig.system().geometry], "payload");
+  EXPECT_TRUE(box.visible);
+  EXPECT_THAT(box.size, IsNear(Vec<3>(0.3, 0.2, 0.1), 1e-12));
+  EXPECT_THAT(box.p_W, IsNear(x.p_WB + x.R_WB() * params.payload.com, 1e-12));
+  EXPECT_THAT(box.q_W, IsNear(x.q_WB, 1e-12));
+  EXPECT_FALSE(Named(MakeQuadrupedGeometry(DogBot(), {}, {}), "payload").visible);
 }
 
 TEST(QuadrupedGeometryTest, ForcesActAtTheirPoints) {
@@ -97,7 +114,7 @@ TEST(QuadrupedGeometryTest, TerrainIsDrawnWhereFeetTouchIt) {
   params.grade = {0.3, -0.1};
   params.boxes = {{{1, 0.5}, {0.3, 0.4}, 0.04, 1}, {{-1, 2}, {0.5, 0.2}, 0.02, 1}};
   const Terrain terrain(params);
-  const Geometry geometry = MakeQuadrupedGeometry(DogBot(), params);
+  const Geometry geometry = MakeQuadrupedGeometry(DogBot(), {}, params);
   for (const char* name : {"slope", "box 0", "box 1"}) {
     const Shape& shape = Named(geometry, name);
     EXPECT_EQ(shape.role, ShapeRole::kGround);
@@ -109,7 +126,7 @@ TEST(QuadrupedGeometryTest, TerrainIsDrawnWhereFeetTouchIt) {
       }
     }
   }
-  const Geometry level = MakeQuadrupedGeometry(DogBot(), {});
+  const Geometry level = MakeQuadrupedGeometry(DogBot(), {}, {});
   EXPECT_TRUE(std::none_of(level.begin(), level.end(),
                            [](const Shape& shape) { return shape.role == ShapeRole::kGround; }));
 }
@@ -117,11 +134,11 @@ TEST(QuadrupedGeometryTest, TerrainIsDrawnWhereFeetTouchIt) {
 TEST(QuadrupedGeometryTest, MovingItDoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   const QuadrupedDescription robot = DogBot();
-  Geometry geometry = MakeQuadrupedGeometry(robot, {});
+  Geometry geometry = MakeQuadrupedGeometry(robot, {}, {});
   RandomStream random(1);
   const LeggedState x = RandomState(random);
   AllocationGuard guard;
-  MoveQuadrupedGeometry(robot, x, {}, {}, &geometry);
+  MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry);
   EXPECT_EQ(guard.count(), 0);
 }
 

@@ -116,6 +116,35 @@ TEST(QuadrupedPlantTest, TellsWhatExternalForcesDo) {
   }
 }
 
+// A payload moves with the trunk as a part of it, and is told as its weight on the robot without it.
+TEST(QuadrupedPlantTest, CarriesAPayloadAsADisturbance) {
+  RandomStream random(6);
+  QuadrupedPlantParams loaded = Params(DogBot());
+  loaded.payload.mass = 7;
+  loaded.payload.com = {0.1, -0.05, 0.15};
+  loaded.payload.inertia.diagonal() << 0.02, 0.03, 0.04;
+  QuadrupedPlantParams heavy = Params(WithPayload(DogBot(), loaded.payload));
+  LeggedState x = RandomState(random);
+  x.p_WB[2] = 5;
+  const auto at = [&](const QuadrupedPlantParams& params, const ExternalForces& external) {
+    auto rig = std::make_unique<Rig>(params);
+    rig->Set(rig->system().motion, x)
+        .Fix(rig->system().torque, Vec<12>::Ones())
+        .Fix(rig->system().external, external);
+    return rig;
+  };
+  const ExternalForces push{ExternalForce{0, {0, 0.1, 0}, {10, 20, 30}}};
+  const auto with = at(loaded, push), as_part = at(heavy, push);
+  const auto as_force = at(Params(DogBot()), {push[0], {0, loaded.payload.com, {0, 0, -7 * loaded.gravity}}});
+  EXPECT_THAT((*with)[with->system().acceleration].a_W,
+              IsNear((*as_part)[as_part->system().acceleration].a_W, 1e-10));
+  EXPECT_NEAR((*with)[with->system().energy].total(), (*as_part)[as_part->system().energy].total(), 1e-9);
+  const WrenchEstimate& told = (*with)[with->system().external_wrench];
+  const WrenchEstimate& expected = (*as_force)[as_force->system().external_wrench];
+  EXPECT_THAT(told.force_W, IsNear(expected.force_W, 1e-12));
+  EXPECT_THAT(told.torque_W, IsNear(expected.torque_W, 1e-10));
+}
+
 TEST(QuadrupedPlantTest, AgreesWithTheModel) {
   for (const QuadrupedDescription& robot : {Lossless(DogBot()), Lossless(A1())}) {
     Rig rig(Params(robot));
