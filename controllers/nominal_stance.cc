@@ -20,6 +20,7 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
   QuadrupedDynamics dynamics;
   QuadrupedModel(robot).Calc(x, &dynamics);
   com_B = dynamics.com_W;
+  inertia_B = dynamics.centroidal_inertia_W;
   com_height = robot.StanceHeight() + com_B[2];
   center_B.setZero();
   for (const auto& f : dynamics.feet) center_B += f.p_W.head<2>() / kNumLegs;
@@ -27,8 +28,7 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
     const Eigen::Vector3d p_foot = dynamics.feet[i].p_W;
     foot[i] = p_foot.head<2>() - center_B;
     // The leg turns about its second joint; what is left of its length beside the height is reach.
-    const auto& joints = robot.legs[i].joints;
-    const double length = joints[2].p_PJ.norm() + robot.legs[i].foot_J.norm();
+    const double length = robot.LegLength(static_cast<int>(i));
     const Eigen::Vector3d leg = p_foot - robot.HipPosition(static_cast<int>(i), robot.stance);
     longest[i] = kFullestExtension * length;
     const double horizontal = longest[i] * longest[i] - leg[2] * leg[2];

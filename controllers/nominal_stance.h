@@ -15,6 +15,7 @@ struct NominalStance {
   Eigen::Vector2d center_B;                    ///< of the feet [m]
   std::array<Eigen::Vector2d, kNumLegs> foot;  ///< from the centre of the feet [m]
   Eigen::Vector3d com_B;                       ///< [m]
+  Eigen::Matrix3d inertia_B;                   ///< about the CoM, joints locked [kg m^2]
   double com_height;                           ///< above level ground [m]
   std::array<double, kNumLegs> longest;        ///< from hip to foot, with the knee still bent [m]
   std::array<double, kNumLegs> reach;          ///< how far a foot on the ground goes from there [m]

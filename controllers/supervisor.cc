@@ -36,6 +36,7 @@ void SupervisorParams::Validate() const {
   positive("turn_rate", turn_rate, "rad/s");
   positive("turn_gain", turn_gain, "1/s");
   positive("heading_tolerance", heading_tolerance, "rad");
+  positive("align_time", align_time, "s");
 }
 
 GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events) {
@@ -78,7 +79,10 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   events.pulled = FeelsPull(wrench.force_W.head<2>(), &next);
   events.obstacle = obstacle;
   events.new_obstacle = obstacle && !next.seen;
-  events.aligned = std::abs(HeadingError(next.yaw, heading)) < params.heading_tolerance;
+  const bool heads_there = std::abs(HeadingError(next.yaw, heading)) < params.heading_tolerance;
+  next.aligned_time =
+      memory.mode == GuideMode::kTurn ? Evidence(memory.aligned_time, heads_there, params.rate.period()) : 0;
+  events.aligned = next.aligned_time > params.align_time - params.rate.period() / 2;
   next.mode = NextGuideMode(memory.mode, events);
 
   if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop) {

@@ -31,7 +31,8 @@ struct SupervisorParams {
   double dwell = 1;                 ///< in a mode before pulls count [s]
   double turn_rate = 0.3;           ///< at most [rad/s]
   double turn_gain = 1;             ///< turning rate over heading error [1/s]
-  double heading_tolerance = 0.02;  ///< at which the robot has the new direction [rad]
+  double heading_tolerance = 0.02;  ///< at which the robot has the new direction, [rad]
+  double align_time = 0.3;          ///< once it has been so for this time: a stumble turns it too [s]
   Rate rate = Hz(100);
 
   static constexpr auto Fields() {
@@ -43,7 +44,8 @@ struct SupervisorParams {
                       Field{"dwell_s", &P::dwell},
                       Field{"turn_rate_rad_per_s", &P::turn_rate},
                       Field{"turn_gain_per_s", &P::turn_gain},
-                      Field{"heading_tolerance_rad", &P::heading_tolerance}};
+                      Field{"heading_tolerance_rad", &P::heading_tolerance},
+                      Field{"align_time_s", &P::align_time}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -77,6 +79,7 @@ struct GuideStatus {
   double calm_time = 0;            ///< evidence of none [s]
   bool released = true;            ///< the last pull is over: the next one counts
   bool seen = false;               ///< the obstacle was there when the turn began, and is there still
+  double aligned_time = 0;         ///< evidence that the turn is done [s]
   double yaw_rate = 0;             ///< of a turn [rad/s]
 
   static constexpr auto Fields() {
@@ -89,6 +92,7 @@ struct GuideStatus {
                       Field{"calm_time", &S::calm_time, "s"},
                       Field{"released", &S::released},
                       Field{"seen", &S::seen},
+                      Field{"aligned_time", &S::aligned_time, "s"},
                       Field{"yaw_rate", &S::yaw_rate, "rad/s"}};
   }
 };
@@ -105,7 +109,8 @@ struct GuideStatus {
 ///
 /// In motion the command passes. Stopped, the robot stands. A pull on the standing robot makes it go on in
 /// the direction of the pull, yaw = atan2(f_y, f_x): it turns on an arc, with the commanded velocities and
-/// yaw_rate = turn_gain (yaw - heading) within turn_rate, and then goes as commanded again. It must look away
+/// yaw_rate = turn_gain (yaw - heading) within turn_rate, and when it heads there goes as commanded again:
+/// when time within heading_tolerance, counted as for pulls below, has come to align_time. It must look away
 /// from what stopped it: an obstacle that was there when the turn began does not count until it has gone or
 /// the turn is over. Then one that is ahead stops the robot even if the person pulled that way.
 ///

@@ -37,6 +37,11 @@ void WholeBodyGains::Validate() const {
     Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
   }
   Demand(swing_limit > 0, fmt::format("swing_limit = {} must be positive", swing_limit));
+  Demand(stretch_limit > 0 && stretch_limit <= 1,
+         fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
+  Demand(
+      stretch_stiffness >= 0,
+      fmt::format("stretch_stiffness = {} must not be negative: it would stretch legs", stretch_stiffness));
   qp.Validate();
 }
 
@@ -79,7 +84,12 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     task.stance[i] = schedule.legs[i].stance();
     const Vec<3>& v_W = dynamics.feet[i].v_W;
     if (task.stance[i]) {
+      const Eigen::Vector3d hip_W = state.p_WB + state.R_WB() * params.robot.HipPosition(leg, state.q);
+      const Eigen::Vector3d to_hip = hip_W - dynamics.feet[i].p_W;
+      const double length = to_hip.norm();
+      const double excess = length - params.gains.stretch_limit * params.robot.LegLength(leg);
       task.foot_acceleration[i] = -params.gains.stance_damping * v_W;
+      if (excess > 0) task.foot_acceleration[i] += params.gains.stretch_stiffness * excess / length * to_hip;
     } else {
       const Eigen::Vector3d correction =
           params.gains.swing_damping * (reference.v_W - v_W) +

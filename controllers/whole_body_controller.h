@@ -45,6 +45,8 @@ struct WholeBodyGains {
   double swing_damping = 140;     ///< [1/s]
   double swing_limit = 200;       ///< of both together: a foot that is stuck does not get all torque [m/s^2]
   double stance_damping = 50;     ///< deceleration of a stance foot that moves, per velocity [1/s]
+  double stretch_limit = 0.97;    ///< of the leg's length, hip to foot: beyond, a stance foot is drawn in,
+  double stretch_stiffness = 2500;  ///< with this acceleration per length [1/s^2]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp;
@@ -58,12 +60,14 @@ struct WholeBodyGains {
                       Field{"swing_damping_per_s", &WholeBodyGains::swing_damping},
                       Field{"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
                       Field{"stance_damping_per_s", &WholeBodyGains::stance_damping},
+                      Field{"stretch_limit", &WholeBodyGains::stretch_limit},
+                      Field{"stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness},
                       Field{"dynamics", &WholeBodyGains::dynamics},
                       Field{"leg_compensation", &WholeBodyGains::compensation},
                       Field{"qp", &WholeBodyGains::qp}};
   }
-  void Validate()
-      const;  ///< throws ParameterError unless stiffness and limit > 0, damping >= 0, and the QP's
+  void Validate() const;  ///< throws ParameterError unless limits and stiffness > 0 (the stretch's may be 0),
+                          ///< damping >= 0
 };
 
 struct WholeBodyParams {
@@ -115,14 +119,16 @@ struct WholeBodyPlan {
 ///
 ///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
 ///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
-///     a_swing = a_ref + [k_d (v_ref - v) + k_p (p_ref - p)],   a_stance = -k_s v
+///     a_swing = a_ref + [k_d (v_ref - v) + k_p (p_ref - p)],   a_stance = -k_s v + k_l max(0, l - r l_max) u
 ///
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.
 ///
 /// The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken to stand but has no
-/// contact; with (2.30) alone it would go on at its speed until the leg is straight.
+/// contact; with (2.30) alone it would go on at its speed until the leg is straight. And it gives up a foot
+/// that is farther from its hip, by l along u, than the part r of the leg's length l_max: a leg that the
+/// trunk pulls straight snaps over, and throws the robot.
 ///
 /// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
 /// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.

@@ -6,6 +6,7 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
     : scheduler(Add<FootScheduler>("scheduler", params.scheduler)),
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
+      trunk_planner(Add<TrunkPlanner>("trunk_planner", params.trunk_planner)),
       whole_body(Add<WholeBodyController>("whole_body", params.whole_body)) {
   Connect(command, scheduler.command);
   Connect(foot_forces, scheduler.foot_forces);
@@ -22,7 +23,11 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
 
   Connect(state, whole_body.state);
   Connect(scheduler.schedule, whole_body.schedule);
-  Connect(com_planner.reference, whole_body.body);
+  Connect(com_planner.reference, trunk_planner.body);
+  Connect(scheduler.schedule, trunk_planner.schedule);
+  Connect(state, trunk_planner.state);
+  Connect(wrench, trunk_planner.wrench);
+  Connect(trunk_planner.reference, whole_body.body);
   Connect(swing_planner.feet, whole_body.feet);
   Connect(wrench, whole_body.wrench);
   Connect(leg_forces, whole_body.leg_forces);

@@ -3,6 +3,7 @@
 #include "tenon/controllers/com_planner.h"
 #include "tenon/controllers/foot_scheduler.h"
 #include "tenon/controllers/swing_planner.h"
+#include "tenon/controllers/trunk_planner.h"
 #include "tenon/controllers/whole_body_controller.h"
 #include "tenon/systems/diagram_builder.h"
 
@@ -12,20 +13,21 @@ struct LeggedLocomotionParams {
   FootSchedulerParams scheduler;
   ComPlannerParams com_planner;
   SwingPlannerParams swing_planner;
+  TrunkPlannerParams trunk_planner;
   WholeBodyParams whole_body;
 };
 
 /// A quadruped's walking controller (Morlando 2023, figure 2.2), from a command to joint torques.
 ///
-///     command ──► scheduler ──► com_planner ──► swing_planner ──► whole_body ──► torque
-///                    ▲               ▲               ▲               ▲  ▲
-///     foot_forces ───┘               │               │               │  │
-///     state ─────────────────────────┴───────────────┴───────────────┘  │
-///     wrench, leg_forces (what others exert) ────────┴──────────────────┘
+///     command ──► scheduler ──► com_planner ─┬► swing_planner ──► whole_body ──► torque
+///                    ▲               ▲       └► trunk_planner ───────▲
+///     foot_forces ───┘               │               ▲               │
+///     state ─────────────────────────┴───────────────┼───────────────┤
+///     wrench, leg_forces (what others exert) ────────┴───────────────┘
 ///
-/// The schedule reaches all three blocks after it, the CoM planner's reference the last two. `wrench` and
+/// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle. `wrench` and
 /// `leg_forces` are an observer's estimates; without a connection nothing is compensated. Each block can be
-/// replaced by any other with its ports; this diagram is its four blocks and these connections, nothing else.
+/// replaced by any other with its ports; this diagram is its five blocks and these connections, nothing else.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -39,6 +41,7 @@ class LeggedLocomotion final : public Subdiagram {
   FootScheduler& scheduler;
   ComPlanner& com_planner;
   SwingPlanner& swing_planner;
+  TrunkPlanner& trunk_planner;
   WholeBodyController& whole_body;
 
   OutputPort<Vec<12>> torque{this, {"torque", "N m"}};

@@ -15,6 +15,7 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
   params.scheduler = YamlDocument::Load(FindResource("gaits", gaits)).Read<FootSchedulerParams>();
   params.com_planner.robot = robot;
   params.swing_planner.robot = robot;
+  params.trunk_planner = {.robot = robot, .sway_limit = profile.sway_limit};
   params.whole_body.robot = robot;
   params.whole_body.gains = profile.whole_body;
   params.whole_body.qp_rate = Hz(profile.qp_rate_hz);

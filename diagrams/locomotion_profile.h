@@ -25,11 +25,13 @@ struct ObserverProfile {
 /// How a walking controller is tuned; read from a file such as controllers/profiles/standard.yaml.
 struct LocomotionProfile {
   WholeBodyGains whole_body;
+  double sway_limit = 80;  ///< of the TrunkPlanner [rad/s^2]
   double qp_rate_hz = 1000;
   ObserverProfile observer;
 
   static constexpr auto Fields() {
     return std::tuple{Required("whole_body", &LocomotionProfile::whole_body),
+                      Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit),
                       Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz),
                       Required("observer", &LocomotionProfile::observer)};
   }

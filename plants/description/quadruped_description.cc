@@ -130,6 +130,11 @@ Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>
   return joints[0].p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg], joints[0].axis) * joints[1].p_PJ;
 }
 
+double QuadrupedDescription::LegLength(int leg) const {
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  return at.joints[2].p_PJ.norm() + at.foot_J.norm();
+}
+
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
   Eigen::Vector3d p = at.foot_J;

@@ -101,6 +101,8 @@ struct QuadrupedDescription {
   }
   /// The second joint of the leg, from which it is stretched, in B at the joint angles q [m].
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;
+  /// From there to the centre of the foot's sphere when the leg is straight [m].
+  double LegLength(int leg) const;
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;
   /// Height of B's origin over level ground that the feet touch in the stance: the mean over the feet [m].

@@ -117,6 +117,15 @@ void Swing(benchmark::State& state) {
          });
 }
 
+void Trunk(benchmark::State& state) {
+  Replay(state, Loop().locomotion.trunk_planner,
+         [](Context& context, const TrunkPlanner& b, const test::TrotTick& tick) {
+           context.Set(b.schedule, tick.schedule);
+           context.Set(b.body, tick.body);
+           context.Set(b.state, tick.state);
+         });
+}
+
 void Wbc(benchmark::State& state) {
   Replay(state, Loop().locomotion.whole_body,
          [](Context& context, const WholeBodyController& b, const test::TrotTick& tick) {
@@ -241,6 +250,7 @@ const bool kRegistered = [] {
   Register("loop/scheduler", Scheduler);
   Register("loop/com_planner", Com);
   Register("loop/swing_planner", Swing);
+  Register("loop/trunk_planner", Trunk);
   Register("loop/wbc", Wbc);
   Register("loop/all_unlogged", [](benchmark::State& state) { All(state, false); });
   Register("loop/all", [](benchmark::State& state) { All(state, true); });

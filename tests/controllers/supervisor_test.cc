@@ -167,8 +167,26 @@ TEST(SupervisorTest, TurnsTheShorterWayAndGoesOn) {
   dog.Head(Radians(-100) + 0.0201);
   EXPECT_EQ(dog.Run(10), kTurn);
   dog.Head(Radians(-100) - 0.0199);
+  EXPECT_EQ(dog.Run(0.29), kTurn);
   EXPECT_EQ(dog.Tick(), kMove);
   EXPECT_EQ(dog.walk().yaw_rate, 0.05) << "as commanded";
+}
+
+// On uneven ground the trunk's yaw passes the new direction long before the path has it.
+TEST(SupervisorTest, AStumbleThroughTheNewDirectionDoesNotEndTheTurn) {
+  Dog dog;
+  dog.StandStill();
+  dog.Pull(60, Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  dog.Pull(20, Radians(90));
+  for (int n = 0; n < 10; ++n) {
+    dog.Head(Radians(90));
+    EXPECT_EQ(dog.Run(0.1), kTurn);
+    dog.Head(Radians(82));
+    EXPECT_EQ(dog.Run(0.1), kTurn);
+  }
+  dog.Head(Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kMove);
 }
 
 TEST(SupervisorTest, PullsDoNotCountBeforeTheDwellIsOver) {
@@ -212,7 +230,7 @@ TEST(SupervisorTest, DoesNotRunIntoAnObstacleOnCommand) {
   dog.Run(2);
   dog.Pull(60, 0);
   EXPECT_EQ(dog.Run(0.3), kTurn);
-  EXPECT_EQ(dog.Tick(), kMove);
+  EXPECT_EQ(dog.Run(0.3), kMove);
   EXPECT_EQ(dog.Tick(), kStop);
 }
 
@@ -288,12 +306,14 @@ TEST(SupervisorTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.turn_rate = 0; }, "turn_rate of 0 rad/s", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.turn_gain = -2; }, "turn_gain of -2 1/s", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.heading_tolerance = 0; }, "heading_tolerance of 0 rad", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.align_time = 0; }, "align_time of 0 s", "positive"));
 }
 
 TEST(SupervisorTest, IsReadFromYaml) {
   const auto params = YamlDocument::Parse(
                           "{threshold_N: 60, release_N: 45, stop_time_s: 0.2, start_time_s: 0.4, dwell_s: 2, "
-                          "turn_rate_rad_per_s: 0.2, turn_gain_per_s: 0.5, heading_tolerance_rad: 0.03}",
+                          "turn_rate_rad_per_s: 0.2, turn_gain_per_s: 0.5, heading_tolerance_rad: 0.03, "
+                          "align_time_s: 0.2}",
                           "supervisor.yaml")
                           .Read<SupervisorParams>();
   EXPECT_EQ(params.threshold, 60);
@@ -304,6 +324,7 @@ TEST(SupervisorTest, IsReadFromYaml) {
   EXPECT_EQ(params.turn_rate, 0.2);
   EXPECT_EQ(params.turn_gain, 0.5);
   EXPECT_EQ(params.heading_tolerance, 0.03);
+  EXPECT_EQ(params.align_time, 0.2);
 }
 
 }  // namespace

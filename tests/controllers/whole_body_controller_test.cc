@@ -186,6 +186,23 @@ TEST(WholeBodyController, AStanceFootThatMovesIsStopped) {
   EXPECT_THAT(a, IsNear(Vec<3>(-50 * foot.v_W), 1e-9));
 }
 
+// The knee is about to go through straight, from where no force brings it back.
+TEST(WholeBodyController, AStretchedStanceLegIsBent) {
+  Inputs inputs(Params().robot);
+  inputs.state.q.segment<3>(3) << 0, 0.15, -0.3;
+  inputs.Follow();
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<3> hip = inputs.state.p_WB + Params().robot.HipPosition(kFrontRight, inputs.state.q);
+  const Vec<3> to_hip = hip - inputs.dynamics.feet[kFrontRight].p_W;
+  const double excess = to_hip.norm() - 0.97 * Params().robot.LegLength(kFrontRight);
+  ASSERT_GT(excess, 5e-3);
+  const Vec<3> a = inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration +
+                   inputs.dynamics.feet[kFrontRight].bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(2500 * excess * to_hip.normalized()), 1e-6));
+}
+
 // Eq. (2.3): I_com and M_q each for themselves, the legs' rows without the wrench on the trunk.
 TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
   WholeBodyParams params = Params();
@@ -395,6 +412,10 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "swing_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
                                      "stance_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_limit = 1.1; }),
+                                     "stretch_limit = 1.1", "at most 1"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_stiffness = -1; }),
+                                     "stretch_stiffness = -1", "stretch legs"));
   EXPECT_TRUE(
       Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }),

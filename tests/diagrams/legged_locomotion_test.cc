@@ -12,7 +12,7 @@
 namespace tenon {
 namespace {
 
-enum class Replaced { kNone, kScheduler, kComPlanner, kSwingPlanner, kWholeBody };
+enum class Replaced { kNone, kScheduler, kComPlanner, kSwingPlanner, kTrunkPlanner, kWholeBody };
 
 /// A robot that stands, its controller wired by hand, with one block as a function; where its trunk is after
 /// half a second.
@@ -77,6 +77,15 @@ Vec<3> Stand(Replaced replaced) {
     feet = &planner.feet;
   }
 
+  if (replaced != Replaced::kTrunkPlanner) {  // whose function is to pass on what it is given
+    auto& planner = builder.Add<TrunkPlanner>("trunk_planner", params.trunk_planner);
+    builder.Connect(*body, planner.body);
+    builder.Connect(*schedule, planner.schedule);
+    builder.Connect(world.state, planner.state);
+    builder.Connect(wrench, planner.wrench);
+    body = &planner.reference;
+  }
+
   if (replaced == Replaced::kWholeBody) {
     // The feet carry the weight of the nominal stance, and a joint PD the rest.
     const Vec<12> hold = dynamics.gravity.tail<12>();
@@ -105,15 +114,15 @@ Vec<3> Stand(Replaced replaced) {
 
 TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
   const Vec<3> standing = Stand(Replaced::kNone);
-  for (const Replaced replaced :
-       {Replaced::kScheduler, Replaced::kComPlanner, Replaced::kSwingPlanner, Replaced::kWholeBody}) {
+  for (const Replaced replaced : {Replaced::kScheduler, Replaced::kComPlanner, Replaced::kSwingPlanner,
+                                  Replaced::kTrunkPlanner, Replaced::kWholeBody}) {
     const double tolerance = replaced == Replaced::kWholeBody ? 0.02 : 2e-3;  // a PD is soft
     EXPECT_LT((Stand(replaced) - standing).norm(), tolerance) << static_cast<int>(replaced);
   }
 }
 
-// The nested diagram is those four blocks and nothing else: wired by hand they do the same, bit for bit.
-TEST(LeggedLocomotionTest, IsItsFourBlocks) {
+// The nested diagram is those five blocks and nothing else: wired by hand they do the same, bit for bit.
+TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   const QuadrupedDescription robot = test::DogBot();
   QuadrupedWorldParams outside;
   outside.plant.robot = robot;

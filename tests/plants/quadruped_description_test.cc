@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -214,6 +215,18 @@ TEST(QuadrupedDescriptionTest, RefusesYamlThatItDoesNotKnow) {
   RobotFiles radius("dogbot");
   radius.Change(&RobotFiles::yaml, "foot_radius_m: 0.028", "foot_radius_m: 0");
   EXPECT_TRUE(Refused(radius, "dogbot.yaml", "foot_radius_m is 0 m", "must be positive"));
+}
+
+// As far as the foot gets from the hip over all knee angles.
+TEST(QuadrupedDescriptionTest, LegsAreAsLongAsTheyReach) {
+  const QuadrupedDescription robot = LoadQuadruped(kRobots + "/dogbot.yaml");
+  Vec<12> q = robot.stance;
+  double most = 0;
+  for (double knee = -1; knee <= 1; knee += 1e-3) {
+    q[3 * kRearLeft + 2] = knee;
+    most = std::max(most, (robot.FootPosition(kRearLeft, q) - robot.HipPosition(kRearLeft, q)).norm());
+  }
+  EXPECT_NEAR(robot.LegLength(kRearLeft), most, 1e-3 * most);
 }
 
 TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
