@@ -31,8 +31,8 @@ struct SupervisorParams {
   double dwell = 1;                 ///< in a mode before pulls count [s]
   double turn_rate = 0.3;           ///< at most [rad/s]
   double turn_gain = 1;             ///< turning rate over heading error [1/s]
-  double heading_tolerance = 0.02;  ///< at which the robot has the new direction, [rad]
-  double align_time = 0.3;          ///< once it has been so for this time: a stumble turns it too [s]
+  double heading_tolerance = 0.02;  ///< within which the robot has the new direction [rad]
+  double align_time = 0.3;          ///< for which it must; in a stumble the trunk passes through [s]
   Rate rate = Hz(100);
 
   static constexpr auto Fields() {

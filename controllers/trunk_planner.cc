@@ -14,9 +14,11 @@ namespace tenon {
 
 void TrunkPlannerParams::Validate() const {
   Demand(std::isfinite(bandwidth) && bandwidth > 0,
-         fmt::format("bandwidth = {} rad/s must be positive: the trunk would not answer a push", bandwidth));
+         fmt::format("bandwidth = {} rad/s must be finite and positive: the trunk would not answer a push",
+                     bandwidth));
   Demand(std::isfinite(sway_limit) && sway_limit >= 0,
-         fmt::format("sway_limit = {} rad/s^2 must not be negative; 0 keeps the trunk level", sway_limit));
+         fmt::format("sway_limit = {} rad/s^2 must be finite and not negative; 0 keeps the trunk level",
+                     sway_limit));
 }
 
 // `a` of the header, in the swing of this step; zero unless two feet stay on the ground in it.

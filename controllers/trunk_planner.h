@@ -17,7 +17,7 @@ namespace tenon {
 struct TrunkPlannerParams {
   QuadrupedDescription robot;
   double bandwidth = 20;   ///< of the filter through which the wrench goes [rad/s]
-  double sway_limit = 80;  ///< of the sway's angular acceleration in stance; 0 keeps the trunk level [rad/s^2]
+  double sway_limit = 80;  ///< of the angular acceleration in stance; 0 keeps the trunk level [rad/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
@@ -30,8 +30,11 @@ struct TrunkPlannerParams {
 ///
 ///     a = n . (t - (p - c) x f) / (n . I n) n,
 ///
-/// with the horizontal part of f: under a vertical one the CoM passes the line in the middle of the swing. f
-/// and t are low-pass filtered: what goes to and fro in a step is no steady push.
+/// with the horizontal part of f: the CoM passes the line in the middle of the swing, so that weight and
+/// loads have no moment in the mean. (Feet that SwingPlanner has shifted against the push take a part of it,
+/// which is not taken off here.) f and t are low-pass filtered: what goes to and fro in a step is no steady
+/// push.
+///
 /// A trunk that begins the swing level and at rest is tilted and turning at its end. This planner begins it
 /// with half of the rate the other way: in a swing of the duration T, at the time s,
 ///
@@ -41,8 +44,9 @@ struct TrunkPlannerParams {
 /// not by 1/2 a T^2; and the torque that is asked for is the one that there is. In the stance of all feet, S
 /// seconds long, a cubic leads from the rate at the last touchdown to that of the coming lift-off: the torque
 /// that the push takes in the swing is given back here. Its acceleration, and with it a, is limited:
-/// a T / 2 <= sway_limit S / 6. While the gait clock waits, the sway does. Gaits that stand on more than two
-/// feet, and standing, do not sway, nor does a robot that nothing pushes.
+/// a T / 2 <= sway_limit S / 6, so that a gait without such stances does not sway. While the gait clock
+/// waits, angle and rate stay as they are. Where the timetable leaves other than two feet on the ground in a
+/// swing, and standing, there is no sway, nor is there without a push.
 ///
 /// The sway is a rotation about axes of W on top of the attitude of `body`, small in angle, and is added to
 /// its rates; CoM and the rest are passed on.
@@ -60,8 +64,8 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
 
   /// What the planner remembers.
   struct Memory {
-    WrenchEstimate push;               ///< filtered
-    Vec<3> rate = Vec<3>::Zero();      ///< of the sway at the last touchdown [rad/s]
+    WrenchEstimate push;           ///< filtered
+    Vec<3> rate = Vec<3>::Zero();  ///< of the sway at the last touchdown [rad/s]
 
     static constexpr auto Fields() {
       return std::tuple{Field{"push", &Memory::push}, Field{"rate", &Memory::rate, "rad/s"}};

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <chrono>
+#include <cmath>
 
 #include "tenon/controllers/shortened.h"
 #include "tenon/plants/description/quaternion.h"
@@ -39,9 +40,9 @@ void WholeBodyGains::Validate() const {
   Demand(swing_limit > 0, fmt::format("swing_limit = {} must be positive", swing_limit));
   Demand(stretch_limit > 0 && stretch_limit <= 1,
          fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
-  Demand(
-      stretch_stiffness >= 0,
-      fmt::format("stretch_stiffness = {} must not be negative: it would stretch legs", stretch_stiffness));
+  Demand(std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
+         fmt::format("stretch_stiffness = {} must be finite and not negative: it would stretch legs",
+                     stretch_stiffness));
   qp.Validate();
 }
 

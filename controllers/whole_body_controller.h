@@ -66,8 +66,9 @@ struct WholeBodyGains {
                       Field{"leg_compensation", &WholeBodyGains::compensation},
                       Field{"qp", &WholeBodyGains::qp}};
   }
-  void Validate() const;  ///< throws ParameterError unless limits and stiffness > 0 (the stretch's may be 0),
-                          ///< damping >= 0
+  /// Throws ParameterError unless limits and stiffnesses are positive (that of the stretch may be 0, its
+  /// limit is at most 1), damping is not negative, and the QP's are valid.
+  void Validate() const;
 };
 
 struct WholeBodyParams {

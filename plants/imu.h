@@ -12,7 +12,7 @@ namespace tenon {
 /// Defaults: a small industrial unit without bias.
 struct ImuParams {
   Rate rate = Hz(1000);
-  Vec<3> p_B = Vec<3>::Zero();                              ///< where it is [m]
+  Vec<3> p_B = Vec<3>::Zero();  ///< where it is; QuadrupedWorld takes the robot's, CdprEstimator 0 [m]
   Vec<3> angular_velocity_noise = Vec<3>::Constant(0.005);  ///< standard deviation per axis [rad/s]
   Vec<3> specific_force_noise = Vec<3>::Constant(0.05);     ///< standard deviation per axis [m/s^2]
   Vec<3> angular_velocity_bias = Vec<3>::Zero();            ///< added to all samples [rad/s]

@@ -41,6 +41,9 @@ double PassiveTorque(double q, double qd, const JointDescription& joint, const D
 void QuadrupedPlantParams::Validate() const {
   if (!(robot.mass() > 0))
     throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+  if (!(std::isfinite(payload.mass) && payload.com.allFinite() && payload.inertia.allFinite()))
+    throw ParameterError(
+        "the payload is not finite; give mass, centre of mass and inertia in SI units, 0 kg for none");
   if (robot.foot_radius > Terrain::kMaxRadius)
     throw ParameterError(
         fmt::format("the feet of '{}' have a radius of {} m, but the terrain takes at most {} m", robot.name,

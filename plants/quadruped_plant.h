@@ -58,9 +58,9 @@ struct LeggedEnergy {
 ///                foot_slips       velocity of each foot's point in contact along the ground [m/s]
 ///                joint_torque     what the drives give after their limits [N m]
 ///                energy           kinetic, potential
-///                external_wrench  of `external` and the payload's weight, about the CoM of the robot without
-///                it external_torque  of `external` on the joints [N m] geometry         what it looks like,
-///                terrain included
+///                external_wrench  of `external` and the payload's weight, about the CoM without payload
+///                external_torque  of `external` on the joints [N m]
+///                geometry         what it looks like, terrain included
 ///
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -22,7 +24,8 @@ constexpr GaitTiming kCrawl{.num_steps = 4, .step = {0, 1, 2, 3}, .stance = 0.15
 /// A robot in its nominal stance under a gait clock that the test drives.
 class Walk {
  public:
-  explicit Walk(double sway_limit = 80) : rig_(TrunkPlannerParams{.robot = DogBot(), .sway_limit = sway_limit}) {
+  explicit Walk(double sway_limit = 80)
+      : rig_(TrunkPlannerParams{.robot = DogBot(), .sway_limit = sway_limit}) {
     schedule.timing = kTrot;
     state = test::Standing(DogBot());
   }
@@ -123,7 +126,8 @@ TEST(TrunkPlannerTest, RatesAreTheDerivatives) {
   walk.Wait();
   const std::vector<BodyReference> r = walk.Cycles(2);
   for (std::size_t i = 1; i + 1 < r.size(); ++i) {
-    const Vec<3> rate = (Angle(r[i + 1]) - Angle(r[i - 1])) / 2e-3, alpha = (r[i + 1].w_W - r[i - 1].w_W) / 2e-3;
+    const Vec<3> rate = (Angle(r[i + 1]) - Angle(r[i - 1])) / 2e-3,
+                 alpha = (r[i + 1].w_W - r[i - 1].w_W) / 2e-3;
     ASSERT_THAT(r[i].w_W, IsNear(rate, 0.01)) << i;
     const std::size_t t = i % 265;  // the acceleration jumps at lift-off and touchdown
     if (t <= 1 || t >= 264 || std::abs(static_cast<int>(t) - 150) <= 1) continue;
@@ -194,7 +198,7 @@ TEST(TrunkPlannerTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .sway_limit = -1}); },
                                      "sway_limit = -1 rad/s^2", "0 keeps the trunk level"));
   EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .bandwidth = 0}); },
-                                     "bandwidth = 0 rad/s must be positive"));
+                                     "bandwidth = 0 rad/s must be finite and positive"));
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
   EXPECT_EQ(moved.Load().imu_B, Eigen::Vector3d(0.1, -0.2, 0.3));
   RobotFiles nowhere("dogbot");
   nowhere.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [.nan, 0, 0]");
-  EXPECT_TRUE(Refused(nowhere, "dogbot.yaml"));
+  EXPECT_TRUE(Refused(nowhere, "dogbot.yaml", "imu_position_m.0: expected a finite number"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesAStanceThatCannotBe) {
