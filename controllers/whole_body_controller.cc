@@ -63,7 +63,8 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
                                             const LegForceEstimate& leg_forces) const {
   WholeBodyTask task;
   const Eigen::Vector3d up(0, 0, model_.gravity());
-  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * state.R_WB().transpose());
+  const Eigen::Matrix3d R_WB = state.R_WB();
+  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * R_WB.transpose());
   const Eigen::Vector3d lean = turn.angle() * turn.axis();
   task.wrench.head<3>() = params.gains.com_stiffness * (body.com_W - dynamics.com_W) +
                           params.gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
@@ -85,7 +86,7 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     task.stance[i] = schedule.legs[i].stance();
     const Vec<3>& v_W = dynamics.feet[i].v_W;
     if (task.stance[i]) {
-      const Eigen::Vector3d hip_W = state.p_WB + state.R_WB() * params.robot.HipPosition(leg, state.q);
+      const Eigen::Vector3d hip_W = state.p_WB + R_WB * params.robot.HipPosition(leg, state.q);
       const Eigen::Vector3d to_hip = hip_W - dynamics.feet[i].p_W;
       const double length = to_hip.norm();
       const double excess = length - params.gains.stretch_limit * params.robot.LegLength(leg);
