@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "tenon/systems/fields.h"
-#include "tenon/systems/signal.h"
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/signal.h>
 
 namespace tenon {
 

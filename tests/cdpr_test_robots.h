@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/description/cdpr_description.h>
+#include <tenon/plants/model/cdpr_description.h>
 
 #include <cmath>
 #include <numbers>

@@ -1,10 +1,10 @@
-#include "tenon/apps/common/columns.h"
+#include <tenon/apps/common/columns.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "tenon/systems/errors.h"
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
 

@@ -1,11 +1,11 @@
-#include "tenon/apps/common/command_line.h"
+#include <tenon/apps/common/command_line.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "tenon/plants/description/resources.h"
-#include "tenon/systems/errors.h"
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tenon/systems/yaml.h"
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

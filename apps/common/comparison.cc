@@ -1,4 +1,4 @@
-#include "tenon/apps/common/comparison.h"
+#include <tenon/apps/common/comparison.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tenon/apps/common/outputs.h"
+#include <tenon/apps/common/outputs.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,4 @@
-#include "tenon/apps/common/outputs.h"
+#include <tenon/apps/common/outputs.h>
 
 #include <fmt/core.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tenon/systems/errors.h"
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
 

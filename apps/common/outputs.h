@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "tenon/apps/common/command_line.h"
-#include "tenon/apps/common/progress.h"
-#include "tenon/systems/diagram.h"
-#include "tenon/systems/report/report.h"
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/report/report.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,4 @@
-#include "tenon/apps/common/progress.h"
+#include <tenon/apps/common/progress.h>
 
 #include <fmt/core.h>
 #include <unistd.h>

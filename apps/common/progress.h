@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "tenon/systems/simulator.h"
+#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps {
 

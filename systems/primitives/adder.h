@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "tenon/systems/primitives/elementwise.h"
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/elementwise.h>
 
 namespace tenon {
 

@@ -3,7 +3,7 @@
 #include <concepts>
 #include <type_traits>
 
-#include "tenon/systems/signal.h"
+#include <tenon/systems/framework/signal.h>
 
 namespace tenon::internal {
 

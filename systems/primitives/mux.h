@@ -3,7 +3,7 @@
 #include <deque>
 #include <string>
 
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
 
 namespace tenon {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "tenon/systems/primitives/elementwise.h"
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/elementwise.h>
 
 namespace tenon {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <string>
 
-#include "tenon/systems/primitives/elementwise.h"
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/elementwise.h>
 
 namespace tenon {
 

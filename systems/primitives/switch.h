@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
 
 namespace tenon {
 

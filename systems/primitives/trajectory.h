@@ -6,8 +6,8 @@
 #include <tuple>
 #include <vector>
 
-#include "tenon/systems/primitives/elementwise.h"
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/elementwise.h>
 
 namespace tenon {
 

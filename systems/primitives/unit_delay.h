@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tenon/systems/state.h"
+#include <tenon/systems/framework/state.h>
 
 namespace tenon {
 

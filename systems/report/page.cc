@@ -1,4 +1,4 @@
-#include "tenon/systems/report/page.h"
+#include <tenon/systems/report/page.h>
 
 #include <fmt/core.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "tenon/systems/errors.h"
-#include "tenon/systems/report/page_parts.h"
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/report/page_parts.h>
 
 namespace tenon::internal {
 namespace {

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <vector>
 
-#include "tenon/systems/geometry.h"
-#include "tenon/systems/simulator.h"
+#include <tenon/systems/geometry.h>
+#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

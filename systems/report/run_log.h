@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tenon/systems/geometry.h"
-#include "tenon/systems/signal_log.h"
+#include <tenon/systems/geometry.h>
+#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::internal {
 

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "tenon/tests/apps/run_app.h"
+#include <tenon/tests/apps/run_app.h>
 
 namespace tenon {
 namespace {

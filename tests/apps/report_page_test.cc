@@ -7,8 +7,8 @@
 #include <fstream>
 #include <thread>
 
-#include "tenon/tests/apps/run_app.h"
-#include "tenon/tests/systems/report/browser.h"
+#include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/systems/report/browser.h>
 
 namespace tenon {
 namespace {

@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "tenon/systems/diagram.h"
-#include "tenon/systems/primitives/adder.h"
-#include "tenon/systems/primitives/gain.h"
-#include "tenon/systems/primitives/integrator.h"
-#include "tenon/systems/simulator.h"
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/integrator.h>
+#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 namespace {

@@ -32,14 +32,14 @@
 #include <string>
 #include <vector>
 
-#include "tenon/controllers/joint_pd.h"
-#include "tenon/plants/description/quadruped_model.h"
-#include "tenon/plants/quadruped_plant.h"
-#include "tenon/systems/diagram_builder.h"
-#include "tenon/systems/simulator.h"
-#include "tenon/tests/plants/quadruped_mujoco.h"
-#include "tenon/tests/plants/quadruped_simbody.h"
-#include "tenon/tests/plants/quadruped_test_robot.h"
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_mujoco.h>
+#include <tenon/tests/plants/model/quadruped_simbody.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon {
 namespace {

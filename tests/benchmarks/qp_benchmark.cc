@@ -21,8 +21,8 @@
 #include <limits>
 #include <vector>
 
-#include "tenon/controllers/whole_body_qp.h"
-#include "tenon/tests/diagrams/trot_recording.h"
+#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
+#include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
 namespace {

@@ -2,10 +2,10 @@
 // of 0.5 m radius in 10 s. The start is 2 cm off, so that every call has something to do.
 
 #include <benchmark/benchmark.h>
-#include <tenon/controllers/cdpr_tracking_problem.h>
-#include <tenon/controllers/equilibrium_path.h>
-#include <tenon/controllers/slq.h>
-#include <tenon/plants/description/resources.h>
+#include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/controllers/optimization/slq.h>
+#include <tenon/plants/model/resources.h>
 
 #include <algorithm>
 #include <chrono>

@@ -19,7 +19,7 @@
 #include <numeric>
 #include <vector>
 
-#include "tenon/tests/diagrams/trot_recording.h"
+#include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
 namespace {

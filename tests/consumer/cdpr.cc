@@ -1,8 +1,8 @@
 // A cable robot that holds its place, from the installed package.
 
-#include <tenon/diagrams/cdpr_loop.h>
-#include <tenon/plants/description/resources.h>
-#include <tenon/systems/simulator.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/simulation/simulator.h>
 
 #include <cstdio>
 

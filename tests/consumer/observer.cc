@@ -1,11 +1,11 @@
 // An observer of one's own in the loop of a walking quadruped, from the installed package: a spring balance
 // that takes the whole error of the CoM for the work of a force.
 
-#include <tenon/diagrams/legged_locomotion.h>
-#include <tenon/diagrams/locomotion_profile.h>
-#include <tenon/diagrams/quadruped_walk.h>
-#include <tenon/plants/description/resources.h>
-#include <tenon/systems/simulator.h>
+#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/simulation/simulator.h>
 
 #include <cstdio>
 

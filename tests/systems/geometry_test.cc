@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/diagram.h>
+#include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/geometry.h>
-#include <tenon/systems/simulator.h>
+#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 namespace {

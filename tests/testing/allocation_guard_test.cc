@@ -1,4 +1,4 @@
-#include "tenon/tests/testing/allocation_guard.h"
+#include <tenon/tests/testing/allocation_guard.h>
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "tenon/tests/testing/derivative_check.h"
+#include <tenon/tests/testing/derivative_check.h>
 
 #include <gmock/gmock.h>
 
 #include <limits>
 
-#include "tenon/systems/signal.h"
-#include "tenon/tests/testing/matchers.h"
+#include <tenon/systems/framework/signal.h>
+#include <tenon/tests/testing/matchers.h>
 
 namespace tenon {
 namespace {

@@ -1,9 +1,9 @@
-#include "tenon/tests/testing/expect_throws.h"
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
 
-#include "tenon/systems/errors.h"
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon {
 namespace {

@@ -1,10 +1,10 @@
-#include "tenon/tests/testing/matchers.h"
+#include <tenon/tests/testing/matchers.h>
 
 #include <gtest/gtest-spi.h>
 
 #include <limits>
 
-#include "tenon/systems/signal.h"
+#include <tenon/systems/framework/signal.h>
 
 namespace tenon {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "tenon/systems/diagram.h"
-#include "tenon/systems/simulator.h"
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

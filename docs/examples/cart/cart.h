@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
 #include <tenon/systems/geometry.h>
-#include <tenon/systems/ports.h>
-#include <tenon/systems/state.h>
-#include <tenon/systems/system.h>
 
 struct CartParams {
   double mass = 2;  // kg

@@ -1,16 +1,16 @@
-#include "tenon/systems/primitives/discrete_low_pass.h"
+#include <tenon/systems/primitives/discrete_low_pass.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tenon/systems/primitives/gain.h"
-#include "tenon/systems/primitives/low_pass_filter.h"
-#include "tenon/systems/primitives/zero_order_hold.h"
-#include "tenon/tests/testing/allocation_guard.h"
-#include "tenon/tests/testing/expect_throws.h"
-#include "tenon/tests/testing/matchers.h"
-#include "tenon/tests/testing/test_rig.h"
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/low_pass_filter.h>
+#include <tenon/systems/primitives/zero_order_hold.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon {
 namespace {

@@ -1,9 +1,9 @@
-#include "tenon/systems/primitives/mux.h"
+#include <tenon/systems/primitives/mux.h>
 
 #include <gtest/gtest.h>
 
-#include "tenon/tests/testing/matchers.h"
-#include "tenon/tests/testing/test_rig.h"
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon {
 namespace {

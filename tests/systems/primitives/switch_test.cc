@@ -1,10 +1,10 @@
-#include "tenon/systems/primitives/switch.h"
+#include <tenon/systems/primitives/switch.h>
 
 #include <gtest/gtest.h>
 
-#include "tenon/tests/testing/expect_throws.h"
-#include "tenon/tests/testing/matchers.h"
-#include "tenon/tests/testing/test_rig.h"
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon {
 namespace {

@@ -1,4 +1,4 @@
-#include "tenon/systems/primitives/transfer_function.h"
+#include <tenon/systems/primitives/transfer_function.h>
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-#include "tenon/systems/primitives/gain.h"
-#include "tenon/tests/testing/expect_throws.h"
-#include "tenon/tests/testing/test_rig.h"
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon {
 namespace {

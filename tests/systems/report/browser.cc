@@ -1,4 +1,4 @@
-#include "browser.h"
+#include <tenon/tests/systems/report/browser.h>
 
 #include <fcntl.h>
 #include <poll.h>

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "../test_blocks.h"
-#include "browser.h"
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/systems/report/browser.h>
 
 namespace tenon {
 namespace {

@@ -1,0 +1,116 @@
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::apps {
+
+void PathScenario::Validate() const {
+  const std::size_t points = points_m.size();
+  if (kind == PathKind::kCircle) return;  // Path::Circle judges its numbers
+  if (kind == PathKind::kHold) {
+    Demand(points == 1, fmt::format("a path that holds needs one entry in points_m, found {}", points));
+    return;
+  }
+  Demand(kind != PathKind::kLine || points == 2,
+         fmt::format("a line needs two entries in points_m, found {}", points));
+  Demand(times_s.size() == points,
+         fmt::format("points_m has {} entries and times_s has {}: give one time per point", points,
+                     times_s.size()));
+}
+
+Path PathScenario::Make() const {
+  switch (kind) {
+    case PathKind::kHold:
+      return Path::Hold(points_m[0]);
+    case PathKind::kLine:
+    case PathKind::kSpline:
+      return Path::Spline(points_m, times_s);
+    case PathKind::kCircle:
+      break;
+  }
+  return Path::Circle(center_m, radius_m, period_s, ramp_s);
+}
+
+void CdprScenario::Validate() const {
+  Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
+  Demand(
+      controller == CdprController::kPd || mpc.has_value(),
+      fmt::format("controller is '{}' but there is no section mpc: give its weights", EnumName(controller)));
+  Demand(!mpc || mpc->mass_error > -1, "mpc.mass_error must be above -1: the model would have no mass");
+  Demand(payload.mass_kg >= 0, fmt::format("payload.mass_kg = {} must not be negative", payload.mass_kg));
+  Demand(
+      payload.release_s >= payload.attach_s,
+      fmt::format("payload.release_s = {} lies before attach_s = {}", payload.release_s, payload.attach_s));
+}
+
+namespace {
+
+CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
+                            const std::shared_ptr<const EquilibriumPath>& path) {
+  const MpcScenario& mpc = *scenario.mpc;
+  const MpcWeightsScenario& weights = mpc.weights;
+  CdprMpcParams params;
+  params.path = path;
+  params.equilibrium_input = scenario.controller == CdprController::kMpcEquilibrium;
+  params.horizon = mpc.horizon_s;
+  params.num_steps = mpc.num_steps;
+  params.weights = {weights.position, weights.velocity, weights.attitude, weights.angular_velocity,
+                    weights.tension};
+  params.slq.method = mpc.method;
+  params.rate = Hz(mpc.rate_hz);
+  params.command_rate = Hz(mpc.command_rate_hz);
+  params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
+  return params;
+}
+
+}  // namespace
+
+CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
+  CdprLoopParams params;
+  params.robot = LoadCdpr(FindResource("robots", scenario.robot));
+  CdprDescription believed = params.robot;
+  if (scenario.mpc) {
+    believed.mass *= 1 + scenario.mpc->mass_error;
+    believed.inertia_B *= 1 + scenario.mpc->mass_error;
+  }
+  params.path = std::make_shared<EquilibriumPath>(believed, scenario.path.Make(),
+                                                  StaticsOptions{.attitude = scenario.path.attitude_rad});
+  if (scenario.controller != CdprController::kPd) params.mpc = MakeMpcParams(scenario, params.path);
+  params.start_offset = scenario.start_offset_m;
+  params.start_turn = scenario.start_turn_rad;
+  params.control_rate = Hz(scenario.pd.rate_hz);
+  params.pd_stiffness_N_per_m = scenario.pd.stiffness_N_per_m;
+  params.pd_damping_N_s_per_m = scenario.pd.damping_N_s_per_m;
+  params.payload.payload = {scenario.payload.mass_kg, scenario.payload.position_m};
+  params.payload.attach_s = scenario.payload.attach_s;
+  params.payload.release_s = scenario.payload.release_s;
+  params.pose_sensor.rate = Hz(scenario.noise.pose_rate_hz);
+  params.pose_sensor.position_noise.setConstant(scenario.noise.position_m);
+  params.pose_sensor.attitude_noise.setConstant(scenario.noise.attitude_rad);
+  params.imu.rate = Hz(scenario.noise.imu_rate_hz);
+  params.imu.angular_velocity_noise.setConstant(scenario.noise.angular_velocity_rad_per_s);
+  params.imu.specific_force_noise.setConstant(scenario.noise.acceleration_m_per_s2);
+  // The filter knows its sensors, but takes none for perfect.
+  params.estimator.rate = Hz(scenario.noise.pose_rate_hz);
+  params.estimator.position_noise = std::max(scenario.noise.position_m, 1e-4);
+  params.estimator.attitude_noise = std::max(scenario.noise.attitude_rad, 1e-4);
+  params.estimator.angular_velocity_noise = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
+  params.estimator.specific_force_noise = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
+  params.forbid_slack = scenario.forbid_slack;
+  return params;
+}
+
+SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {
+  return {.method = Method::kErk,
+          .order = scenario.integrator.order,
+          .rtol = scenario.integrator.rtol,
+          .atol = scenario.integrator.atol,
+          .seed = scenario.seed};
+}
+
+}  // namespace tenon::apps

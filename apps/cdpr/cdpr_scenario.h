@@ -1,0 +1,198 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <tenon/apps/common/outputs.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/simulation/simulator_options.h>
+
+namespace tenon::apps {
+
+enum class PathKind { kHold, kLine, kCircle, kSpline };
+constexpr auto EnumNames(PathKind) {
+  return std::array{std::pair{PathKind::kHold, "hold"}, std::pair{PathKind::kLine, "line"},
+                    std::pair{PathKind::kCircle, "circle"}, std::pair{PathKind::kSpline, "spline"}};
+}
+
+/// The path of the platform's CoM, in the world.
+struct PathScenario {
+  PathKind kind = PathKind::kCircle;
+  Eigen::Vector3d center_m{0, 0, 2};  ///< of the circle
+  double radius_m = 0.5;
+  double period_s = 10;
+  double ramp_s = 5;                      ///< time in which the circle's speed is reached
+  std::vector<Eigen::Vector3d> points_m;  ///< of hold (1), line (2) and spline
+  std::vector<double> times_s;            ///< of the points; a line and a spline need them
+  /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
+  std::optional<Eigen::Vector3d> attitude_rad;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required("kind", &PathScenario::kind),      Field{"center_m", &PathScenario::center_m},
+        Field{"radius_m", &PathScenario::radius_m}, Field{"period_s", &PathScenario::period_s},
+        Field{"ramp_s", &PathScenario::ramp_s},     Field{"points_m", &PathScenario::points_m},
+        Field{"times_s", &PathScenario::times_s},   Field{"attitude_rad", &PathScenario::attitude_rad}};
+  }
+  void Validate() const;  ///< throws ParameterError
+  Path Make() const;
+};
+
+struct PdScenario {
+  double stiffness_N_per_m = 0;
+  double damping_N_s_per_m = 0;
+  double rate_hz = 1000;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
+                      Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m),
+                      Field{"rate_hz", &PdScenario::rate_hz}};
+  }
+};
+
+/// The weights of the optimal control problem, see CdprMpcWeights.
+struct MpcWeightsScenario {
+  double position = 0;
+  double velocity = 0;
+  double attitude = 0;
+  double angular_velocity = 0;
+  double tension = 0;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("position_per_m2", &MpcWeightsScenario::position),
+                      Required("velocity_s2_per_m2", &MpcWeightsScenario::velocity),
+                      Required("attitude_per_rad2", &MpcWeightsScenario::attitude),
+                      Required("angular_velocity_s2_per_rad2", &MpcWeightsScenario::angular_velocity),
+                      Required("tension_per_N2", &MpcWeightsScenario::tension)};
+  }
+};
+
+struct MpcScenario {
+  double horizon_s = 1;
+  int num_steps = 25;
+  double rate_hz = 100;
+  double command_rate_hz = 1000;
+  MpcWeightsScenario weights;
+  StepMethod method = StepMethod::kRungeKutta4;
+  double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
+  int max_fallbacks_in_a_row = 50;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"horizon_s", &MpcScenario::horizon_s},
+                      Field{"num_steps", &MpcScenario::num_steps},
+                      Field{"rate_hz", &MpcScenario::rate_hz},
+                      Field{"command_rate_hz", &MpcScenario::command_rate_hz},
+                      Required("weights", &MpcScenario::weights),
+                      Field{"method", &MpcScenario::method},
+                      Field{"mass_error", &MpcScenario::mass_error},
+                      Field{"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
+  }
+};
+
+/// A mass hung at the platform for part of the run; the controller does not know of it.
+struct PayloadScenario {
+  double mass_kg = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
+  double attach_s = 0;
+  double release_s = 0;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"mass_kg", &PayloadScenario::mass_kg}, Field{"position_m", &PayloadScenario::position_m},
+        Field{"attach_s", &PayloadScenario::attach_s}, Field{"release_s", &PayloadScenario::release_s}};
+  }
+};
+
+struct NoiseScenario {
+  double position_m = 0.005;
+  double attitude_rad = 0.01;
+  double angular_velocity_rad_per_s = 0.005;
+  double acceleration_m_per_s2 = 0.05;
+  double pose_rate_hz = 200;
+  double imu_rate_hz = 200;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"position_m", &NoiseScenario::position_m},
+                      Field{"attitude_rad", &NoiseScenario::attitude_rad},
+                      Field{"angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s},
+                      Field{"acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2},
+                      Field{"pose_rate_hz", &NoiseScenario::pose_rate_hz},
+                      Field{"imu_rate_hz", &NoiseScenario::imu_rate_hz}};
+  }
+};
+
+/// The defaults take one step per millisecond on D1; the platform is then 3 micrometres off a run with order
+/// 5 and rtol 1e-9 after 20 s.
+struct IntegratorScenario {
+  int order = 2;
+  double rtol = 1e-3;
+  double atol = 1e-5;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"order", &IntegratorScenario::order}, Field{"rtol", &IntegratorScenario::rtol},
+                      Field{"atol", &IntegratorScenario::atol}};
+  }
+};
+
+enum class CdprController { kPd, kMpcEquilibrium, kMpcZero };
+constexpr auto EnumNames(CdprController) {
+  return std::array{std::pair{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
+                    std::pair{CdprController::kMpcZero, "mpc_zero"}, std::pair{CdprController::kPd, "pd"}};
+}
+
+/// A run of tenon-cdpr, as its YAML file says it.
+struct CdprScenario {
+  std::string app;
+  std::string description;
+  std::string case_name;
+  std::string robot = "cdpr_4";  ///< a shipped robot or a YAML file
+  double duration_s = 60;
+  std::uint64_t seed = 1;
+  CdprController controller = CdprController::kPd;
+  PathScenario path;
+  PdScenario pd;
+  std::optional<MpcScenario> mpc;           ///< needed for the controllers mpc_...
+  Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
+  Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
+  PayloadScenario payload;
+  NoiseScenario noise;
+  IntegratorScenario integrator;
+  double log_rate_hz = 200;
+  bool forbid_slack = true;  ///< a slack cable ends the run, exit code 3
+  ReportScenario report;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("app", &CdprScenario::app),
+                      Field{"description", &CdprScenario::description},
+                      Required("case", &CdprScenario::case_name),
+                      Field{"robot", &CdprScenario::robot},
+                      Field{"duration_s", &CdprScenario::duration_s},
+                      Field{"seed", &CdprScenario::seed},
+                      Field{"controller", &CdprScenario::controller},
+                      Required("path", &CdprScenario::path),
+                      Required("pd", &CdprScenario::pd),
+                      Field{"mpc", &CdprScenario::mpc},
+                      Field{"start_offset_m", &CdprScenario::start_offset_m},
+                      Field{"start_turn_rad", &CdprScenario::start_turn_rad},
+                      Field{"payload", &CdprScenario::payload},
+                      Field{"noise", &CdprScenario::noise},
+                      Field{"integrator", &CdprScenario::integrator},
+                      Field{"log_rate_hz", &CdprScenario::log_rate_hz},
+                      Field{"forbid_slack", &CdprScenario::forbid_slack},
+                      Field{"report", &CdprScenario::report}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What the diagram needs to know of a scenario. Reads the robot, and finds the equilibria along the path, so
+/// that a path outside the workspace is refused here, before any run.
+CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
+SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
+
+}  // namespace tenon::apps

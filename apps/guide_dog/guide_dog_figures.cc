@@ -1,0 +1,120 @@
+#include <tenon/apps/guide_dog/guide_dog_figures.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <tenon/apps/common/columns.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr std::size_t kSecond = 1000;  // rows
+constexpr double kStandingTime = 0.5;  // [s]
+
+bool Is(double value, auto enumerator) {
+  return value == static_cast<double>(enumerator);
+}
+
+}  // namespace
+
+std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
+  std::vector<const Source*> signals{&loop.leash.leash,
+                                     &loop.person.person,
+                                     &loop.person.intent,
+                                     &loop.supervisor.status,
+                                     &loop.admittance.motion,
+                                     &loop.observer.wrench,
+                                     &loop.obstacles.obstacle,
+                                     &loop.world.plant.state,
+                                     &loop.world.plant.joint_torque,
+                                     &loop.world.plant.external_wrench,
+                                     &loop.world.plant.foot_forces,
+                                     &loop.world.plant.foot_slips,
+                                     &loop.locomotion.body,
+                                     &loop.locomotion.schedule,
+                                     &loop.errors.errors};
+  if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  return signals;
+}
+
+void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
+  tension_ = Column(names, "loop.leash.leash.tension");
+  length_ = Column(names, "loop.leash.leash.length");
+  direction_ = Columns(names, "loop.leash.leash.direction_W");
+  mode_ = Column(names, "loop.supervisor.status.mode");
+  activity_ = Column(names, "loop.person.intent.activity");
+  speed_ = Column(names, "loop.person.intent.speed");
+  obstacle_ = Column(names, "loop.obstacles.obstacle");
+  velocity_ = Columns(names, "loop.world.plant.state.v_W");
+  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
+}
+
+void GuideDogFigures::Row(std::span<const double> row) {
+  LeashRow(row);
+  StopRow(row);
+  HeadingRow(row);
+  last_mode_ = row[mode_];
+  last_time_ = row[0];
+}
+
+void GuideDogFigures::LeashRow(std::span<const double> row) {
+  const double tension = row[tension_], distance = row[length_];
+  tension_max_ = std::max(tension_max_, tension);
+
+  const bool together =
+      Is(row[mode_], GuideMode::kMove) && Is(row[activity_], Activity::kFollow) && row[speed_] > 0;
+  leads_ = together && (leads_ || tension >= desired_tension_);
+  if (!leads_) return;
+  distance_min_ = counted_ == 0 ? distance : std::min(distance_min_, distance);
+  distance_max_ = counted_ == 0 ? distance : std::max(distance_max_, distance);
+  ++counted_;
+  tension_sum_ += tension;
+  distance_sum_ += distance;
+}
+
+void GuideDogFigures::StopRow(std::span<const double> row) {
+  if (stop_delay_) return;
+  const bool moves = !Is(last_mode_, GuideMode::kStop);
+  if (!cause_ && moves && (row[tension_] > threshold_ || row[obstacle_] != 0)) cause_ = row[0];
+  if (cause_ && moves && row[tension_] <= threshold_ && row[obstacle_] == 0) cause_.reset();
+  if (!cause_) return;
+  if (std::hypot(row[velocity_[0]], row[velocity_[1]]) >= kStanding) {
+    standing_.reset();
+    return;
+  }
+  if (!standing_) standing_ = row[0];
+  if (row[0] - *standing_ >= kStandingTime) stop_delay_ = *standing_ - *cause_;
+}
+
+void GuideDogFigures::HeadingRow(std::span<const double> row) {
+  const Eigen::Matrix3d R =
+      RotationFromQuaternion({row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
+  if (headings_.size() == kSecond) headings_.pop_front();
+  headings_.emplace_back(R(0, 0), R(1, 0));
+  if (Is(last_mode_, GuideMode::kStop) && Is(row[mode_], GuideMode::kTurn))
+    pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
+}
+
+void GuideDogFigures::AddTo(Summary& summary) const {
+  const auto mean = [](double sum, long count) {
+    return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
+  };
+  const auto known = [&](double value) { return counted_ > 0 ? std::optional(value) : std::nullopt; };
+  summary.Set("tension_mean_N", mean(tension_sum_, counted_));
+  summary.Set("tension_max_N", tension_max_);
+  summary.Set("distance_mean_m", mean(distance_sum_, counted_));
+  summary.Set("distance_min_m", known(distance_min_));
+  summary.Set("distance_max_m", known(distance_max_));
+  summary.Set("stop_delay_s", stop_delay_);
+  std::optional<double> heading_error;
+  if (pull_yaw_) {
+    Vec<2> sum = Vec<2>::Zero();
+    for (const Vec<2>& heading : headings_) sum += heading;
+    heading_error = 180 / std::numbers::pi *
+                    std::abs(std::remainder(std::atan2(sum[1], sum[0]) - *pull_yaw_, 2 * std::numbers::pi));
+  }
+  summary.Set("heading_error_deg", heading_error);
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include <tenon/apps/common/outputs.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/systems/simulation/signal_log.h>
+
+namespace tenon::apps {
+
+/// The figures of a person on a leash, gathered while the robot runs from a log of every control tick. The
+/// leash's are the true ones.
+///
+/// Mean tension and distance count while the robot goes as commanded and the person follows, from when the
+/// tension first reaches the desired one after each start. The stop's delay is the time from the first cause,
+/// tension above the threshold or an obstacle, until the trunk is slower than `kStanding` for half a second.
+/// The heading's error is that of the mean heading in the last second of the run, against the direction in
+/// which the leash pulled the robot when it last started.
+class GuideDogFigures final : public LogSink {
+ public:
+  static constexpr double kStanding = 0.02;  // m/s
+
+  /// What has to be logged for it, in a diagram that calls the GuideDog "loop".
+  static std::vector<const Source*> Signals(const GuideDog& loop);
+
+  GuideDogFigures(double desired_tension, double threshold)
+      : desired_tension_(desired_tension), threshold_(threshold) {}
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
+  void Row(std::span<const double> row) override;
+  /// Writes them down.
+  void AddTo(Summary& summary) const;
+
+ private:
+  void LeashRow(std::span<const double> row);
+  void StopRow(std::span<const double> row);
+  void HeadingRow(std::span<const double> row);
+
+  double desired_tension_, threshold_;
+
+  std::size_t tension_ = 0, length_ = 0, mode_ = 0, activity_ = 0, speed_ = 0, obstacle_ = 0;
+  std::vector<std::size_t> direction_, velocity_, attitude_;
+
+  long counted_ = 0;
+  bool leads_ = false;
+  double tension_sum_ = 0, tension_max_ = 0, distance_sum_ = 0, distance_min_ = 0, distance_max_ = 0;
+  std::optional<double> cause_, standing_, stop_delay_;  // [s]
+  std::optional<double> pull_yaw_;                       // [rad]
+  double last_mode_ = 0, last_time_ = 0;
+  std::deque<Vec<2>> headings_;  // of the last second
+};
+
+}  // namespace tenon::apps

@@ -1,0 +1,56 @@
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+
+#include <fmt/core.h>
+
+namespace tenon::apps {
+namespace {
+
+/// The robot alone.
+QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
+  QuadrupedScenario alone;
+  alone.robot = scenario.robot;
+  alone.duration_s = scenario.duration_s;
+  alone.seed = scenario.seed;
+  alone.terrain = scenario.terrain;
+  alone.forces = scenario.forces;
+  alone.walk = scenario.walk;
+  alone.profile = scenario.profile;
+  alone.sensors = scenario.sensors;
+  alone.fall = scenario.fall;
+  alone.limit_speed = scenario.limit_speed;
+  alone.integrator = scenario.integrator;
+  return alone;
+}
+
+}  // namespace
+
+void GuideDogScenario::Validate() const {
+  Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+}
+
+double Duration(const GuideDogScenario& scenario) {
+  return Duration(WithoutPerson(scenario));
+}
+
+GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
+  const QuadrupedWalkParams alone = MakeWalkParams(WithoutPerson(scenario));
+  GuideDogParams params;
+  params.world = alone.world;
+  params.walk = alone.walk;
+  params.locomotion = alone.locomotion;
+  params.estimator = alone.estimator;
+  params.observer = alone.observer;
+  params.observer.kind = scenario.observer;
+  params.supervisor = scenario.supervisor;
+  params.admittance = scenario.admittance;
+  params.obstacles = scenario.surroundings;
+  params.person = scenario.person;
+  params.leash = scenario.leash;
+  return params;
+}
+
+SimulatorOptions MakeSimulatorOptions(const GuideDogScenario& scenario) {
+  return MakeSimulatorOptions(WithoutPerson(scenario));
+}
+
+}  // namespace tenon::apps

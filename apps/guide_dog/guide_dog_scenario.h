@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+
+namespace tenon::apps {
+
+/// A run of tenon-guide-dog, as its YAML file says it.
+struct GuideDogScenario {
+  std::string app;
+  std::string description;
+  std::string case_name;
+  std::string robot = "dogbot";      ///< a shipped robot or a YAML file
+  std::optional<double> duration_s;  ///< without: one second longer than the walk
+  std::uint64_t seed = 1;
+  WalkScenario walk;                 ///< of the robot if it were alone
+  std::string profile = "standard";  ///< the tuning of the walking controller: a shipped one or a YAML file
+  ObserverKind observer = ObserverKind::kHybrid;
+  SupervisorParams supervisor;
+  AdmittanceFilterParams admittance;
+  PersonParams person;
+  LeashParams leash;
+  ObstacleDetectorParams surroundings;
+  TerrainParams terrain;
+  std::vector<ForceScenario> forces;
+  SensorScenario sensors;
+  FallScenario fall;
+  bool limit_speed = false;  ///< the drives' torque falls with speed
+  LeggedIntegratorScenario integrator;
+  double log_rate_hz = 100;
+  ReportScenario report;
+
+  static constexpr auto Fields() {
+    using S = GuideDogScenario;
+    return std::tuple{Required("app", &S::app),
+                      Field{"description", &S::description},
+                      Required("case", &S::case_name),
+                      Field{"robot", &S::robot},
+                      Field{"duration_s", &S::duration_s},
+                      Field{"seed", &S::seed},
+                      Required("walk", &S::walk),
+                      Field{"profile", &S::profile},
+                      Field{"observer", &S::observer},
+                      Field{"supervisor", &S::supervisor},
+                      Field{"admittance", &S::admittance},
+                      Required("person", &S::person),
+                      Field{"leash", &S::leash},
+                      Field{"surroundings", &S::surroundings},
+                      Field{"terrain", &S::terrain},
+                      Field{"forces", &S::forces},
+                      Field{"sensors", &S::sensors},
+                      Field{"fall", &S::fall},
+                      Field{"limit_speed", &S::limit_speed},
+                      Field{"integrator", &S::integrator},
+                      Field{"log_rate_hz", &S::log_rate_hz},
+                      Field{"report", &S::report}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// How long the run is [s].
+double Duration(const GuideDogScenario& scenario);
+
+/// What a scenario means in the diagram's terms. Throw ParameterError.
+GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario);
+SimulatorOptions MakeSimulatorOptions(const GuideDogScenario& scenario);
+
+}  // namespace tenon::apps

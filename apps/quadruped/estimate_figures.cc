@@ -1,0 +1,59 @@
+#include <tenon/apps/quadruped/estimate_figures.h>
+
+#include <tenon/plants/model/quaternion.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <tenon/apps/common/columns.h>
+
+namespace tenon::apps {
+namespace {
+
+template <int N>
+Vec<N> Take(std::span<const double> row, const std::vector<std::size_t>& columns) {
+  Vec<N> value;
+  for (int i = 0; i < N; ++i) value[i] = row[columns[static_cast<std::size_t>(i)]];
+  return value;
+}
+
+}  // namespace
+
+void EstimateFigures::Begin(const std::vector<std::string>& names) {
+  const std::string estimate = "loop.estimator.estimate.state";
+  const bool estimated = std::any_of(names.begin(), names.end(),
+                                     [&](const std::string& name) { return name.starts_with(estimate); });
+  if (!estimated) return;
+  const auto columns = [&](const std::string& state) -> State {
+    return {Columns(names, state + ".p_WB"), Columns(names, state + ".q_WB"), Columns(names, state + ".v_W")};
+  };
+  true_ = columns("loop.world.plant.state");
+  estimated_ = columns(estimate);
+}
+
+void EstimateFigures::Row(std::span<const double> row) {
+  if (estimated_.velocity.empty()) return;
+  const double velocity = (Take<3>(row, estimated_.velocity) - Take<3>(row, true_.velocity)).norm();
+  // The vertical in the trunk's axes.
+  const Vec<3> up = RotationFromQuaternion(Take<4>(row, true_.attitude)).row(2);
+  const Vec<3> estimated_up = RotationFromQuaternion(Take<4>(row, estimated_.attitude)).row(2);
+  const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
+  ++rows_;
+  velocity_square_ += velocity * velocity;
+  velocity_max_ = std::max(velocity_max_, velocity);
+  tilt_square_ += tilt * tilt;
+  tilt_max_ = std::max(tilt_max_, tilt);
+  position_end_ = (Take<3>(row, estimated_.position) - Take<3>(row, true_.position)).norm();
+}
+
+void EstimateFigures::AddTo(Summary& summary) const {
+  if (rows_ == 0) return;
+  const auto n = static_cast<double>(rows_);
+  summary.Set("velocity_estimate_error_rms_m_per_s", std::sqrt(velocity_square_ / n));
+  summary.Set("velocity_estimate_error_max_m_per_s", velocity_max_);
+  summary.Set("tilt_estimate_error_rms_rad", std::sqrt(tilt_square_ / n));
+  summary.Set("tilt_estimate_error_max_rad", tilt_max_);
+  summary.Set("position_estimate_error_end_m", position_end_);
+}
+
+}  // namespace tenon::apps

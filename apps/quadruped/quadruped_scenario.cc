@@ -1,0 +1,189 @@
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numbers>
+
+#include <tenon/plants/model/resources.h>
+
+namespace tenon::apps {
+namespace {
+
+/// Where a force acts, without the force.
+ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
+  if (force.on == Part::kTrunk) return {};
+  return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
+}
+
+void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
+  const auto& [encoders, torque, foot_force, imu] = sensors;
+  params.encoders = {Hz(encoders.rate_hz),
+                     {.absolute = encoders.angle_noise_rad, .bias = encoders.angle_bias_rad},
+                     {.absolute = encoders.speed_noise_rad_per_s, .bias = encoders.speed_bias_rad_per_s}};
+  params.torque_sensor = {Hz(torque.rate_hz), {.relative = torque.noise_ratio, .bias = torque.bias_N_m}};
+  params.foot_sensor = {Hz(foot_force.rate_hz),
+                        {.relative = foot_force.noise_ratio, .bias = foot_force.bias_N}};
+  params.imu.rate = Hz(imu.rate_hz);
+  params.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s);
+  params.imu.angular_velocity_bias = imu.angular_velocity_bias_rad_per_s;
+  params.imu.specific_force_noise.setConstant(imu.acceleration_noise_m_per_s2);
+  params.imu.specific_force_bias = imu.acceleration_bias_m_per_s2;
+}
+
+QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
+  return LoadQuadruped(FindResource("robots", scenario.robot));
+}
+
+/// The filter knows its sensors' noise, but takes none for perfect; it does not know their biases.
+LeggedStateEstimatorParams MakeEstimator(const SensorScenario& sensors, const QuadrupedDescription& robot,
+                                         const QuadrupedPlantParams& plant) {
+  const auto& [encoders, torque, foot_force, imu] = sensors;
+  LeggedStateEstimatorParams params;
+  params.robot = robot;
+  params.initial = plant.initial;
+  params.gravity = plant.gravity;
+  params.noise.specific_force = std::max(imu.acceleration_noise_m_per_s2, 1e-3);
+  params.noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s, 1e-4);
+  params.noise.encoder = std::max(encoders.angle_noise_rad, 1e-5);
+  return params;
+}
+
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot) {
+  QuadrupedWorldParams params;
+  QuadrupedPlantParams& plant = params.plant;
+  plant.robot = robot;
+  plant.payload = scenario.payload.Make();
+  plant.terrain = scenario.terrain;
+  if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
+  plant.limit_speed = scenario.limit_speed;
+  // Parallel to the plane, its feet above it.
+  const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
+  const double height = robot.StanceHeight();
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
+  plant.initial.p_WB = height * ground.normal_W + Vec<3>(0, 0, ground.height + scenario.start_height_m);
+  plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
+  plant.initial.q = robot.stance;
+
+  SetSensors(scenario.sensors, params);
+
+  for (const ForceScenario& force : scenario.forces) {
+    ExternalForce push = PointOf(robot, force);
+    push.force_W = force.force_N;
+    push.torque_W = force.torque_N_m;
+    if (force.frequency_rad_per_s > 0)
+      params.sines.push_back(
+          {push, force.frequency_rad_per_s, force.start_s, force.start_s + force.duration_s});
+    else
+      params.pulses.push_back({push, force.start_s, force.duration_s});
+  }
+  for (const RandomForceScenario& force : scenario.random_forces)
+    params.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
+  params.min_height = scenario.fall.min_height_ratio * height;
+  params.max_tilt = scenario.fall.max_tilt_rad;
+  return params;
+}
+
+}  // namespace
+
+void SweepScenario::Validate() const {
+  Demand(phases > 0 && directions > 0 && period_s > 0,
+         fmt::format("a sweep over {} phases of {} s and {} directions: all must be positive", phases,
+                     period_s, directions));
+}
+
+void RandomForceScenario::Validate() const {
+  Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
+}
+
+RigidInertia TrunkLoadScenario::Make() const {
+  const Eigen::Vector3d squares = edges_m.cwiseAbs2();
+  RigidInertia load;
+  load.mass = mass_kg;
+  load.com = position_m;
+  load.inertia.diagonal() = mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+  return load;
+}
+
+void QuadrupedScenario::Validate() const {
+  Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+  Demand(pd.has_value() != walk.has_value(),
+         fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",
+                     pd ? "both" : "none"));
+  Demand(!sweep || (walk && !forces.empty()), "a sweep needs a walk and a force: give walk and forces");
+  Demand(start_height_m >= 0,
+         fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
+                     start_height_m));
+  Demand(fall.min_height_ratio >= 0 && fall.min_height_ratio < 1,
+         fmt::format("fall.min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
+                     fall.min_height_ratio));
+}
+
+double Duration(const QuadrupedScenario& scenario) {
+  if (scenario.duration_s) return *scenario.duration_s;
+  return scenario.walk ? WalkSchedule(scenario.walk->path).end_time() + 1 : 10;
+}
+
+QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  const QuadrupedDescription robot = LoadRobot(scenario);
+  QuadrupedStandParams params;
+  params.world = MakeWorldParams(scenario, robot);
+  const auto& [stiffness, damping, gravity_compensation, rate_hz] = *scenario.pd;
+  params.pd = {robot, stiffness, damping, gravity_compensation, params.world.plant.gravity, Hz(rate_hz)};
+  return params;
+}
+
+QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
+  const WalkScenario& walk = *scenario.walk;
+  QuadrupedWalkParams params;
+  const QuadrupedDescription robot = LoadRobot(scenario);
+  params.world = MakeWorldParams(scenario, robot);
+  params.walk = walk.path;
+  const QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
+  LocomotionProfile profile = LoadLocomotionProfile(scenario.profile);
+  if (scenario.observer) profile.observer.kind = *scenario.observer;
+  params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
+  params.observer = MakeObserver(believed, profile);
+  params.locomotion.com_planner.reference = walk.com_reference;
+  params.locomotion.com_planner.zmp = walk.zmp;
+  params.locomotion.swing_planner.step = walk.step;
+  params.locomotion.whole_body.gains.qp.friction = walk.friction;
+  if (walk.state == StateSource::kEstimated)
+    params.estimator = MakeEstimator(scenario.sensors, robot, params.world.plant);
+  return params;
+}
+
+std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario) {
+  const SweepScenario& sweep = *scenario.sweep;
+  std::vector<std::pair<std::string, QuadrupedScenario>> runs;
+  for (int phase = 0; phase < sweep.phases; ++phase) {
+    for (int direction = 0; direction < sweep.directions; ++direction) {
+      QuadrupedScenario run = scenario;
+      run.sweep.reset();
+      ForceScenario& force = run.forces.front();
+      force.start_s += sweep.period_s * phase / sweep.phases;
+      force.force_N =
+          Eigen::AngleAxisd(2 * std::numbers::pi * direction / sweep.directions, Eigen::Vector3d::UnitZ()) *
+          force.force_N;
+      runs.emplace_back(fmt::format("phase_{}_direction_{}", phase, direction), run);
+    }
+  }
+  return runs;
+}
+
+SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {
+  const LeggedIntegratorScenario& integrator = scenario.integrator;
+  return {.method = Method::kErk,
+          .order = integrator.order,
+          .rtol = integrator.rtol,
+          .atol = integrator.atol_position,
+          .state_atol = {{"loop.world.plant.motion.v_W", integrator.atol_velocity},
+                         {"loop.world.plant.motion.w_W", integrator.atol_velocity},
+                         {"loop.world.plant.motion.qd", integrator.atol_velocity},
+                         {"loop.world.plant.bristles", integrator.atol_bristles}},
+          .seed = scenario.seed};
+}
+
+}  // namespace tenon::apps

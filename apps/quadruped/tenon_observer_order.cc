@@ -1,0 +1,284 @@
+// tenon-observer-order: what order and gains of the leg observer cost and bring, on a constant force.
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+#include <tenon/plants/model/resources.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr double kSettled = 0.02;  // of the force: the estimate has settled once it stays so near
+
+/// Gains of an observer, given or designed; those that it has by default if there are none.
+struct VariantScenario {
+  std::string name;
+  std::vector<double> gains_per_s;
+  std::optional<ButterworthDesign> butterworth;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("name", &VariantScenario::name),
+                      Field{"gains_per_s", &VariantScenario::gains_per_s},
+                      Field{"butterworth", &VariantScenario::butterworth}};
+  }
+  void Validate() const {
+    Demand(gains_per_s.empty() || !butterworth,
+           fmt::format("the variant '{}' has gains_per_s and butterworth: leave one away", name));
+  }
+  /// Leaves gains alone.
+  void Resolve() {
+    gains_per_s = LegObserverGains{.gains = gains_per_s, .butterworth = butterworth}.Gains();
+    butterworth.reset();
+  }
+};
+
+struct ObserverOrderScenario {
+  std::string app;
+  std::string description;
+  std::string case_name;
+  std::string robot = "dogbot";  ///< a shipped robot or a YAML file
+  double duration_s = 1;
+  std::uint64_t seed = 1;
+  JointPdScenario pd;                                    ///< by which it stands
+  Eigen::Vector3d force_N = Eigen::Vector3d(20, 0, 10);  ///< on the front left foot, from `start_s` on
+  double start_s = 0.2;
+  std::vector<VariantScenario> variants;
+  double log_rate_hz = 1000;
+  ReportScenario report;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("app", &ObserverOrderScenario::app),
+                      Field{"description", &ObserverOrderScenario::description},
+                      Required("case", &ObserverOrderScenario::case_name),
+                      Field{"robot", &ObserverOrderScenario::robot},
+                      Field{"duration_s", &ObserverOrderScenario::duration_s},
+                      Field{"seed", &ObserverOrderScenario::seed},
+                      Required("pd", &ObserverOrderScenario::pd),
+                      Field{"force_N", &ObserverOrderScenario::force_N},
+                      Field{"start_s", &ObserverOrderScenario::start_s},
+                      Required("variants", &ObserverOrderScenario::variants),
+                      Field{"log_rate_hz", &ObserverOrderScenario::log_rate_hz},
+                      Field{"report", &ObserverOrderScenario::report}};
+  }
+  void Validate() const {
+    Demand(start_s >= 0 && duration_s > start_s,
+           fmt::format("the force starts at {} s but the run ends at {} s: nothing would be seen", start_s,
+                       duration_s));
+    Demand(force_N.norm() > 0, "force_N is zero: there is nothing to estimate");
+    Demand(!variants.empty(), "there are no variants: give gains to compare");
+  }
+};
+
+/// How an estimate follows the step, from its log.
+class StepFigures final : public LogSink {
+ public:
+  StepFigures(const Eigen::Vector3d& force, double start) : force_(force), start_(start) {}
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
+    estimate_ = Columns(names, "observer.estimate.foot_force.front_left");
+  }
+  void Row(std::span<const double> row) override {
+    if (row[0] < start_) return;
+    const Eigen::Vector3d estimate(row[estimate_[0]], row[estimate_[1]], row[estimate_[2]]);
+    const double share = estimate.dot(force_) / force_.squaredNorm();
+    peak_ = std::max(peak_, share);
+    const bool inside = std::abs(share - 1) <= kSettled;
+    if (inside && !inside_) inside_since_ = row[0];
+    inside_ = inside;
+  }
+  double overshoot() const { return std::max(0.0, peak_ - 1); }  ///< over the force
+  /// Until it stays in the band [s]; empty if it does not.
+  std::optional<double> settling_time() const {
+    return inside_ ? std::optional(inside_since_ - start_) : std::nullopt;
+  }
+
+ private:
+  Eigen::Vector3d force_;
+  double start_, inside_since_ = 0, peak_ = 0;
+  bool inside_ = false;
+  std::vector<std::size_t> estimate_;
+};
+
+/// The two figures that are weighed against each other.
+struct Cost {
+  double settling = std::numeric_limits<double>::infinity();  ///< [s]
+  double noise = std::numeric_limits<double>::infinity();     ///< [Hz]
+  bool WorseThan(const Cost& other) const {
+    return other.settling <= settling && other.noise <= noise &&
+           (other.settling < settling || other.noise < noise);
+  }
+};
+
+struct Result {
+  Summary summary;
+  std::optional<Report> report;  ///< none if refused
+  Cost cost;
+  double overshoot = 0, lag = 0;
+};
+
+Report MakeReport(const ObserverOrderScenario& scenario) {
+  return ScenarioReport(scenario, fmt::format("{} stands; {} N on its front left foot from {} s on",
+                                              scenario.robot, scenario.force_N.norm(), scenario.start_s));
+}
+
+void Connect(DiagramBuilder& builder, QuadrupedWorld& world, JointPd& pd, LegMomentumObserver& observer) {
+  builder.Connect(world.joints, pd.joints);
+  builder.Connect(pd.torque, world.torque);
+  builder.Connect(world.state, observer.state);
+  builder.Connect(pd.torque, observer.torque);
+  builder.Connect(world.foot_forces, observer.foot_forces);
+}
+
+QuadrupedWorldParams MakeWorld(const ObserverOrderScenario& scenario) {
+  QuadrupedWorldParams world;
+  world.plant.robot = LoadQuadruped(FindResource("robots", scenario.robot));
+  world.plant.initial.p_WB[2] = world.plant.robot.StanceHeight();
+  world.plant.initial.q = world.plant.robot.stance;
+  world.min_height = 0.5 * world.plant.robot.StanceHeight();
+  PulseForceParams push;
+  push.push = PointOnLeg(world.plant.robot, 0, 0);
+  push.push.force_W = scenario.force_N;
+  push.start = scenario.start_s;
+  push.duration = scenario.duration_s;
+  world.pulses.push_back(push);
+  return world;
+}
+
+/// A run that did not take place.
+Result Refused(const ObserverOrderScenario& scenario, const VariantScenario& variant, const char* why) {
+  RunOutcome outcome;
+  outcome.failure = fmt::format("refused: {}", why);
+  Result result{Summary(scenario.case_name, scenario.seed, outcome), std::nullopt, Cost()};
+  result.summary.Set("gains_per_s", fmt::format("{}", fmt::join(variant.gains_per_s, ", ")));
+  result.summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
+  result.summary.Set("stable", std::string("no"));
+  return result;
+}
+
+Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenario,
+                  const VariantScenario& variant) {
+  const QuadrupedWorldParams world_params = MakeWorld(scenario);
+  LegMomentumObserverParams observer_params;
+  observer_params.robot = world_params.plant.robot;
+  observer_params.gains.gains = variant.gains_per_s;
+  try {
+    observer_params.Validate();
+  } catch (const ParameterError& error) {
+    return Refused(scenario, variant, error.what());
+  }
+  DiagramBuilder builder;
+  auto& world = builder.Add<QuadrupedWorld>("world", world_params);
+  auto& pd = builder.Add<JointPd>(
+      "pd", JointPdParams{world_params.plant.robot, scenario.pd.stiffness_N_m_per_rad,
+                          scenario.pd.damping_N_m_s_per_rad, scenario.pd.gravity_compensation,
+                          world_params.plant.gravity, Hz(scenario.pd.rate_hz)});
+  auto& observer = builder.Add<LegMomentumObserver>("observer", observer_params);
+  Connect(builder, world, pd, observer);
+  const auto diagram = builder.Build();
+
+  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-4, .atol = 1e-6, .seed = scenario.seed});
+  const std::vector<const Source*> signals{&observer.estimate, &world.plant.joint_torque,
+                                           &world.ground_forces};
+  Report report = MakeReport(scenario);
+  report.Log(simulator, signals, {&world.plant.geometry});
+  scenario.variants = {variant};
+  const OutputDirectory out(arguments, WriteYaml(scenario));
+  out.WriteGraph(*diagram);
+  const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
+  simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
+  const RunOutcome outcome = Advance(simulator, scenario.duration_s);
+
+  Result result{Summary(scenario.case_name, scenario.seed, outcome), std::move(report), Cost()};
+  result.cost = {figures->settling_time().value_or(std::numeric_limits<double>::infinity()),
+                 NoiseBandwidth(variant.gains_per_s)};
+  result.overshoot = figures->overshoot();
+  result.lag = 1 / variant.gains_per_s.front();
+  Summary& summary = result.summary;
+  summary.Set("gains_per_s", fmt::format("{}", fmt::join(variant.gains_per_s, ", ")));
+  summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
+  summary.Set("stable", std::string("yes"));
+  summary.Set("settling_time_s", figures->settling_time());
+  summary.Set("overshoot_ratio", result.overshoot);
+  summary.Set("noise_bandwidth_Hz", result.cost.noise);
+  summary.Set("lag_s", result.lag);
+  return result;
+}
+
+int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenario) {
+  const std::filesystem::path base =
+      arguments.out.empty() ? std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem()
+                            : std::filesystem::path(arguments.out);
+  std::vector<Result> results;
+  for (const VariantScenario& variant : scenario.variants) {
+    CommonArguments each = arguments;
+    each.out = (base / variant.name).string();
+    results.push_back(RunVariant(each, scenario, variant));
+  }
+  CommonArguments whole = arguments;
+  whole.out = base.string();
+  const OutputDirectory out(whole, WriteYaml(scenario));
+
+  Report comparison = MakeReport(scenario);
+  Summary::Named runs;
+  int worst = kRan;
+  fmt::print("{:<20} {:>6} {:>12} {:>10} {:>9} {:>8} {:>9}\n", "", "order", "settling ms", "overshoot",
+             "noise Hz", "lag ms", "on front");
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    Result& result = results[i];
+    const VariantScenario& variant = scenario.variants[i];
+    if (result.report) {
+      const bool front = std::none_of(results.begin(), results.end(),
+                                      [&](const Result& other) { return result.cost.WorseThan(other.cost); });
+      result.summary.Set("on_front", std::string(front ? "yes" : "no"));
+      result.summary.AddTo(*result.report);
+      comparison.Add(variant.name, *result.report);
+      result.report->Write(base / variant.name / "report.html");
+      worst = std::max<int>(worst, result.summary.exit_code());
+      fmt::print("{:<20} {:>6} {:>12.1f} {:>9.1f}% {:>9.2f} {:>8.1f} {:>9}\n", variant.name,
+                 variant.gains_per_s.size(), 1000 * result.cost.settling, 100 * result.overshoot,
+                 result.cost.noise, 1000 * result.lag, front ? "yes" : "no");
+    } else {
+      fmt::print("{:<20} {:>6} refused: unstable\n", variant.name, variant.gains_per_s.size());
+    }
+    std::filesystem::create_directories(base / variant.name);
+    result.summary.Write(base / variant.name / "summary.json");
+    runs.emplace_back(variant.name, std::move(result.summary));
+  }
+  Summary::WriteComparison(runs, base / "summary.json");
+  comparison.Write(base / "report.html");
+  return worst;
+}
+
+int Run(const CommonArguments& arguments) {
+  if (arguments.list) {
+    ListScenarios("tenon-observer-order");
+    return kRan;
+  }
+  auto scenario = LoadScenario(arguments, "tenon-observer-order").Read<ObserverOrderScenario>();
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  scenario.Validate();
+  for (VariantScenario& variant : scenario.variants) variant.Resolve();
+  return RunAll(arguments, scenario);
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Compares orders and gains of the leg observer on a constant force.", "tenon-observer-order");
+  tenon::apps::CommonArguments arguments;
+  tenon::apps::AddCommonArguments(app, arguments);
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
+}

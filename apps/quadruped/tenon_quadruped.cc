@@ -1,0 +1,137 @@
+// tenon-quadruped: a quadruped that stands, drops, or walks.
+
+#include <fmt/core.h>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/comparison.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/quadruped/stand_figures.h>
+#include <tenon/apps/quadruped/walk_figures.h>
+
+namespace tenon::apps {
+namespace {
+
+/// What the command line may say of a walk.
+struct WalkArguments {
+  std::string gait;
+  std::optional<double> speed;
+  std::string observer;
+  bool compare = false;
+
+  bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
+};
+
+Report MakeReport(const QuadrupedScenario& scenario) {
+  return ScenarioReport(
+      scenario, fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed));
+}
+
+/// One run of a diagram, into the directory of `arguments`. A walk has an observer.
+template <class Loop, class Figures>
+RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
+                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
+  DiagramBuilder builder;
+  const auto& loop = builder.Add<Loop>("loop", params);
+  const auto diagram = builder.Build();
+  const double duration = Duration(scenario);
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures, std::make_shared<ProgressSink>(duration)});
+
+  const auto judge = [&](Summary& summary) {
+    summary.Set("robot", scenario.robot);
+    if (observer) summary.Set("observer", std::string(EnumName(*observer)));
+    figures->AddTo(summary);
+    summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
+  };
+  return RunAndWrite(arguments, scenario, duration, simulator, MakeReport(scenario), Figures::Signals(loop),
+                     Figures::Shapes(loop), judge);
+}
+
+RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+  if (!scenario.walk)
+    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario), std::nullopt,
+                                   std::make_shared<StandFigures>());
+  const QuadrupedWalkParams params = MakeWalkParams(scenario);
+  return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
+                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
+}
+
+Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {
+  return {std::move(name), [scenario](const CommonArguments& each) { return RunOnce(each, scenario); }};
+}
+
+int CompareObservers(const CommonArguments& arguments, QuadrupedScenario scenario) {
+  std::vector<ObserverKind> kinds = scenario.compare;
+  if (kinds.empty())
+    for (const auto& [kind, name] : EnumNames(ObserverKind{})) kinds.push_back(kind);
+  std::vector<Variant> variants;
+  for (const ObserverKind kind : kinds) {
+    scenario.observer = kind;
+    variants.push_back(MakeVariant(EnumName(kind), scenario));
+  }
+  return Compare(arguments, MakeReport(scenario), variants);
+}
+
+int RunSweep(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+  std::vector<Variant> variants;
+  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run));
+  return Compare(arguments, MakeReport(scenario), variants);
+}
+
+/// The scenario with what the command line says of its walk: every segment that walks gets the gait and,
+/// forwards, the speed.
+QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArguments& walk) {
+  YamlDocument document = LoadScenario(arguments, "tenon-quadruped");
+  const auto scenario = document.Read<QuadrupedScenario>();
+  if (!walk.any()) return scenario;
+  if (!scenario.walk)
+    throw ParameterError(
+        fmt::format("'{}' does not walk: leave --gait, --speed, --observer and --compare away, or take a "
+                    "scenario that does",
+                    arguments.scenario));
+  if (!walk.observer.empty()) document.Set("observer", walk.observer);
+  for (std::size_t i = 0; i < scenario.walk->path.segments.size(); ++i) {
+    const WalkSegment& segment = scenario.walk->path.segments[i];
+    const std::string key = fmt::format("walk.path.segments.{}", i);
+    if (segment.gait == Gait::kStand) continue;
+    if (!walk.gait.empty()) document.Set(key + ".gait", walk.gait);
+    if (walk.speed && segment.forward != 0)
+      document.Set(key + ".forward_m_per_s", fmt::format("{}", *walk.speed));
+  }
+  return document.Read<QuadrupedScenario>();
+}
+
+int Run(const CommonArguments& arguments, const WalkArguments& walk) {
+  if (arguments.list) {
+    ListScenarios("tenon-quadruped");
+    return kRan;
+  }
+  QuadrupedScenario scenario = ReadScenario(arguments, walk);
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  if (walk.compare) return CompareObservers(arguments, scenario);
+  if (scenario.sweep) return RunSweep(arguments, scenario);
+  const Summary summary = RunOnce(arguments, scenario).summary;
+  summary.Print();
+  return summary.exit_code();
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Lets a quadruped stand or walk and reports how well it did.", "tenon-quadruped");
+  tenon::apps::CommonArguments arguments;
+  tenon::apps::AddCommonArguments(app, arguments);
+  tenon::apps::WalkArguments walk;
+  app.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (the scenario's, unless given)");
+  app.add_option("--speed", walk.speed, "forwards [m/s] (the scenario's, unless given)");
+  app.add_option("--observer", walk.observer,
+                 "none, legs, com, hybrid, focchi, ndo_m or ndo_inverse (the scenario's, unless given)");
+  app.add_flag("--compare", walk.compare,
+               "one run per observer, each in a directory of its own below --out, and one report of all")
+      ->excludes("--observer");
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, walk); });
+}

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <vector>
+
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/quadruped/estimate_figures.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/simulation/signal_log.h>
+
+namespace tenon::apps {
+
+/// The figures of a walking robot, gathered while it runs from a log of every control tick.
+///
+/// Errors are those of QuadrupedWalk::errors. The ground force's error is the mean over all stance phases but
+/// for `kEdge` seconds at both ends of each. A foot's slip is how far its point in contact moves along the
+/// ground in one stance.
+class WalkFigures final : public LogSink {
+ public:
+  static constexpr double kEdge = 0.012;  // s
+
+  /// What shows it in a replay.
+  static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
+    return {&loop.world.plant.geometry, &loop.view.geometry};
+  }
+  /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
+  static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
+  /// And beside it, since it holds times of the wall clock, which no two runs share.
+  static const Source* Solves(const LeggedLocomotion& locomotion) {
+    return &locomotion.whole_body.diagnostics;
+  }
+  /// Both.
+  static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
+
+  /// What comes before `from` [s] does not count.
+  explicit WalkFigures(double from = 0) : from_(from) {}
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
+  void Row(std::span<const double> row) override;
+  /// Writes them down.
+  void AddTo(Summary& summary) const;
+
+ private:
+  struct Sample {
+    double time, error;
+  };
+  struct LegFigures {
+    bool stance = false;
+    double touchdown = 0;        // [s]
+    std::deque<Sample> waiting;  // errors that a lift-off may still make invalid
+    std::array<double, 3> slip{};
+    double slip_max = 0;  // [m]
+    double foot_max = 0;  // [m]
+  };
+
+  void LegRow(std::span<const double> row, std::size_t leg);
+
+  double from_;
+  std::vector<std::size_t> external_force_, estimated_force_;
+  std::vector<std::size_t> com_, foot_, ground_force_, torque_, slip_, position_;
+  std::array<std::size_t, kNumLegs> contact_{};
+  std::size_t solve_time_ = 0, failures_ = 0;
+
+  std::array<LegFigures, kNumLegs> legs_;
+  long rows_ = 0, force_samples_ = 0;
+  double time_ = 0, com_max_ = 0, com_square_ = 0, force_sum_ = 0, torque_max_ = 0, failure_count_ = 0;
+  std::array<double, 3> estimate_sum_{};  // [N]
+  double estimate_square_ = 0;            // of its error [N^2]
+  std::vector<double> begin_, end_;       // positions of the trunk [m]
+  std::vector<double> solve_times_;
+  EstimateFigures estimate_;
+};
+
+}  // namespace tenon::apps

@@ -1,0 +1,23 @@
+#include <tenon/controllers/cdpr/cable_pd.h>
+
+#include <fmt/core.h>
+
+namespace tenon {
+
+void CablePdParams::Validate() const {
+  Demand(stiffness_N_per_m > 0,
+         fmt::format("stiffness_N_per_m = {} must be positive: a length error would not be corrected",
+                     stiffness_N_per_m));
+  Demand(damping_N_s_per_m >= 0,
+         fmt::format("damping_N_s_per_m = {} must not be negative: it would feed oscillations",
+                     damping_N_s_per_m));
+}
+
+CableVector CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference) const {
+  const CableVector tension = reference.tension +
+                              params.stiffness_N_per_m * (cables.length - reference.length) +
+                              params.damping_N_s_per_m * (cables.length_rate - reference.length_rate);
+  return tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
+}
+
+}  // namespace tenon

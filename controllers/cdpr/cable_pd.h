@@ -1,0 +1,44 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct CablePdParams {
+  CdprDescription robot;         ///< what the controller believes; its tension bounds limit the command
+  double stiffness_N_per_m = 0;  ///< K_p
+  double damping_N_s_per_m = 0;  ///< K_d
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
+};
+
+/// The length controller that the thesis compares its MPC with (Morlando 2023, eq. (3.25)), per cable:
+///
+///     f = f* + K_p (l - l_des) + K_d (l̇ - l̇_des),   kept inside [tension_min, tension_max]
+///
+/// with f* the tensions of the static equilibrium at the reference. (As printed, with l_des - l, a cable that
+/// is too long would be slackened, which is unstable.)
+///
+/// Ports: in `cables` (the plant's lengths and rates), `reference`; out `command` [N], one per cable,
+/// sampled.
+class CablePd final : public LeafSystem<CablePdParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<CableSignals> cables{this, {"cables"}};
+  InputPort<CdprReference> reference{this, {"reference"}};
+  OutputPort<CableVector> command{this,
+                                  {"command", "N"},
+                                  CableVector::Zero(params.robot.num_cables()),
+                                  Sampled{params.rate},
+                                  Uses(cables, reference),
+                                  &CablePd::CalcCommand};
+
+ private:
+  CableVector CalcCommand(const CableSignals& cables, const CdprReference& reference) const;
+};
+
+}  // namespace tenon

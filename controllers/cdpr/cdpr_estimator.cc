@@ -1,0 +1,106 @@
+#include <tenon/controllers/cdpr/cdpr_estimator.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d cross;
+  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return cross;
+}
+
+Eigen::Vector3d RotationVector(const Vec<4>& q) {
+  const Eigen::Vector3d v = (q[0] < 0 ? -1 : 1) * q.tail<3>();
+  const double sine = v.norm();
+  return sine < 1e-9 ? Eigen::Vector3d(2 * v)
+                     : Eigen::Vector3d(2 * std::atan2(sine, std::abs(q[0])) / sine * v);
+}
+
+}  // namespace
+
+void CdprEstimatorParams::Validate() const {
+  const auto check = [](const char* name, double value) {
+    Demand(std::isfinite(value) && value > 0,
+           fmt::format("{} = {} must be positive: give a perfect sensor a small deviation", name, value));
+  };
+  check("position_noise", position_noise);
+  check("attitude_noise", attitude_noise);
+  check("angular_velocity_noise", angular_velocity_noise);
+  check("specific_force_noise", specific_force_noise);
+  check("initial_velocity", initial_velocity);
+}
+
+PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasurement& pose,
+                                             const ImuMeasurement& inertial, Memory& memory) const {
+  if (memory.started) {
+    Predict(inertial, memory);
+    Correct(pose, memory);
+  } else {
+    memory.started = true;
+    memory.platform = {pose.p_WB, pose.q_WB, Vec<3>::Zero(), Vec<3>::Zero()};
+    memory.covariance.setZero();
+    memory.covariance.diagonal() << Vec<3>::Constant(std::pow(params.position_noise, 2)),
+        Vec<3>::Constant(std::pow(params.initial_velocity, 2)),
+        Vec<3>::Constant(std::pow(params.attitude_noise, 2));
+  }
+  memory.platform.w_W = memory.platform.R_WB() * inertial.angular_velocity_B;
+  memory.inertial = inertial;
+  return {time, memory.platform};
+}
+
+void CdprEstimator::Predict(const ImuMeasurement& inertial, Memory& memory) const {
+  const double T = params.rate.period();
+  const Vec<3> w = (memory.inertial.angular_velocity_B + inertial.angular_velocity_B) / 2;
+  const Vec<3> f = (memory.inertial.specific_force_B + inertial.specific_force_B) / 2;
+  PlatformState& platform = memory.platform;
+  // The attitude in the middle of the interval.
+  const Eigen::Matrix3d R_WB =
+      RotationFromQuaternion(QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(T / 2 * w)));
+  const Vec<3> a_W = R_WB * f - Vec<3>(0, 0, params.gravity);
+  platform.p_WB += T * platform.v_W + T * T / 2 * a_W;
+  platform.v_W += T * a_W;
+  platform.q_WB = QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(T * w)).normalized();
+
+  Covariance F = Covariance::Identity();
+  F.block<3, 3>(0, 3).diagonal().setConstant(T);
+  F.block<3, 3>(3, 6) = -T * R_WB * Skew(f);
+  F.block<3, 3>(6, 6) -= T * Skew(w);
+  const Covariance FP = F.lazyProduct(memory.covariance);
+  memory.covariance = FP.lazyProduct(F.transpose());
+  memory.covariance.diagonal().segment<3>(3).array() += std::pow(T * params.specific_force_noise, 2);
+  memory.covariance.diagonal().segment<3>(6).array() += std::pow(T * params.angular_velocity_noise, 2);
+}
+
+void CdprEstimator::Correct(const PoseMeasurement& pose, Memory& memory) const {
+  PlatformState& platform = memory.platform;
+  Eigen::Matrix<double, 6, 1> innovation;
+  const Vec<4> inverse(platform.q_WB[0], -platform.q_WB[1], -platform.q_WB[2], -platform.q_WB[3]);
+  innovation << pose.p_WB - platform.p_WB, RotationVector(QuaternionProduct(inverse, pose.q_WB));
+
+  // H picks dp and dtheta.
+  const Covariance& P = memory.covariance;
+  Eigen::Matrix<double, 6, 9> HP;
+  HP << P.topRows<3>(), P.bottomRows<3>();
+  Eigen::Matrix<double, 6, 6> S;
+  S << HP.leftCols<3>(), HP.rightCols<3>();
+  S.diagonal().head<3>().array() += std::pow(params.position_noise, 2);
+  S.diagonal().tail<3>().array() += std::pow(params.attitude_noise, 2);
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(S);
+  const Eigen::Matrix<double, 6, 9> gain_transposed = llt.solve(HP);
+  const Eigen::Matrix<double, 9, 1> error = gain_transposed.transpose() * innovation;
+  const Covariance reduced = P - HP.transpose().lazyProduct(gain_transposed);
+  memory.covariance = (reduced + reduced.transpose()) / 2;
+
+  platform.p_WB += error.head<3>();
+  platform.v_W += error.segment<3>(3);
+  platform.q_WB =
+      QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
+}
+
+}  // namespace tenon

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+#include <tuple>
+
+namespace tenon {
+
+/// A platform's state as it is believed to have been at a time.
+struct PlatformEstimate {
+  double time = 0;  ///< [s]
+  PlatformState platform;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"time", &PlatformEstimate::time, "s"},
+                      Field{"platform", &PlatformEstimate::platform}};
+  }
+};
+
+/// What the filter believes of its sensors, as standard deviations per axis; of the pose sensor per sample,
+/// of the IMU per sample too.
+struct CdprEstimatorParams {
+  Rate rate = Hz(200);                    ///< of pose, IMU and filter
+  double position_noise = 0.005;          ///< [m]
+  double attitude_noise = 0.01;           ///< [rad]
+  double angular_velocity_noise = 0.005;  ///< [rad/s]
+  double specific_force_noise = 0.05;     ///< [m/s^2]
+  double initial_velocity = 0.02;         ///< deviation of the velocity at the start from rest [m/s]
+  double gravity = 9.81;                  ///< [m/s^2]
+
+  /// Throws ParameterError unless the deviations are positive (a perfect sensor has a small one).
+  void Validate() const;
+};
+
+/// Where the platform is and how it moves, from an IMU and a pose sensor: an extended Kalman filter on the
+/// error (dp, dv, dtheta), R = R_hat exp([dtheta]x).
+///
+/// Between ticks the mean of the last two IMU samples (w, f) drives the prediction, with T the period:
+///     a = R f + g,   p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x)
+///     dp' = dp + T dv,   dv' = dv - T R [f]x dtheta,   dtheta' = (1 - T [w]x) dtheta
+/// At a tick the pose corrects it. The angular velocity is the gyroscope's. At the first tick the pose is
+/// taken as it is and the platform as at rest. No bias is estimated.
+///
+/// The IMU measures whatever accelerates the platform, so an unknown load does not disturb the estimate.
+///
+///     ports in  pose, inertial
+///     port out  estimate        sampled
+class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  using Covariance = Eigen::Matrix<double, 9, 9>;
+
+  /// What the filter remembers.
+  struct Memory {
+    bool started = false;
+    PlatformState platform;
+    ImuMeasurement inertial;
+    Covariance covariance = Covariance::Zero();
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"platform", &Memory::platform},
+                        Field{"inertial", &Memory::inertial}, Field{"covariance", &Memory::covariance}};
+    }
+  };
+
+  InputPort<PoseMeasurement> pose{this, {"pose"}};
+  InputPort<ImuMeasurement> inertial{this, {"inertial"}};
+  Scratch<Memory> memory{this, "memory"};
+  OutputPort<PlatformEstimate> estimate{this,
+                                        {"estimate"},
+                                        Sampled{params.rate},
+                                        Uses(time, pose, inertial, memory),
+                                        &CdprEstimator::CalcEstimate};
+
+ private:
+  PlatformEstimate CalcEstimate(const double& time, const PoseMeasurement& pose,
+                                const ImuMeasurement& inertial, Memory& memory) const;
+  void Predict(const ImuMeasurement& inertial, Memory& memory) const;
+  void Correct(const PoseMeasurement& pose, Memory& memory) const;
+};
+
+}  // namespace tenon

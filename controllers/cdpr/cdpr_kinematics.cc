@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace tenon {
+namespace {
+
+constexpr double kGravity = 9.81;        // [m/s^2]
+constexpr double kShortestCable = 1e-9;  // [m]
+constexpr double kSlackTension = 1e-9;   // [m g]
+constexpr double kRankTolerance = 1e-9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d cross;
+  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return cross;
+}
+
+}  // namespace
+
+CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                    const Eigen::Matrix3d& R_WB) {
+  const int n = robot.num_cables();
+  CableKinematics cables;
+  cables.arm_W.resize(3, n);
+  cables.direction.resize(3, n);
+  cables.length.resize(n);
+  cables.structure.resize(6, n);
+  for (int i = 0; i < n; ++i) {
+    const CableDescription& cable = robot.cables[i];
+    const Eigen::Vector3d arm = R_WB * cable.attachment_B;
+    const Eigen::Vector3d span = cable.anchor_W - p_WB - arm;
+    const double length = span.norm();
+    if (length < kShortestCable) {
+      throw RunError(
+          fmt::format("Cable {} of {} of '{}' has no length: its attachment is at its anchor "
+                      "({:.4g}, {:.4g}, {:.4g}) m.",
+                      i + 1, n, robot.name, cable.anchor_W.x(), cable.anchor_W.y(), cable.anchor_W.z()));
+    }
+    const Eigen::Vector3d direction = span / length;
+    cables.arm_W.col(i) = arm;
+    cables.length[i] = length;
+    cables.direction.col(i) = direction;
+    cables.structure.col(i) << direction, arm.cross(direction);
+  }
+  return cables;
+}
+
+CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
+                                 const Eigen::Vector3d& w_W) {
+  Vector6d twist;
+  twist << v_W, w_W;
+  return -cables.structure.transpose() * twist;
+}
+
+Vector6d GravityWrench(const CdprDescription& robot) {
+  Vector6d wrench = Vector6d::Zero();
+  wrench[2] = -robot.mass * kGravity;
+  return wrench;
+}
+
+Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension) {
+  Matrix6d jacobian = Matrix6d::Zero();
+  for (int i = 0; i < cables.num_cables(); ++i) {
+    const Eigen::Vector3d direction = cables.direction.col(i);
+    const Eigen::Matrix3d arm = Skew(cables.arm_W.col(i));
+    const Eigen::Matrix3d turn =
+        tension[i] / cables.length[i] * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+    jacobian.topLeftCorner<3, 3>() -= turn;
+    jacobian.topRightCorner<3, 3>() += turn * arm;
+    jacobian.bottomLeftCorner<3, 3>() -= arm * turn;
+    jacobian.bottomRightCorner<3, 3>() += arm * turn * arm + tension[i] * Skew(direction) * arm;
+  }
+  return jacobian;
+}
+
+double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
+                           const Eigen::Matrix3d& R_WB, const CableVector& tension) {
+  // x = S y with S^T M S = 1.
+  const Eigen::Matrix3d root = R_WB * robot.inertia_B.llt().matrixL().toDenseMatrix();
+  Matrix6d S = Matrix6d::Zero();
+  S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
+  S.bottomRightCorner<3, 3>() = root.transpose().inverse();
+
+  // A cable without tension may go slack, and so holds nothing.
+  std::vector<int> taut;
+  for (int i = 0; i < cables.num_cables(); ++i) {
+    if (tension[i] > kSlackTension * robot.mass * kGravity) taut.push_back(i);
+  }
+  if (taut.empty()) return -kInfinity;
+  const Eigen::MatrixXd structure = S.transpose() * cables.structure(Eigen::all, taut);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(structure);
+  qr.setThreshold(kRankTolerance);
+  const int freedoms = 6 - static_cast<int>(qr.rank());
+  if (freedoms == 0) return kInfinity;
+
+  const Eigen::MatrixXd Q = qr.householderQ();
+  const Eigen::MatrixXd motions = S * Q.rightCols(freedoms);
+  const Eigen::MatrixXd K = -motions.transpose() * CalcWrenchJacobian(cables, tension) * motions;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((K + K.transpose()) / 2,
+                                                              Eigen::EigenvaluesOnly);
+  return robot.mass * solver.eigenvalues()[0];
+}
+
+CableVector CalcRestLengths(const CableProperties& cable, const CableVector& length,
+                            const CableVector& tension) {
+  return length.array() / (1 + tension.array() / cable.axial_stiffness);
+}
+
+}  // namespace tenon

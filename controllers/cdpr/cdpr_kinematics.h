@@ -1,0 +1,79 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_description.h>
+
+#include <Eigen/Core>
+
+namespace tenon {
+
+/// Up to eight columns, one per cable, stored inside the object.
+using CableMatrix3 = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::DontAlign, 3, kMaxCables>;
+using CableMatrix6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::DontAlign, 6, kMaxCables>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Straight cables at one pose of the platform (Morlando 2023, eqs. (3.7) and (3.19)-(3.21)).
+///
+/// With the platform's CoM at p_WB and its attitude R_WB, cable i runs from the attachment to the anchor:
+///
+///     arm_i       = R_WB r_i                        CoM to attachment
+///     l_i         = a_i - (p_WB + arm_i)            length |l_i|, direction lambda_i = l_i / |l_i|
+///     W column i  = [lambda_i ; arm_i x lambda_i]   wrench of a unit tension
+///     d|l_i|/dt   = -lambda_i . (v_W + w_W x arm_i) = -(W column i) . [v_W ; w_W]
+///
+/// All vectors are in W. Wrenches and twists are about the CoM, force before torque, v before w; a tension is
+/// positive when the cable pulls the platform towards the anchor, so that W u + [m g ; 0] = 0 at rest, g
+/// pointing down. Not modelled: sagging, pulleys of finite radius.
+struct CableKinematics {
+  CableMatrix3 arm_W;      ///< CoM to attachment [m]
+  CableMatrix3 direction;  ///< lambda, from the attachment towards the anchor
+  CableVector length;      ///< [m]
+  CableMatrix6 structure;  ///< W: tensions [N] to wrench [N, N m]
+
+  int num_cables() const { return static_cast<int>(length.size()); }
+};
+
+/// The cables of `robot` at a pose. Does not allocate.
+/// @throws RunError when a cable has no length, for then it has no direction.
+CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                    const Eigen::Matrix3d& R_WB);
+
+/// Rates of the cable lengths [m/s] for the platform's velocity v_W [m/s] and angular velocity w_W [rad/s].
+CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
+                                 const Eigen::Vector3d& w_W);
+
+/// The wrench of gravity on the platform, [0 0 -m 9.81 0 0] [N, N m].
+Vector6d GravityWrench(const CdprDescription& robot);
+
+/// d(W u)/d(p, theta) at constant tensions u, theta a rotation vector in W: R_WB -> exp([theta]x) R_WB.
+///
+/// Per cable, with P = (I - lambda lambda^T) / |l| and dlambda = -P (dp + dtheta x arm):
+///
+///     d(force)  = u dlambda
+///     d(torque) = u (arm x dlambda + (dtheta x arm) x lambda)
+///
+/// At an equilibrium under gravity its negative is symmetric: the Hessian, over the poses, of the Lagrangian
+/// m g z + sum_i u_i |l_i|. On the motions that leave the lengths alone, W^T x = 0, that is the stiffness of
+/// the platform with the winches locked.
+Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension);
+
+/// The least stiffness [N/m] of the platform at an equilibrium with the winches locked and cables that do not
+/// stretch; the equilibrium is stable if it is positive.
+///
+/// The motions x = [dp; dtheta] that are left are those with W^T x = 0. On them the potential energy is, to
+/// second order, x^T K x / 2 with K = -CalcWrenchJacobian(): gravity is linear in the pose, the lengths are
+/// not, and the tensions are the multipliers of the constraints. With M = diag(m 1, R I_B R^T) the result is
+///
+///     m  min (x^T K x) / (x^T M x)   over  W^T x = 0,
+///
+/// so sqrt(stiffness / m) [rad/s] is the lowest natural frequency of the suspended platform. Infinite if no
+/// motion is left, as is the rule from six cables on. A cable without tension may go slack and holds nothing:
+/// it is left out of W.
+double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
+                           const Eigen::Matrix3d& R_WB, const CableVector& tension);
+
+/// Rest lengths l0 of elastic cables that have the length l under the tension u: l = l0 (1 + u / EA) [m].
+CableVector CalcRestLengths(const CableProperties& cable, const CableVector& length,
+                            const CableVector& tension);
+
+}  // namespace tenon

@@ -1,0 +1,62 @@
+#include <tenon/controllers/cdpr/cdpr_mpc.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace tenon {
+
+CableVector CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x) const {
+  const auto interval = [&](double t) {
+    std::size_t i = 0;
+    while (i + 2 < nodes.size() && nodes[i + 1].time <= t) ++i;
+    return i;
+  };
+  const auto share = [&](std::size_t i, double t) {
+    return std::clamp((t - nodes[i].time) / (nodes[i + 1].time - nodes[i].time), 0.0, 1.0);
+  };
+  const double t = time - start, s = estimated - start;
+  const std::size_t i = interval(t), j = interval(s);
+  const double a = share(i, t), b = share(j, s);
+  const CentroidalState error = x - (1 - b) * nodes[j].x - b * nodes[j + 1].x;
+  CableVector u = (1 - a) * nodes[i].u + a * nodes[i + 1].u;
+  u.noalias() += nodes[i].K * error;
+  return u;
+}
+
+void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, CdprPlan& warm_start,
+                       CdprMpcSolver& solver, CdprPlan* plan) const {
+  const auto begin = std::chrono::steady_clock::now();
+  const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform);
+  const SlqReport report = solver.Solve(time, x, warm_start);
+  CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
+  ++diagnostics.solves;
+  if (report.ok()) {
+    diagnostics.fallbacks_in_a_row = 0;
+    diagnostics.cost = report.cost;
+  } else {
+    ++diagnostics.fallbacks;
+    ++diagnostics.fallbacks_in_a_row;
+  }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  diagnostics.solve_time = elapsed.count();
+  *plan = warm_start;
+}
+
+CableVector CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate,
+                                 const CdprPlan& plan) const {
+  const CdprDescription& robot = params.path->robot();
+  CableVector u = plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform));
+  u -= robot.winch.reel_damping * params.path->At(time).length_rate;
+  return u.cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
+}
+
+Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan) const {
+  const CdprMpcDiagnostics& diagnostics = plan.diagnostics;
+  if (diagnostics.fallbacks_in_a_row <= params.max_fallbacks_in_a_row) return {};
+  return fmt::format("the MPC found no better policy {} times in a row ({} of {} solves failed)",
+                     diagnostics.fallbacks_in_a_row, diagnostics.fallbacks, diagnostics.solves);
+}
+
+}  // namespace tenon

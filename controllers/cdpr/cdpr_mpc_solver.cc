@@ -1,0 +1,264 @@
+#include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
+
+#include <fmt/core.h>
+#include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
+#include <tenon/controllers/optimization/riccati.h>
+#include <tenon/controllers/optimization/slq.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/system.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+namespace tenon {
+namespace {
+
+constexpr double kTurnScale = 1e-3;  // a turn of so many rad counts as much as 1 N in the reference
+
+CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
+  CentroidalState Q;
+  const Eigen::Array3d radii = robot.inertia_B.diagonal().array() / robot.mass;  // L = diag(radii) w
+  Q << Eigen::Vector3d::Constant(weights.velocity), (weights.angular_velocity / radii.square()).matrix(),
+      Eigen::Vector3d::Constant(weights.position), Eigen::Vector3d::Constant(weights.attitude);
+  return Q;
+}
+
+struct Reference {
+  CentroidalState x = CentroidalState::Zero();
+  CableVector u, length_rate;
+};
+
+Reference ReferenceAt(const EquilibriumPath& path, double time) {
+  const CdprDescription& robot = path.robot();
+  const CdprReference at = path.At(time);
+  const Eigen::Matrix3d R_WB = RotationFromEuler(at.euler), E = EulerRateMatrix(at.euler);
+  const CableKinematics cables = CalcCableKinematics(robot, at.position, R_WB);
+
+  const Eigen::Matrix<double, 6, 3> by_turn =
+      kTurnScale * CalcWrenchJacobian(cables, at.tension).rightCols<3>();
+  Vector6d inertial = Vector6d::Zero();
+  inertial.head<3>() = robot.mass * at.acceleration;
+  Matrix6d gram;
+  gram.noalias() = by_turn * by_turn.transpose();
+  for (int i = 0; i < robot.num_cables(); ++i)
+    gram.noalias() += cables.structure.col(i) * cables.structure.col(i).transpose();
+  const Vector6d multiplier = gram.ldlt().solve(inertial);
+  const Eigen::Vector3d turn = kTurnScale * (by_turn.transpose() * multiplier);
+
+  Reference reference;
+  const Eigen::Vector3d w = E * at.euler_rate;
+  reference.x << at.velocity, R_WB * robot.inertia_B * R_WB.transpose() * w / robot.mass, at.position,
+      at.euler + E.inverse() * turn;
+  reference.u = at.tension;
+  reference.u.noalias() += cables.structure.transpose() * multiplier;
+  reference.length_rate = at.length_rate;
+  return reference;
+}
+
+}  // namespace
+
+void CdprMpcParams::Validate() const {
+  Demand(path != nullptr, "no path given: make an EquilibriumPath and share it");
+  Demand(num_steps >= 2, fmt::format("num_steps = {} must be at least 2", num_steps));
+  const double periods = horizon / rate.period();
+  Demand(std::abs(periods - std::round(periods)) < 1e-6,
+         fmt::format("horizon = {} s is no multiple of the period of {} s", horizon, rate.period()));
+  Demand(std::round(periods) >= num_steps,
+         fmt::format("num_steps = {} do not fit into horizon = {} s: a step is at least one period of {} s",
+                     num_steps, horizon, rate.period()));
+  Demand(weights.tension > 0,
+         fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
+                     weights.tension));
+  Demand(std::min({weights.position, weights.velocity, weights.attitude, weights.angular_velocity}) >= 0,
+         "a weight is negative: the optimal control problem would have no minimum");
+}
+
+std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
+  const int total = static_cast<int>(std::lround(params.horizon / params.rate.period()));
+  const int n = params.num_steps;
+  // The ratio with 1 + r + ... + r^(n-1) = total, by bisection.
+  double low = 1, high = total;
+  for (int i = 0; i < 100; ++i) {
+    const double r = (low + high) / 2;
+    double sum = 0;
+    for (int k = 0; k < n && sum <= total; ++k) sum = 1 + r * sum;
+    (sum < total ? low : high) = r;
+  }
+  std::vector<int> steps(n);
+  double end = 0, step = 1;
+  int last = 0;
+  for (int k = 0; k < n; ++k, step *= low) {
+    end += step;
+    const int node = k + 1 == n ? total : std::max(last + 1, static_cast<int>(std::lround(end)));
+    steps[k] = node - last;
+    last = node;
+  }
+  return steps;
+}
+
+CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
+  const int n = params.path->robot().num_cables();
+  const Reference start = ReferenceAt(*params.path, 0);
+  CdprPlan plan;
+  plan.nodes.resize(params.num_steps + 1);
+  const std::vector<int> steps = Steps(params);
+  int periods = 0;
+  for (int k = 0; k <= params.num_steps; ++k) {
+    CdprPlan::Node& node = plan.nodes[k];
+    node.time = periods * params.rate.period();
+    if (k < params.num_steps) periods += steps[k];
+    node.x = start.x;
+    node.u = start.u;
+    node.K.setZero(n, 12);
+  }
+  return plan;
+}
+
+class CdprMpcSolver::Impl {
+ public:
+  virtual ~Impl() = default;
+  virtual std::unique_ptr<Impl> Clone() const = 0;
+  virtual SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) = 0;
+};
+
+namespace {
+
+/// The solver for a number of cables that is known to the compiler.
+template <int n>
+class SolverFor final : public CdprMpcSolver::Impl {
+ public:
+  using Problem = CdprTrackingProblem<n>;
+
+  explicit SolverFor(const CdprMpcParams& params)
+      : path_(params.path),
+        equilibrium_input_(params.equilibrium_input),
+        period_(params.rate.period()),
+        steps_(CdprMpcSolver::Steps(params)),
+        slq_(MakeProblem(params), Seconds(params), params.slq),
+        cache_(1 + static_cast<std::size_t>(std::lround(params.horizon / period_))) {
+    SetTerminalCost(params);
+  }
+  std::unique_ptr<CdprMpcSolver::Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
+
+  SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) override {
+    const double elapsed = time - plan.start;
+    auto& policy = slq_.policy();
+    for (std::size_t k = 0; k < policy.size(); ++k) {
+      policy[k].x = plan.nodes[k].x;
+      policy[k].u = plan.nodes[k].u;
+      policy[k].K = plan.nodes[k].K;
+    }
+    if (elapsed > 0) slq_.Shift(elapsed);
+    SetTargets(time);
+    // The angles next to those of the reference.
+    for (int i = 9; i < 12; ++i) {
+      constexpr double kTurn = 2 * std::numbers::pi;
+      x[i] -= kTurn * std::round((x[i] - slq_.problem().targets[0].x[i]) / kTurn);
+    }
+    const SlqReport report = slq_.Solve(x);
+    plan.start = time;
+    for (std::size_t k = 0; k < policy.size(); ++k) {
+      plan.nodes[k].x = policy[k].x;
+      plan.nodes[k].u = policy[k].u;
+      plan.nodes[k].K = policy[k].K;
+    }
+    return report;
+  }
+
+ private:
+  static std::vector<double> Seconds(const CdprMpcParams& params) {
+    std::vector<double> seconds;
+    for (const int step : CdprMpcSolver::Steps(params)) seconds.push_back(step * params.rate.period());
+    return seconds;
+  }
+  static Problem MakeProblem(const CdprMpcParams& params) {
+    Problem problem(params.path->robot(), params.num_steps);
+    problem.Q = Diagonal(params.path->robot(), params.weights);
+    problem.R.setConstant(params.weights.tension);
+    problem.Q_f = Diagonal(params.path->robot(), params.terminal_weights).asDiagonal();
+    return problem;
+  }
+  void SetTerminalCost(const CdprMpcParams& params) {
+    if (params.terminal == TerminalCost::kGiven) return;
+    Problem& problem = slq_.problem();
+    const CdprReference rest = path_->At(path_->path().start_time());
+    CentroidalState x = CentroidalState::Zero(), next;
+    x.segment<3>(6) = rest.position;
+    x.tail<3>() = rest.euler;
+    typename RungeKutta<Problem>::Tangent tangent;
+    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period_, x, rest.tension, next,
+                                    tangent);
+    problem.Q_f = SolveDiscreteRiccati(tangent.template leftCols<12>(), tangent.template rightCols<n>(),
+                                       (period_ * problem.Q).asDiagonal().toDenseMatrix(),
+                                       (period_ * problem.R).asDiagonal().toDenseMatrix());
+  }
+
+  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again.
+  void SetTargets(double time) {
+    const long now = std::lround(time / period_);
+    long index = 0;
+    for (std::size_t k = 0; k < slq_.problem().targets.size(); ++k) {
+      Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
+      if (cached.time != time + index * period_) {
+        cached.time = time + index * period_;
+        SetTarget(ReferenceAt(*path_, cached.time), cached.target);
+      }
+      slq_.problem().targets[k] = cached.target;
+      if (k < steps_.size()) index += steps_[k];
+    }
+  }
+  void SetTarget(const Reference& reference, typename Problem::Target& target) const {
+    const CdprDescription& robot = path_->robot();
+    const CableProperties& cable = robot.cable;
+    const typename Problem::Input reel = robot.winch.reel_damping * reference.length_rate;
+    target.x = reference.x;
+    target.lower = (reel.array() + cable.tension_min).cwiseMax(cable.tension_min);
+    target.upper = (reel.array() + cable.tension_max).cwiseMin(cable.tension_max);
+    target.u.setZero();
+    if (equilibrium_input_) target.u = reference.u;
+  }
+
+  std::shared_ptr<const EquilibriumPath> path_;
+  bool equilibrium_input_;
+  double period_;
+  std::vector<int> steps_;
+  Slq<Problem> slq_;
+  struct Cached {
+    double time = -1;
+    typename Problem::Target target;
+  };
+  std::vector<Cached> cache_;
+};
+
+std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {
+  switch (params.path->robot().num_cables()) {
+    case 4:
+      return std::make_unique<SolverFor<4>>(params);
+    case 5:
+      return std::make_unique<SolverFor<5>>(params);
+    case 6:
+      return std::make_unique<SolverFor<6>>(params);
+    case 7:
+      return std::make_unique<SolverFor<7>>(params);
+    default:
+      return std::make_unique<SolverFor<8>>(params);
+  }
+}
+
+}  // namespace
+
+CdprMpcSolver::CdprMpcSolver(const CdprMpcParams& params) : impl_(MakeSolver(params)) {}
+CdprMpcSolver::CdprMpcSolver(const CdprMpcSolver& other) : impl_(other.impl_->Clone()) {}
+CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
+  if (this != &other) impl_ = other.impl_->Clone();
+  return *this;
+}
+CdprMpcSolver::~CdprMpcSolver() = default;
+
+SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, CdprPlan& plan) {
+  return impl_->Solve(time, x, plan);
+}
+
+}  // namespace tenon

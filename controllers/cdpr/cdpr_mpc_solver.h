@@ -1,0 +1,78 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cdpr_plan.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/controllers/optimization/slq_options.h>
+#include <tenon/systems/framework/rate.h>
+
+#include <memory>
+#include <vector>
+
+namespace tenon {
+
+/// Weights of the squared errors, per second of the horizon.
+struct CdprMpcWeights {
+  double position = 0;          ///< [1/m^2]
+  double velocity = 0;          ///< [s^2/m^2]
+  double attitude = 0;          ///< [1/rad^2]
+  double angular_velocity = 0;  ///< [s^2/rad^2], about the principal axes of a level platform
+  double tension = 0;           ///< [1/N^2]
+};
+
+enum class TerminalCost {
+  kRiccati,  ///< the cost to go of the linear problem at the equilibrium at the start of the path
+  kGiven,    ///< `terminal_weights`
+};
+
+struct CdprMpcParams {
+  /// What to follow, and the robot that the controller believes in.
+  std::shared_ptr<const EquilibriumPath> path;
+  /// u_des: the tensions of the equilibrium along the path, or zero.
+  bool equilibrium_input = true;
+  double horizon = 0;  ///< [s], a multiple of the period
+  /// Steps of the horizon: the first is one period, the others grow geometrically, rounded to periods.
+  int num_steps = 0;
+  CdprMpcWeights weights;
+  TerminalCost terminal = TerminalCost::kRiccati;
+  CdprMpcWeights terminal_weights;  ///< times one second; the tension's is not used
+  SlqOptions slq;
+  Rate rate = Hz(100);
+  Rate command_rate = Hz(1000);
+  int max_fallbacks_in_a_row = 50;
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What one solve of CdprMpc is: reference, warm start, Slq. Holds work space only.
+///
+/// The reference at a node is the quasi-static one of the path, with what it takes to accelerate the platform
+/// to first order: the smallest changes of attitude dtheta and tensions du with
+///
+///     W du + d(W u)/dtheta dtheta = [m a ; 0],
+///
+/// a the acceleration of the path (for u_des = 0 the attitude alone). Bounds of node k leave room for the
+/// reel damping b of the winches: tensions at the platform within [t_min, t_max] and [t_min, t_max] + b
+/// dl/dt.
+class CdprMpcSolver {
+ public:
+  /// @throws ParameterError if the Riccati equation at the start of the path has no solution.
+  explicit CdprMpcSolver(const CdprMpcParams& params);
+  CdprMpcSolver(const CdprMpcSolver& other);
+  CdprMpcSolver& operator=(const CdprMpcSolver& other);
+  ~CdprMpcSolver();
+
+  /// The steps h_k in periods, see CdprMpcParams.
+  static std::vector<int> Steps(const CdprMpcParams& params);
+  /// To rest at the start of the path, without feedback.
+  static CdprPlan FirstPlan(const CdprMpcParams& params);
+
+  /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`.
+  SlqReport Solve(double time, const CentroidalState& x, CdprPlan& plan);
+
+  class Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tenon

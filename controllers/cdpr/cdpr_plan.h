@@ -1,0 +1,54 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
+
+#include <tuple>
+#include <vector>
+
+namespace tenon {
+
+/// How the solves of the cable robot's MPC went.
+struct CdprMpcDiagnostics {
+  long solves = 0;     ///< since the start of the run
+  long fallbacks = 0;  ///< of these failed, so that the policy before went on
+  long fallbacks_in_a_row = 0;
+  double cost = 0;        ///< of the nominal trajectory
+  double solve_time = 0;  ///< wall-clock time that the last solve took [s]; nothing depends on it
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"solves", &CdprMpcDiagnostics::solves}, Field{"fallbacks", &CdprMpcDiagnostics::fallbacks},
+        Field{"fallbacks_in_a_row", &CdprMpcDiagnostics::fallbacks_in_a_row},
+        Field{"cost", &CdprMpcDiagnostics::cost}, Field{"solve_time", &CdprMpcDiagnostics::solve_time, "s"}};
+  }
+};
+
+/// The policy of the cable robot's MPC: u(t, x) = u_bar(t) + K(t) (x - x_bar(t)), eq. (3.18).
+struct CdprPlan {
+  struct Node {
+    double time = 0;              ///< from `start` [s]
+    Vec<12> x = Vec<12>::Zero();  ///< nominal state, see CentroidalState
+    CableVector u;                ///< nominal tensions [N]
+    Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign, kMaxCables, 12> K;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"time", &Node::time, "s"}, Field{"x", &Node::x}, Field{"u", &Node::u, "N"},
+                        Field{"K", &Node::K}};
+    }
+  };
+
+  double start = 0;  ///< time of the first node [s]
+  std::vector<Node> nodes;
+  CdprMpcDiagnostics diagnostics;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"start", &CdprPlan::start, "s"}, Field{"nodes", &CdprPlan::nodes},
+                      Field{"diagnostics", &CdprPlan::diagnostics}};
+  }
+
+  /// The tensions at `time`, for a state that was estimated at `estimated`, not after `time` [s]. Not
+  /// clamped.
+  CableVector Evaluate(double time, double estimated, const CentroidalState& x) const;
+};
+
+}  // namespace tenon

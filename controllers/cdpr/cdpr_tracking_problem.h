@@ -1,0 +1,60 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
+
+#include <vector>
+
+namespace tenon {
+
+/// The optimal control problem of the cable robot's MPC (Morlando 2023, eqs. (3.10)-(3.17)), for Slq:
+///
+///     L_k = 1/2 (x - x_des,k)^T Q (x - x_des,k) + 1/2 (u - u_des,k)^T R (u - u_des,k),   Q, R diagonal
+///     phi = 1/2 (x - x_des,N)^T Q_f (x - x_des,N)
+///     lower_k <= u <= upper_k
+template <int n>
+class CdprTrackingProblem : public KinoCentroidalModel<n> {
+ public:
+  using State = CentroidalState;
+  using Input = Eigen::Matrix<double, n, 1>;
+  using StateMatrix = Eigen::Matrix<double, 12, 12>;
+
+  /// What the robot should be doing at a node.
+  struct Target {
+    State x = State::Zero();
+    Input u = Input::Zero();
+    Input lower = Input::Zero(), upper = Input::Zero();  ///< [N]
+  };
+
+  State Q = State::Zero();  ///< diagonal, per second
+  Input R = Input::Zero();  ///< diagonal, per second
+  StateMatrix Q_f = StateMatrix::Zero();
+  std::vector<Target> targets;  ///< N + 1; of the last one x alone counts
+
+  CdprTrackingProblem(const CdprDescription& robot, int num_steps)
+      : KinoCentroidalModel<n>(robot), targets(num_steps + 1) {}
+
+  double StageCost(int k, const State& x, const Input& u) const {
+    const Target& target = targets[k];
+    return ((x - target.x).cwiseAbs2().dot(Q) + (u - target.u).cwiseAbs2().dot(R)) / 2;
+  }
+  void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, StateMatrix& Hxx,
+                    Eigen::Matrix<double, n, n>& Huu) const {
+    const Target& target = targets[k];
+    gx += h * Q.cwiseProduct(x - target.x);
+    gu += h * R.cwiseProduct(u - target.u);
+    Hxx.diagonal() += h * Q;
+    Huu.diagonal() += h * R;
+  }
+  double TerminalCost(const State& x) const {
+    const State error = x - targets.back().x;
+    return error.dot(Q_f * error) / 2;
+  }
+  void AddTerminalCost(const State& x, State& gx, StateMatrix& Hxx) const {
+    gx.noalias() += Q_f * (x - targets.back().x);
+    Hxx += Q_f;
+  }
+  const Input& Lower(int k) const { return targets[k].lower; }
+  const Input& Upper(int k) const { return targets[k].upper; }
+};
+
+}  // namespace tenon

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/systems/framework/fields.h>
+
+#include <Eigen/Core>
+#include <tuple>
+#include <vector>
+
+namespace tenon {
+
+/// A point of a path, with its derivatives in time.
+struct PathPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< [m/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+/// A path of the CoM in W that starts at rest, with continuous position, velocity and acceleration.
+///
+/// A path is a curve p(s) that is run through as s(t). On a circle s is the angle [rad]; on every other path
+/// it is the time. Before its start a path rests at its first point, after its end at its last.
+class Path {
+ public:
+  /// Horizontal and counter-clockwise about `center`, from center + (radius, 0, 0), for ever. The angular
+  /// rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t / ramp;
+  /// that takes half of the angle that it would at full rate.
+  static Path Circle(const Eigen::Vector3d& center, double radius, double period, double ramp);
+
+  /// From rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
+  static Path Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double duration);
+
+  /// Through `points` at `times` [s], from rest to rest: the quintic spline with four continuous derivatives,
+  /// which of all curves through the points has the least integral of the squared jerk. It does not stop at
+  /// the points.
+  static Path Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
+
+  static Path Hold(const Eigen::Vector3d& position);
+
+  /// @throws ParameterError, from all four, that names the number that is wrong.
+
+  PathPoint At(double time) const;
+
+  bool is_periodic() const { return period_ > 0; }
+  double start_time() const { return times_.front(); }
+  double end_time() const;  ///< when it comes to rest [s]; infinite for a circle
+
+  /// s at a time, and its rate; constant before the start and after the end.
+  struct Parameter {
+    double value, rate, acceleration;
+  };
+  Parameter ParameterAt(double time) const;
+  Eigen::Vector3d PositionOf(double parameter) const;
+  double TimeOf(double parameter) const;  ///< the first time at which s(t) = parameter
+
+ private:
+  Path() = default;
+
+  // Polynomials between times_[i] and times_[i + 1]; column k is the coefficient of (t - times_[i])^k.
+  using Quintic = Eigen::Matrix<double, 3, 6>;
+  std::vector<double> times_{0.0};
+  std::vector<Quintic> pieces_;
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the circle; where Hold() rests
+  double radius_ = 0, period_ = 0, ramp_ = 0;         // of the circle
+};
+
+/// What the robot should be doing at a time, as far as statics can tell.
+struct CdprReference {
+  Eigen::Vector3d position, velocity, acceleration;  ///< of the CoM, in W [m, m/s, m/s^2]
+  Eigen::Vector3d euler, euler_rate;                 ///< ZYX [rad, rad/s]
+  CableVector length, length_rate;                   ///< of the pose and the twist above [m, m/s]
+  CableVector tension;                               ///< of the equilibrium at `position` [N]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"position", &CdprReference::position, "m"},
+                      Field{"velocity", &CdprReference::velocity, "m/s"},
+                      Field{"acceleration", &CdprReference::acceleration, "m/s^2"},
+                      Field{"euler", &CdprReference::euler, "rad"},
+                      Field{"euler_rate", &CdprReference::euler_rate, "rad/s"},
+                      Field{"length", &CdprReference::length, "m"},
+                      Field{"length_rate", &CdprReference::length_rate, "m/s"},
+                      Field{"tension", &CdprReference::tension, "N"}};
+  }
+};
+
+/// The equilibria along a path, found before the run and interpolated during it (Morlando 2023, sec. 3.5.2).
+///
+/// At closely spaced s, half a degree on a circle and at most 20 ms on other paths, the attitude Theta(s) and
+/// the tensions u(s) come from SolveInverseGeometricoStatic(); each starts from the one before, so that the
+/// attitude stays on one branch of equilibria. A cubic spline, periodic on a circle, joins them with two
+/// continuous derivatives. The lengths are not interpolated but those of the pose:
+///
+///     l_i(t)     = |a_i - p(t) - R(Theta(t)) r_i|
+///     dl_i/dt    = -(W column i) . [v ; w],    v = dp/dt,   w = E(Theta) dTheta/ds ds/dt
+///
+/// The reference is quasi-static: u does not contain the forces that accelerate the platform. Where a tension
+/// reaches a bound Theta(s) has a kink, which the spline rounds off over two or three nodes.
+///
+/// A controller that is to be wrong about the robot is given the reference of the robot that it believes in:
+/// pass that description.
+class EquilibriumPath {
+ public:
+  /// @param options as for one equilibrium; a warm start is for the first point.
+  /// @throws ParameterError naming the time, the point and the reason if there is no equilibrium somewhere on
+  /// the path, or if the branch ends there and the attitude would have to jump.
+  EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {});
+
+  /// The reference at any time. Does not allocate, takes less than 2 us.
+  CdprReference At(double time) const;
+
+  const Path& path() const { return path_; }
+  const CdprDescription& robot() const { return robot_; }
+  int num_nodes() const { return static_cast<int>(nodes_.size()); }
+
+ private:
+  // Roll, pitch, yaw and the tensions, at a node: value and derivative with respect to s.
+  using Channels = Eigen::Matrix<double, 3 + kMaxCables, 1>;
+  struct Node {
+    Channels value = Channels::Zero();
+    Channels slope = Channels::Zero();
+  };
+  void FitSlopes();
+
+  CdprDescription robot_;
+  Path path_;
+  double first_ = 0, step_ = 1;  // s of the first node, distance of the nodes
+  std::vector<Node> nodes_;
+};
+
+}  // namespace tenon

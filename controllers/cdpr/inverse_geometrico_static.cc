@@ -1,0 +1,400 @@
+#include <fmt/format.h>
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlopt.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace tenon {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kStartAngle = 0.6;       // largest angle of the grid of starts [rad]
+constexpr double kLargestAngle = 1.4;     // of roll, pitch and yaw that a search may find [rad]
+constexpr double kLargestTurn = 0.2;      // of one step of Newton's method [rad]
+constexpr double kBoundTolerance = 1e-9;  // of a tension [m g]
+constexpr double kLeastExcess = 1e-6;     // of a tension over its bound that is worth a word [N]
+constexpr double kLeastStiffness = 1e-6;  // that counts as stable [N/m]
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Which tensions are held at a bound: -1 at the lower, +1 at the upper, 0 free.
+using ActiveSet = std::vector<int>;
+
+// min |u|^2 / 2 subject to F(x) = 0 and lower <= u <= upper, with x = [Theta; u]. Tensions and forces are in
+// units of the weight m g, torques in units of m g times the longest arm.
+class StaticsProblem {
+ public:
+  StaticsProblem(const CdprDescription& robot, const Eigen::Vector3d& p_WB, double tension_min,
+                 double tension_max)
+      : robot_(robot),
+        p_WB_(p_WB),
+        weight_(-GravityWrench(robot)[2]),
+        lower_(tension_min / weight_),
+        upper_(tension_max / weight_) {
+    for (const CableDescription& cable : robot.cables) arm_ = std::max(arm_, cable.attachment_B.norm());
+    if (!(arm_ > 0)) arm_ = 1;
+  }
+
+  int num_unknowns() const { return 3 + robot_.num_cables(); }
+  double weight() const { return weight_; }
+  CableVector Tension(const VectorXd& x) const { return weight_ * x.tail(robot_.num_cables()); }
+
+  Vector6d Residual(const VectorXd& x, MatrixXd* jacobian) const {
+    const int n = robot_.num_cables();
+    const Eigen::Vector3d euler = x.head<3>();
+    const CableVector u = x.tail(n);
+    const CableKinematics cables = CalcCableKinematics(robot_, p_WB_, RotationFromEuler(euler));
+    Vector6d residual = cables.structure * u;
+    residual[2] -= 1;
+    residual.tail<3>() /= arm_;
+    if (jacobian) {
+      jacobian->resize(6, 3 + n);
+      jacobian->leftCols<3>() = CalcWrenchJacobian(cables, u).rightCols<3>() * EulerRateMatrix(euler);
+      jacobian->rightCols(n) = cables.structure;
+      jacobian->bottomRows<3>() /= arm_;
+    }
+    return residual;
+  }
+
+  // The tensions that come closest to balance at an attitude, moved into the bounds.
+  VectorXd Start(const Eigen::Vector3d& euler) const {
+    VectorXd x = VectorXd::Zero(num_unknowns());
+    x.head<3>() = euler;
+    MatrixXd jacobian;
+    const Vector6d residual = Residual(x, &jacobian);
+    const MatrixXd structure = jacobian.rightCols(robot_.num_cables());
+    x.tail(robot_.num_cables()) = structure.colPivHouseholderQr().solve(-residual);
+    Clamp(&x);
+    return x;
+  }
+
+  // SLSQP from `x`. What comes out is a guess; Polish() decides.
+  VectorXd Search(const VectorXd& x) const {
+    const int size = num_unknowns();
+    nlopt::opt optimizer(nlopt::LD_SLSQP, size);
+    std::vector<double> lower(size, lower_), upper(size, upper_), point(x.data(), x.data() + size);
+    for (int i = 0; i < 3; ++i) {
+      lower[i] = std::min(-kLargestAngle, point[i]);
+      upper[i] = std::max(kLargestAngle, point[i]);
+    }
+    optimizer.set_lower_bounds(lower);
+    optimizer.set_upper_bounds(upper);
+    auto* self = const_cast<StaticsProblem*>(this);
+    optimizer.set_min_objective(&Objective, nullptr);
+    optimizer.add_equality_mconstraint(&Constraint, self, std::vector<double>(6, 1e-8));
+    optimizer.set_ftol_rel(1e-9);
+    optimizer.set_xtol_rel(1e-9);
+    optimizer.set_maxeval(200);
+    try {
+      double norm = 0;
+      optimizer.optimize(point, norm);
+    } catch (const std::runtime_error&) {  // rounding errors, or a cable without length on the way
+    }
+    return Eigen::Map<const VectorXd>(point.data(), size);
+  }
+
+  // Newton's method on the optimality conditions, with an active set of tensions held at a bound. True if `x`
+  // is then a solution and a minimum.
+  bool Polish(VectorXd* x) const {
+    const int n = robot_.num_cables();
+    ActiveSet side(n);
+    for (int i = 0; i < n; ++i) {
+      const double u = (*x)[3 + i];
+      side[i] = u < lower_ + 1e-6 ? -1 : u > upper_ - 1e-6 ? 1 : 0;
+    }
+    for (int round = 0; round < 2 * n; ++round) {
+      VectorXd gradient;
+      if (!Converge(side, x, &gradient)) return false;
+      // Take up the worst violated bound; if there is none, let go of the bound that holds back the most.
+      int worst = -1, change = 0;
+      double excess = kBoundTolerance;
+      for (int i = 0; i < n; ++i) {
+        const double u = (*x)[3 + i];
+        if (side[i] == 0 && std::max(lower_ - u, u - upper_) > excess) {
+          excess = std::max(lower_ - u, u - upper_);
+          worst = i;
+          change = u < lower_ ? -1 : 1;
+        }
+      }
+      if (worst < 0) {
+        for (int i = 0; i < n; ++i) {
+          if (side[i] != 0 && side[i] * gradient[3 + i] > excess) {
+            excess = side[i] * gradient[3 + i];
+            worst = i;
+          }
+        }
+      }
+      if (worst < 0) {
+        Clamp(x);
+        return true;
+      }
+      side[worst] = change;
+    }
+    return false;
+  }
+
+ private:
+  static double Objective(const std::vector<double>& x, std::vector<double>& gradient, void*) {
+    double sum = 0;
+    for (std::size_t i = 3; i < x.size(); ++i) sum += x[i] * x[i] / 2;
+    if (!gradient.empty()) {
+      std::copy(x.begin(), x.end(), gradient.begin());
+      std::fill(gradient.begin(), gradient.begin() + 3, 0.0);
+    }
+    return sum;
+  }
+
+  static void Constraint(unsigned, double* result, unsigned size, const double* x, double* gradient,
+                         void* data) {
+    const auto* problem = static_cast<const StaticsProblem*>(data);
+    MatrixXd jacobian;
+    Eigen::Map<Vector6d> residual(result);
+    residual = problem->Residual(Eigen::Map<const VectorXd>(x, size), &jacobian);
+    if (!gradient) return;
+    using RowMajor = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor>(gradient, 6, size) = jacobian;
+  }
+
+  void Clamp(VectorXd* x) const {
+    auto u = x->tail(robot_.num_cables());
+    u = u.cwiseMax(lower_).cwiseMin(upper_).eval();
+  }
+
+  // The Hessian of |u|^2 / 2 + multiplier . F: exact in the tensions, in which F is linear, and by central
+  // differences of the exact Jacobian in the angles.
+  MatrixXd CalcHessian(const VectorXd& x, const Vector6d& multiplier) const {
+    constexpr double kStep = 1e-5;
+    const int size = num_unknowns();
+    MatrixXd hessian = MatrixXd::Identity(size, size);
+    for (int j = 0; j < 3; ++j) {
+      MatrixXd ahead, behind;
+      VectorXd moved = x;
+      moved[j] = x[j] + kStep;
+      Residual(moved, &ahead);
+      moved[j] = x[j] - kStep;
+      Residual(moved, &behind);
+      hessian.col(j) = (ahead - behind).transpose() * multiplier / (2 * kStep);
+    }
+    hessian.topRightCorner(3, size - 3) = hessian.bottomLeftCorner(size - 3, 3).transpose();
+    return hessian;
+  }
+
+  // Newton's method with the tensions of `side` held at their bounds. `gradient` is that of the Lagrangian,
+  // which is left non-zero in the held tensions alone.
+  bool Converge(const ActiveSet& side, VectorXd* x, VectorXd* gradient) const {
+    const int n = robot_.num_cables();
+    std::vector<int> free{0, 1, 2};
+    for (int i = 0; i < n; ++i) {
+      if (side[i] == 0) {
+        free.push_back(3 + i);
+      } else {
+        (*x)[3 + i] = side[i] < 0 ? lower_ : upper_;
+      }
+    }
+    const int count = static_cast<int>(free.size());
+    if (count < 6) return false;
+
+    Vector6d multiplier;
+    for (int iteration = 0; iteration < 25; ++iteration) {
+      MatrixXd jacobian;
+      const Vector6d residual = Residual(*x, &jacobian);
+      const MatrixXd reduced = jacobian(Eigen::all, free);
+      VectorXd objective = *x;
+      objective.head<3>().setZero();
+      if (iteration == 0) {
+        multiplier = MatrixXd(reduced.transpose()).colPivHouseholderQr().solve(-objective(free));
+      }
+      *gradient = objective + jacobian.transpose() * multiplier;
+
+      VectorXd defect(count + 6);
+      defect << (*gradient)(free), residual;
+      const MatrixXd hessian = CalcHessian(*x, multiplier);
+      MatrixXd kkt = MatrixXd::Zero(count + 6, count + 6);
+      kkt.topLeftCorner(count, count) = hessian(free, free);
+      kkt.topRightCorner(count, 6) = reduced.transpose();
+      kkt.bottomLeftCorner(6, count) = reduced;
+      const double scale = 1 + multiplier.cwiseAbs().maxCoeff();
+      if (defect.head(count).cwiseAbs().maxCoeff() < 1e-12 * scale &&
+          residual.cwiseAbs().maxCoeff() < 1e-13) {
+        return IsMinimum(kkt, count);
+      }
+      VectorXd step = kkt.partialPivLu().solve(-defect);
+      if (!step.allFinite()) return false;
+      const double turn = step.head<3>().norm();
+      if (turn > kLargestTurn) step *= kLargestTurn / turn;
+      for (int c = 0; c < count; ++c) (*x)[free[c]] += step[c];
+      multiplier += step.tail<6>();
+    }
+    return false;
+  }
+
+  // Whether the Hessian is positive along the family, i.e. on the null space of the constraints.
+  static bool IsMinimum(const MatrixXd& kkt, int count) {
+    if (count == 6) return true;
+    const MatrixXd constraints = kkt.topRightCorner(count, 6);
+    const MatrixXd Q = constraints.colPivHouseholderQr().householderQ();
+    const MatrixXd tangent = Q.rightCols(count - 6);
+    const MatrixXd reduced = tangent.transpose() * kkt.topLeftCorner(count, count) * tangent;
+    return Eigen::LLT<MatrixXd>(reduced).info() == Eigen::Success;
+  }
+
+  const CdprDescription& robot_;
+  Eigen::Vector3d p_WB_;
+  double weight_;
+  double lower_, upper_;
+  double arm_ = 0;
+};
+
+[[noreturn]] void Refuse(const CdprDescription& robot, const Eigen::Vector3d& p, const std::string& reason) {
+  throw ParameterError(fmt::format("Robot '{}' cannot rest with its CoM at ({:.4g}, {:.4g}, {:.4g}) m: {}.",
+                                   robot.name, p.x(), p.y(), p.z(), reason));
+}
+
+StaticEquilibrium MakeEquilibrium(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                  const Eigen::Vector3d& euler, const CableVector& tension) {
+  StaticEquilibrium equilibrium;
+  equilibrium.p_WB = p_WB;
+  equilibrium.euler = euler;
+  equilibrium.R_WB = RotationFromEuler(euler);
+  equilibrium.tension = tension;
+  const CableKinematics cables = CalcCableKinematics(robot, p_WB, equilibrium.R_WB);
+  equilibrium.length = cables.length;
+  equilibrium.stiffness_min = CalcLockedStiffness(robot, cables, equilibrium.R_WB, tension);
+  return equilibrium;
+}
+
+bool IsStable(const StaticEquilibrium& equilibrium) {
+  return equilibrium.stiffness_min > kLeastStiffness;
+}
+
+// The least-norm minimum that the grid of starts leads to; a stable one if there is one.
+std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                                 const StaticsProblem& problem) {
+  std::optional<StaticEquilibrium> best;
+  for (int start = 0; start < 27; ++start) {
+    // Digits of `start` to base 3; start 0 is no turn at all.
+    constexpr double kGrid[] = {0, kStartAngle, -kStartAngle};
+    const Eigen::Vector3d euler(kGrid[start % 3], kGrid[start / 3 % 3], kGrid[start / 9]);
+    VectorXd x;
+    try {
+      x = problem.Search(problem.Start(euler));
+      if (!problem.Polish(&x) || x.head<3>().cwiseAbs().maxCoeff() > kLargestAngle) continue;
+    } catch (const RunError&) {  // an attachment came to lie in its anchor
+      continue;
+    }
+    const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
+    const bool stable = IsStable(found), best_stable = best && IsStable(*best);
+    if (!best || (stable && !best_stable) ||
+        (stable == best_stable && found.tension.norm() < best->tension.norm())) {
+      best = found;
+    }
+  }
+  return best;
+}
+
+void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
+  const auto require = [&robot](bool good, const std::string& what) {
+    if (!good) throw ParameterError(fmt::format("Robot '{}' has no statics: {}.", robot.name, what));
+  };
+  const int n = robot.num_cables();
+  require(n >= kMinCables && n <= kMaxCables,
+          fmt::format("it has {} cables, not {} to {}", n, kMinCables, kMaxCables));
+  require(robot.mass > 0, fmt::format("its mass is {:g} kg", robot.mass));
+  require(robot.inertia_B.llt().info() == Eigen::Success, "its inertia is not positive definite");
+  require(robot.cable.tension_min >= 0 && robot.cable.tension_min < robot.cable.tension_max,
+          fmt::format("the tension bounds [{:g}, {:g}] N are empty or let a cable push",
+                      robot.cable.tension_min, robot.cable.tension_max));
+  require(!options.attitude || n >= 6,
+          fmt::format(
+              "an attitude is prescribed, which takes 6 cables, and it has {}; leave the attitude free", n));
+  require(!options.warm_start || options.warm_start->tension.size() == n,
+          fmt::format("the warm start has {} tensions for {} cables",
+                      options.warm_start ? options.warm_start->tension.size() : 0, n));
+}
+
+}  // namespace
+
+StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                               const StaticsOptions& options) {
+  CheckRobot(robot, options);
+  if (!p_WB.allFinite()) Refuse(robot, p_WB, "the position is not finite");
+  const double lower = robot.cable.tension_min, upper = robot.cable.tension_max;
+  const auto refuse_if_above = [&] {
+    double height = -kInfinity;
+    for (const CableDescription& cable : robot.cables) height = std::max(height, cable.anchor_W.z());
+    if (p_WB.z() >= height) {
+      Refuse(robot, p_WB, fmt::format("it is not below the highest anchor, at z = {:.4g} m", height));
+    }
+  };
+
+  if (options.attitude) {
+    const Eigen::Matrix3d R_WB = RotationFromEuler(*options.attitude);
+    const CableKinematics cables = CalcCableKinematics(robot, p_WB, R_WB);
+    const TensionDistribution found =
+        DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
+    if (!found.feasible) {
+      refuse_if_above();
+      Refuse(robot, p_WB, "at the prescribed attitude " + found.reason);
+    }
+    const StaticEquilibrium equilibrium = MakeEquilibrium(robot, p_WB, *options.attitude, found.tension);
+    if (!IsStable(equilibrium)) {
+      Refuse(robot, p_WB,
+             fmt::format("the prescribed attitude is unstable, its least stiffness is {:.3g} N/m",
+                         equilibrium.stiffness_min));
+    }
+    return equilibrium;
+  }
+
+  const StaticsProblem problem(robot, p_WB, lower, upper);
+  if (options.warm_start) {
+    VectorXd x(problem.num_unknowns());
+    x << options.warm_start->euler, options.warm_start->tension / problem.weight();
+    if (problem.Polish(&x)) {
+      const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
+      if (IsStable(found)) return found;
+    }
+  }
+  const std::optional<StaticEquilibrium> found = SearchAttitudes(robot, p_WB, problem);
+  if (found && IsStable(*found)) return *found;
+
+  refuse_if_above();
+  if (found) {
+    Refuse(
+        robot, p_WB,
+        fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m", found->stiffness_min));
+  }
+  // Which bound is in the way?
+  const StaticsProblem unbounded(robot, p_WB, -kInfinity, kInfinity);
+  if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded)) {
+    int worst = 0;
+    const double excess =
+        (pushed->tension.array() - upper).max(lower - pushed->tension.array()).maxCoeff(&worst);
+    if (excess > kLeastExcess) {
+      Refuse(robot, p_WB,
+             fmt::format("cable {} of {} would need {:.2f} N, outside its bounds [{:g}, {:g}] N", worst + 1,
+                         robot.num_cables(), pushed->tension[worst], lower, upper));
+    }
+  }
+  CdprDescription point_mass = robot;
+  for (CableDescription& cable : point_mass.cables) cable.attachment_B.setZero();
+  const CableKinematics cables = CalcCableKinematics(point_mass, p_WB, Eigen::Matrix3d::Identity());
+  const TensionDistribution held = DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
+  if (!held.feasible) Refuse(robot, p_WB, "torques aside, " + held.reason);
+  Refuse(robot, p_WB,
+         fmt::format("there is no equilibrium with roll, pitch and yaw within {:.0f} deg",
+                     kLargestAngle * 180 / std::numbers::pi));
+}
+
+}  // namespace tenon

@@ -1,0 +1,220 @@
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
+
+#include <fmt/core.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kGravity = 9.81;  // [m/s^2]
+
+Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d cross;
+  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return cross;
+}
+
+}  // namespace
+
+CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform) {
+  const Eigen::Matrix3d R_WB = platform.R_WB();
+  CentroidalState x;
+  x << platform.v_W, R_WB * robot.inertia_B * R_WB.transpose() * platform.w_W / robot.mass, platform.p_WB,
+      EulerFromRotation(R_WB);
+  return x;
+}
+
+template <int n>
+struct KinoCentroidalModel<n>::Attitude {
+  double sr, cr, sp, cp, sy, cy;
+  Eigen::Matrix3d R;
+
+  explicit Attitude(const Eigen::Vector3d& euler)
+      : sr(std::sin(euler[0])),
+        cr(std::cos(euler[0])),
+        sp(std::sin(euler[1])),
+        cp(std::cos(euler[1])),
+        sy(std::sin(euler[2])),
+        cy(std::cos(euler[2])) {
+    R << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
+        -sp, cp * sr, cp * cr;
+  }
+  /// E^{-1} a.
+  Eigen::Vector3d EulerRate(const Eigen::Vector3d& a) const {
+    const double roll = (cy * a[0] + sy * a[1]) / cp;
+    return {roll, cy * a[1] - sy * a[0], a[2] + sp * roll};
+  }
+};
+
+template <int n>
+KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
+    : mass_inverse_(1 / robot.mass), inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
+  if (robot.num_cables() != n)
+    throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n,
+                                     robot.name, robot.num_cables()));
+  for (int i = 0; i < n; ++i) {
+    for (int r = 0; r < 3; ++r) {
+      anchor_W_[r][i] = robot.cables[i].anchor_W[r];
+      attachment_B_[r][i] = robot.cables[i].attachment_B[r];
+    }
+  }
+}
+
+template <int n>
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
+  const Attitude attitude(x.template tail<3>());
+  double pull[6][n];
+  for (int i = 0; i < n; ++i) {
+    double a[3], d[3];
+    for (int r = 0; r < 3; ++r) {
+      a[r] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
+             attitude.R(r, 2) * attachment_B_[2][i];
+      d[r] = anchor_W_[r][i] - x[6 + r] - a[r];
+    }
+    const double scale = u[i] / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (int r = 0; r < 3; ++r) pull[r][i] = scale * d[r];
+    pull[3][i] = a[1] * pull[2][i] - a[2] * pull[1][i];
+    pull[4][i] = a[2] * pull[0][i] - a[0] * pull[2][i];
+    pull[5][i] = a[0] * pull[1][i] - a[1] * pull[0][i];
+  }
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
+  for (int r = 0; r < 3; ++r) {
+    for (int i = 0; i < n; ++i) {
+      force[r] += pull[r][i];
+      torque[r] += pull[3 + r][i];
+    }
+  }
+  dx.template head<3>() = mass_inverse_ * force;
+  dx[2] -= kGravity;
+  dx.template segment<3>(3) = mass_inverse_ * torque;
+  dx.template segment<3>(6) = x.template head<3>();
+  const Eigen::Vector3d momentum_B = attitude.R.transpose() * x.template segment<3>(3);
+  const Eigen::Vector3d rate_B = inertia_inverse_ * momentum_B;
+  dx.template tail<3>() = attitude.EulerRate(attitude.R * rate_B);
+}
+
+template <int n>
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const Tangent& tangent,
+                                                                         Tangent& rate) const {
+  // The blocks by columns, filled up to whole vectors.
+  double J[6][8] = {}, G[6][4] = {};
+  for (int k = 0; k < 6; ++k)
+    for (int r = 0; r < 6; ++r) J[k][r] = momentum_by_pose(r, k);
+  for (int k = 0; k < 3; ++k) {
+    for (int r = 0; r < 3; ++r) {
+      G[k][r] = euler_by_momentum(r, k);
+      G[3 + k][r] = euler_by_euler(r, k);
+    }
+  }
+  const double* S = tangent.data();
+  double* K = rate.data();
+  for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
+    double momentum[8] = {}, euler[4] = {};
+    for (int k = 0; k < 6; ++k) {
+      for (int r = 0; r < 8; ++r) momentum[r] += J[k][r] * S[6 + k];
+      for (int r = 0; r < 4; ++r) euler[r] += G[k][r] * S[k < 3 ? 3 + k : 6 + k];
+    }
+    for (int r = 0; r < 6; ++r) K[r] = momentum[r];
+    for (int r = 0; r < 3; ++r) {
+      K[6 + r] = S[r];
+      K[9 + r] = euler[r];
+    }
+  }
+  rate.template topRightCorner<6, n>() += momentum_by_tension;
+}
+
+// With a the arm, d the direction, m = a x d, u the tension, s = u / l, the derivatives of the wrench of a
+// cable by p and by a rotation vector in W (see CalcWrenchJacobian() in cdpr_kinematics.h) become
+//     df/dp     = -s (1 - d d^T)
+//     df/dtheta =  s ([a x] + d m^T),   dtau/dp its transpose
+//     dtau/dtheta = s (a a^T + m m^T) + u a d^T - (s |a|^2 + u a.d) 1
+template <int n>
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const Input& u, State& dx,
+                                                           Linearization& f) const {
+  const Attitude attitude(x.template tail<3>());
+  const double cp = attitude.cp, sp = attitude.sp, cy = attitude.cy, sy = attitude.sy;
+  double a[3][n], d[3][n], m[3][n], s[n], mixed[n];
+  for (int i = 0; i < n; ++i) {
+    for (int r = 0; r < 3; ++r) {
+      a[r][i] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
+                attitude.R(r, 2) * attachment_B_[2][i];
+      d[r][i] = anchor_W_[r][i] - x[6 + r] - a[r][i];
+    }
+    const double inverse = 1 / std::sqrt(d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]);
+    for (int r = 0; r < 3; ++r) d[r][i] *= inverse;
+    s[i] = u[i] * inverse;
+    m[0][i] = a[1][i] * d[2][i] - a[2][i] * d[1][i];
+    m[1][i] = a[2][i] * d[0][i] - a[0][i] * d[2][i];
+    m[2][i] = a[0][i] * d[1][i] - a[1][i] * d[0][i];
+    mixed[i] = s[i] * (a[0][i] * a[0][i] + a[1][i] * a[1][i] + a[2][i] * a[2][i]) +
+               u[i] * (a[0][i] * d[0][i] + a[1][i] * d[1][i] + a[2][i] * d[2][i]);
+  }
+  const auto sum = [](const auto& term) {
+    double total = 0;
+    for (int i = 0; i < n; ++i) total += term(i);
+    return total;
+  };
+  Eigen::Vector3d force, torque, lever;
+  Eigen::Matrix3d force_by_p, force_by_turn, torque_by_turn;
+  const double stiffness = sum([&](int i) { return s[i]; }), trace = sum([&](int i) { return mixed[i]; });
+  for (int r = 0; r < 3; ++r) {
+    force[r] = sum([&](int i) { return u[i] * d[r][i]; });
+    torque[r] = sum([&](int i) { return u[i] * m[r][i]; });
+    lever[r] = sum([&](int i) { return s[i] * a[r][i]; });
+    for (int c = 0; c < 3; ++c) {
+      force_by_turn(r, c) = sum([&](int i) { return s[i] * d[r][i] * m[c][i]; });
+      torque_by_turn(r, c) = sum(
+          [&](int i) { return s[i] * (a[r][i] * a[c][i] + m[r][i] * m[c][i]) + u[i] * a[r][i] * d[c][i]; });
+      if (c <= r) force_by_p(r, c) = force_by_p(c, r) = sum([&](int i) { return s[i] * d[r][i] * d[c][i]; });
+    }
+    force_by_p(r, r) -= stiffness;
+    torque_by_turn(r, r) -= trace;
+    for (int i = 0; i < n; ++i) {
+      f.momentum_by_tension(r, i) = mass_inverse_ * d[r][i];
+      f.momentum_by_tension(3 + r, i) = mass_inverse_ * m[r][i];
+    }
+  }
+  force_by_turn += Skew(lever);
+  const Eigen::Matrix3d torque_by_p = force_by_turn.transpose();
+
+  dx.template head<3>() = mass_inverse_ * force;
+  dx[2] -= kGravity;
+  dx.template segment<3>(3) = mass_inverse_ * torque;
+  dx.template segment<3>(6) = x.template head<3>();
+
+  const Eigen::Matrix3d mobility = attitude.R * inertia_inverse_ * attitude.R.transpose();
+  const Eigen::Vector3d momentum = x.template segment<3>(3);
+  const Eigen::Vector3d w = mobility * momentum;
+  dx.template tail<3>() = attitude.EulerRate(w);
+
+  Eigen::Matrix3d E;  // EulerRateMatrix()
+  E << cy * cp, -sy, 0, sy * cp, cy, 0, -sp, 0, 1;
+  f.momentum_by_pose.template topLeftCorner<3, 3>() = mass_inverse_ * force_by_p;
+  f.momentum_by_pose.template topRightCorner<3, 3>().noalias() = mass_inverse_ * (force_by_turn * E);
+  f.momentum_by_pose.template bottomLeftCorner<3, 3>() = mass_inverse_ * torque_by_p;
+  f.momentum_by_pose.template bottomRightCorner<3, 3>().noalias() = mass_inverse_ * (torque_by_turn * E);
+
+  // dw = (mobility [L x] - [w x]) dturn, at constant L; E^{-1} w depends on pitch and yaw besides.
+  const Eigen::Matrix3d w_by_euler = (mobility * Skew(momentum) - Skew(w)) * E;
+  for (int c = 0; c < 3; ++c) {
+    f.euler_by_momentum.col(c) = attitude.EulerRate(mobility.col(c));
+    f.euler_by_euler.col(c) = attitude.EulerRate(w_by_euler.col(c));
+  }
+  const double along = cy * w[0] + sy * w[1], across = cy * w[1] - sy * w[0];
+  f.euler_by_euler.col(1) += Eigen::Vector3d(along * sp, 0, along) / (cp * cp);
+  f.euler_by_euler.col(2) += Eigen::Vector3d(across / cp, -along, across * sp / cp);
+}
+
+template class KinoCentroidalModel<4>;
+template class KinoCentroidalModel<5>;
+template class KinoCentroidalModel<6>;
+template class KinoCentroidalModel<7>;
+template class KinoCentroidalModel<8>;
+
+}  // namespace tenon

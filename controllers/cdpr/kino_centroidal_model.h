@@ -1,0 +1,76 @@
+#pragma once
+
+#include <tenon/controllers/optimization/runge_kutta.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/cdpr_signals.h>
+
+#include <Eigen/Core>
+
+namespace tenon {
+
+/// State of the kino-centroidal model, (3.5): velocity of the CoM [m/s], angular momentum about the CoM over
+/// the mass [m^2/s], position of the CoM [m], ZYX Euler angles [rad], all in W.
+using CentroidalState = Eigen::Matrix<double, 12, 1>;
+
+/// The state (3.5) of a platform.
+CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform);
+
+/// The kino-centroidal model of a cable robot with n massless cables, whose input are the tensions u >= 0
+/// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) as it must read in Euler angles):
+///
+///     dv/dt     = (1/m) sum_i u_i lambda_i + g,            g = (0, 0, -9.81)
+///     dL/dt     = (1/m) sum_i R r_i x u_i lambda_i
+///     dp/dt     = v
+///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
+///
+/// lambda_i is the direction from attachment p + R r_i to anchor. Exact for a rigid platform. Singular at
+/// pitch = +-pi/2 and where a cable has no length: the result is not finite there.
+template <int n>
+class KinoCentroidalModel {
+ public:
+  static constexpr int kStates = 12, kInputs = n;
+  using State = CentroidalState;
+  using Input = Eigen::Matrix<double, n, 1>;
+
+  /// The Jacobians by blocks; the rest of fx is zero but for d(dp/dt)/dv = 1.
+  struct Linearization {
+    Eigen::Matrix<double, 6, 6> momentum_by_pose;  ///< rows v, L; columns p, Theta
+    Eigen::Matrix<double, 6, n> momentum_by_tension;
+    Eigen::Matrix3d euler_by_momentum;  ///< d(dTheta/dt)/dL
+    Eigen::Matrix3d euler_by_euler;     ///< d(dTheta/dt)/dTheta
+    using Tangent = typename DenseLinearization<12, n>::Tangent;
+
+    explicit Linearization(int = 0, int = 0) {}
+    void Multiply(const Tangent& tangent, Tangent& rate) const;
+    void MultiplyIdentity(Tangent& rate) const {
+      rate.setZero();
+      rate.template block<6, 6>(0, 6) = momentum_by_pose;
+      rate.template topRightCorner<6, n>() = momentum_by_tension;
+      rate.template block<3, 3>(6, 0).setIdentity();
+      rate.template block<3, 3>(9, 3) = euler_by_momentum;
+      rate.template block<3, 3>(9, 9) = euler_by_euler;
+    }
+  };
+
+  /// @throws ParameterError if the robot has not n cables.
+  explicit KinoCentroidalModel(const CdprDescription& robot);
+
+  int num_states() const { return kStates; }
+  int num_inputs() const { return n; }
+  void Derivative(const State& x, const Input& u, State& dx) const;
+  void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
+
+ private:
+  struct Attitude;
+  double mass_inverse_;
+  Eigen::Matrix3d inertia_inverse_;             // m I^{-1}, in B
+  double anchor_W_[3][n], attachment_B_[3][n];  // cables side by side
+};
+
+extern template class KinoCentroidalModel<4>;
+extern template class KinoCentroidalModel<5>;
+extern template class KinoCentroidalModel<6>;
+extern template class KinoCentroidalModel<7>;
+extern template class KinoCentroidalModel<8>;
+
+}  // namespace tenon

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/geometry.h>
+
+namespace tenon {
+
+struct ReferenceGeneratorParams {
+  /// Computed once, before the run; several blocks and contexts share it.
+  std::shared_ptr<const EquilibriumPath> path;
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError if there is no path
+};
+
+/// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
+/// the static equilibrium there.
+///
+/// Ports: out `reference`, sampled; `geometry`, the path with a ball where the CoM should be.
+class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  OutputPort<CdprReference> reference{this,
+                                      {"reference"},
+                                      params.path->At(0),
+                                      Sampled{params.rate},
+                                      Uses(time),
+                                      &ReferenceGenerator::CalcReference};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                {Shape::Trace(ShapeRole::kReference, "reference", 0.03)},
+                                Uses(reference),
+                                &ReferenceGenerator::CalcGeometry};
+
+ private:
+  CdprReference CalcReference(const double& time) const { return params.path->At(time); }
+  void CalcGeometry(const CdprReference& reference, Geometry* out) const {
+    out->front().p_W = reference.position;
+  }
+};
+
+}  // namespace tenon

@@ -1,0 +1,80 @@
+#include <tenon/controllers/guide_dog/admittance_filter.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace tenon {
+
+void AdmittanceFilterParams::Validate() const {
+  const auto positive = [](const char* name, double value, const char* unit) {
+    Demand(value > 0 && std::isfinite(value),
+           fmt::format("the admittance's {} of {} {} must be positive", name, value, unit));
+  };
+  const auto not_negative = [](const char* name, double value, const char* unit) {
+    Demand(value >= 0 && std::isfinite(value),
+           fmt::format("the admittance's {} of {} {} must not be negative", name, value, unit));
+  };
+  positive("desired_tension", desired_tension, "N");
+  positive("mass", mass, "kg");
+  positive("damping", damping, "N s/m");
+  not_negative("stiffness", stiffness, "N/m");
+  not_negative("min_forward", min_forward, "m/s");
+  not_negative("max_left", max_left, "m/s");
+  positive("acceleration", acceleration, "m/s^2");
+  Demand(max_forward > min_forward && std::isfinite(max_forward),
+         fmt::format("the admittance's velocities from {} to {} m/s make no sense: give max_forward above "
+                     "min_forward",
+                     min_forward, max_forward));
+}
+
+Eigen::Matrix3d AdmittanceFilter::MakeStep(const AdmittanceFilterParams& params, double stiffness) {
+  Eigen::Matrix3d rates;
+  rates << 0, 1, 0,                                                              //
+      -stiffness / params.mass, -params.damping / params.mass, 1 / params.mass,  //
+      0, 0, 0;
+  return (params.rate.period() * rates).exp();
+}
+
+AdmittanceMotion AdmittanceFilter::CalcMotion(const WalkCommand& command, const WrenchEstimate& wrench,
+                                              const LeggedState& state, AdmittanceMotion& memory) const {
+  const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
+  const Eigen::Vector2d to_left(-heading[1], heading[0]);
+  const Eigen::Vector2d force_W = wrench.force_W.head<2>();
+  const Eigen::Vector2d force(heading.dot(force_W), to_left.dot(force_W));
+  const Eigen::Vector2d ahead(params.desired_tension, 0);
+
+  AdmittanceMotion next;
+  next.direction = ahead == force ? Eigen::Vector2d(1, 0) : (ahead - force).normalized();
+  next.tension = -force.dot(next.direction);
+  next.walks = command.gait != Gait::kStand;
+  if (!next.walks) return memory = next;
+
+  const Eigen::Vector2d drive = (params.desired_tension - next.tension) * next.direction;
+  const Eigen::Vector2d nominal(command.forward, command.left);
+  const Eigen::Vector3d along = along_ * Eigen::Vector3d(0, memory.correction[0], drive[0]);
+  const Eigen::Vector3d across = across_ * Eigen::Vector3d(memory.offset, memory.correction[1], drive[1]);
+  const Eigen::Vector2d wanted = nominal + Eigen::Vector2d(along[1], across[1]);
+
+  const Eigen::Vector2d lowest(params.min_forward, -params.max_left);
+  const Eigen::Vector2d highest(params.max_forward, params.max_left);
+  const double period = params.rate.period();
+  const Eigen::Array2d change = Eigen::Array2d::Constant(params.acceleration * period);
+  const Eigen::Array2d inside =
+      wanted.array().max(lowest.cwiseMin(nominal).array()).min(highest.cwiseMax(nominal).array());
+  next.velocity = inside.max(memory.velocity.array() - change).min(memory.velocity.array() + change);
+  next.correction = next.velocity - nominal;
+  next.offset = next.velocity[1] == wanted[1] ? across[0] : memory.offset + period * next.correction[1];
+  return memory = next;
+}
+
+WalkCommand AdmittanceFilter::CalcWalk(const WalkCommand& command, const AdmittanceMotion& motion) const {
+  WalkCommand walk = command;
+  walk.forward = motion.velocity[0];
+  walk.left = motion.velocity[1];
+  return walk;
+}
+
+}  // namespace tenon

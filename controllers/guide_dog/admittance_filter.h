@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <tuple>
+
+#include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Defaults: see docs/guide_dog.md.
+struct AdmittanceFilterParams {
+  double desired_tension = 30;  ///< f_d [N]
+  double mass = 8;              ///< M_a [kg]
+  double damping = 40;          ///< D_a [N s/m]
+  double stiffness = 100;       ///< K_a, across the path [N/m]
+  double min_forward = 0.03;    ///< the robot leads: stopping is not this block's decision [m/s]
+  double max_forward = 0.2;     ///< [m/s]
+  double max_left = 0.05;       ///< to either side [m/s]
+  double acceleration = 0.5;    ///< of each velocity, at most [m/s^2]
+  Rate rate = Hz(100);
+
+  static constexpr auto Fields() {
+    using P = AdmittanceFilterParams;
+    return std::tuple{
+        Field{"desired_tension_N", &P::desired_tension}, Field{"mass_kg", &P::mass},
+        Field{"damping_N_s_per_m", &P::damping},         Field{"stiffness_N_per_m", &P::stiffness},
+        Field{"min_forward_m_per_s", &P::min_forward},   Field{"max_forward_m_per_s", &P::max_forward},
+        Field{"max_left_m_per_s", &P::max_left},         Field{"acceleration_m_per_s2", &P::acceleration}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What the filter makes of the leash.
+struct AdmittanceMotion {
+  double tension = 0;                  ///< T, as estimated; negative if the person pulls ahead [N]
+  Vec<2> direction = Vec<2>::Zero();   ///< e: forward and left
+  Vec<2> velocity = Vec<2>::Zero();    ///< what the command is corrected to, forward and left [m/s]
+  Vec<2> correction = Vec<2>::Zero();  ///< x~', the velocity that is added [m/s]
+  double offset = 0;                   ///< x~ across the path, to the left [m]
+  bool walks = false;                  ///< the command has a gait
+
+  static constexpr auto Fields() {
+    using M = AdmittanceMotion;
+    return std::tuple{Field{"tension", &M::tension, "N"},     Field{"direction", &M::direction},
+                      Field{"velocity", &M::velocity, "m/s"}, Field{"correction", &M::correction, "m/s"},
+                      Field{"offset", &M::offset, "m"},       Field{"walks", &M::walks}};
+  }
+};
+
+/// Adapts a walk to the person on the leash: the admittance of Morlando 2023, eq. (2.49), as the force
+/// balance of the tension, in the frame of the robot's heading (forward, left),
+///     M_a x~'' + D_a x~' + K x~ = (f_d - T) e,   K = diag(0, K_a),
+/// and walks with the commanded velocity plus x~'. Without stiffness along the path the robot follows a slow
+/// person for ever, at the tension f_d + D_a (commanded speed - speed of the person).
+///
+/// f is the horizontal part of the estimated force on the robot, T = -f.e the tension, and e the direction
+/// from the person to the robot,
+///     e = (f_d h - f) / |f_d h - f|,   h = (1, 0) the heading:
+/// along the leash when it is taut, ahead when it is slack and f is noise; while the person pulls from ahead,
+/// T < 0 or T > f_d along e = -h, so that the robot goes towards the pull. Vertical force does not count, for
+/// errors of the robot's mass are in it.
+///
+///     ports in   command  what the robot would do alone
+///                wrench   estimated, without gravity and ground
+///                state    for the yaw, nothing else
+///     ports out  motion   sampled
+///                walk     the command with corrected velocities; sampled
+///
+/// The forward velocity stays within [min_forward, max_forward] and left within max_left, or as far out as
+/// the command itself; both change by at most `acceleration`. What the limits take away is taken from x~'
+/// too, so nothing winds up. A command to stand passes at once and puts everything to rest.
+///
+/// Between ticks the force is held and the equation is integrated exactly.
+class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  InputPort<WalkCommand> command{this, {"command"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}};
+  InputPort<LeggedState> state{this, {"state"}};
+  Scratch<AdmittanceMotion> memory{this, "memory", AdmittanceMotion()};
+  OutputPort<AdmittanceMotion> motion{this,
+                                      {"motion"},
+                                      Sampled{params.rate},
+                                      Uses(command, wrench, state, memory),
+                                      &AdmittanceFilter::CalcMotion};
+  OutputPort<WalkCommand> walk{
+      this, {"walk"}, Sampled{params.rate}, Uses(command, motion), &AdmittanceFilter::CalcWalk};
+
+ private:
+  AdmittanceMotion CalcMotion(const WalkCommand& command, const WrenchEstimate& wrench,
+                              const LeggedState& state, AdmittanceMotion& memory) const;
+  WalkCommand CalcWalk(const WalkCommand& command, const AdmittanceMotion& motion) const;
+
+  static Eigen::Matrix3d MakeStep(const AdmittanceFilterParams& params, double stiffness);
+
+  // What becomes of (offset, velocity, force) over a tick.
+  const Eigen::Matrix3d along_ = MakeStep(params, 0), across_ = MakeStep(params, params.stiffness);
+};
+
+}  // namespace tenon

@@ -1,0 +1,112 @@
+#include <tenon/controllers/guide_dog/supervisor.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tenon {
+namespace {
+
+/// Evidence for what is so at present, after one more tick.
+double Evidence(double before, bool is_so, double period) {
+  return is_so ? before + period : std::max(0.0, before - period);
+}
+
+double HeadingError(double yaw, double heading) {
+  return std::remainder(yaw - heading, 2 * std::numbers::pi);
+}
+
+}  // namespace
+
+void SupervisorParams::Validate() const {
+  const auto positive = [](const char* name, double value, const char* unit) {
+    Demand(value > 0 && std::isfinite(value),
+           fmt::format("the supervisor's {} of {} {} must be positive", name, value, unit));
+  };
+  positive("threshold", threshold, "N");
+  Demand(release > 0 && release <= threshold,
+         fmt::format("the supervisor's release of {} N must be positive and not above its threshold of {} N",
+                     release, threshold));
+  positive("stop_time", stop_time, "s");
+  positive("start_time", start_time, "s");
+  Demand(dwell >= 0 && std::isfinite(dwell),
+         fmt::format("the supervisor's dwell of {} s must not be negative", dwell));
+  positive("turn_rate", turn_rate, "rad/s");
+  positive("turn_gain", turn_gain, "1/s");
+  positive("heading_tolerance", heading_tolerance, "rad");
+  positive("align_time", align_time, "s");
+}
+
+GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events) {
+  switch (mode) {
+    case GuideMode::kMove:
+      return events.pulled || events.obstacle ? GuideMode::kStop : mode;
+    case GuideMode::kTurn:
+      if (events.pulled || events.new_obstacle) return GuideMode::kStop;
+      return events.aligned ? GuideMode::kMove : mode;
+    case GuideMode::kStop:
+      return events.pulled ? GuideMode::kTurn : mode;
+  }
+  return mode;
+}
+
+/// Takes the force of one tick into account; whether it makes a command now.
+bool Supervisor::FeelsPull(const Eigen::Vector2d& force_W, GuideStatus* status) const {
+  const double period = params.rate.period();
+  const double force = force_W.norm();
+  if (!status->released) {
+    status->calm_time = Evidence(status->calm_time, force < params.release, period);
+    status->released = status->calm_time > params.stop_time - period / 2;
+    return false;
+  }
+  status->pull_time = Evidence(status->pull_time, force > params.threshold, period);
+  status->pull_W = status->pull_time > 0 ? Vec<2>(status->pull_W + force_W) : Vec<2>(0, 0);
+  const double needed = status->mode == GuideMode::kStop ? params.start_time : params.stop_time;
+  return status->pull_time > needed - period / 2 && status->since > params.dwell - period / 2;
+}
+
+GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedState& state,
+                                   const bool& obstacle, GuideStatus& memory) const {
+  GuideStatus next = memory;
+  const Eigen::Matrix3d R = state.R_WB();
+  const double heading = std::atan2(R(1, 0), R(0, 0));
+  next.since += params.rate.period();
+  next.seen = next.seen && obstacle;
+
+  GuideEvents events;
+  events.pulled = FeelsPull(wrench.force_W.head<2>(), &next);
+  events.obstacle = obstacle;
+  events.new_obstacle = obstacle && !next.seen;
+  const bool heads_there = std::abs(HeadingError(next.yaw, heading)) < params.heading_tolerance;
+  next.aligned_time =
+      memory.mode == GuideMode::kTurn ? Evidence(memory.aligned_time, heads_there, params.rate.period()) : 0;
+  events.aligned = next.aligned_time > params.align_time - params.rate.period() / 2;
+  next.mode = NextGuideMode(memory.mode, events);
+
+  if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop) {
+    next.yaw = std::atan2(next.pull_W[1], next.pull_W[0]);
+    next.seen = obstacle;
+  }
+  if (events.pulled) {
+    next.released = false;
+    next.pull_time = next.calm_time = 0;
+    next.pull_W.setZero();
+  }
+  if (next.mode != memory.mode) next.since = 0;
+  next.yaw_rate = 0;
+  if (next.mode == GuideMode::kTurn)
+    next.yaw_rate =
+        std::clamp(params.turn_gain * HeadingError(next.yaw, heading), -params.turn_rate, params.turn_rate);
+  return memory = next;
+}
+
+WalkCommand Supervisor::CalcWalk(const WalkCommand& command, const GuideStatus& status) const {
+  if (status.mode == GuideMode::kStop || command.gait == Gait::kStand) return {};
+  WalkCommand walk = command;
+  if (status.mode == GuideMode::kTurn) walk.yaw_rate = status.yaw_rate;
+  return walk;
+}
+
+}  // namespace tenon

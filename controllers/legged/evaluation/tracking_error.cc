@@ -1,0 +1,32 @@
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+namespace tenon {
+
+void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
+  model_.Calc(state, dynamics);
+}
+
+WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
+                                        const ContactSchedule& schedule, const BodyReference& body,
+                                        const FeetReference& feet, const WholeBodyPlan& plan) const {
+  WalkingErrors errors;
+  errors.com_position = dynamics.com_W;
+  errors.com = dynamics.com_W - body.com_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    if (schedule.legs[i].state == ContactState::kSwing)
+      errors.foot[leg] = (dynamics.feet[i].p_W - feet[leg].p_W).norm();
+    else if (schedule.legs[i].stance())
+      errors.ground_force[leg] = (plan.solution.force[leg] - foot_forces[leg]).norm();
+  }
+  return errors;
+}
+
+FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynamics,
+                                                 const Vec<12>& external_torque) const {
+  return SolveFootForces(dynamics, external_torque, params.min_singular_value);
+}
+
+}  // namespace tenon

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <tuple>
+
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct TrackingErrorParams {
+  QuadrupedDescription robot;        ///< the true one
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+};
+
+struct WalkingErrors {
+  Vec<3> com = Vec<3>::Zero();           ///< x - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();          ///< |p - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true| of each foot in stance; 0 of the others [N]
+  Vec<3> com_position = Vec<3>::Zero();  ///< x [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"com", &WalkingErrors::com, "m"}, Field{"foot", &WalkingErrors::foot, "m"},
+                      Field{"ground_force", &WalkingErrors::ground_force, "N"},
+                      Field{"com_position", &WalkingErrors::com_position, "m"}};
+  }
+};
+
+/// How far a walking robot is from what was planned for it. It judges a run; nothing should be controlled by
+/// it, since it takes the true state and the true masses.
+///
+///     ports in   state, foot_forces              the true ones
+///                schedule, body, feet, plan      of the controller
+///                external_torque                 of disturbances at the joints; none if not connected
+///     ports out  errors
+///                external_foot_forces            those disturbances as forces at the feet, which do the same
+///                                                at the joints, as observers tell them: see SolveFootForces
+class TrackingError final : public LeafSystem<TrackingErrorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<FeetReference> feet{this, {"feet"}};
+  InputPort<WholeBodyPlan> plan{this, {"plan"}};
+  InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
+
+ private:
+  QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &TrackingError::CalcDynamics};
+
+ public:
+  OutputPort<WalkingErrors> errors{
+      this, {"errors"}, Uses(dynamics_, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
+  OutputPort<FootForces> external_foot_forces{this,
+                                              {"external_foot_forces"},
+                                              Uses(dynamics_, external_torque),
+                                              &TrackingError::CalcExternalFootForces};
+
+ private:
+  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
+  WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
+                           const ContactSchedule& schedule, const BodyReference& body,
+                           const FeetReference& feet, const WholeBodyPlan& plan) const;
+  FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque) const;
+};
+
+}  // namespace tenon

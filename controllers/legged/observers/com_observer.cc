@@ -1,0 +1,58 @@
+#include <tenon/controllers/legged/observers/com_observer.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+namespace tenon {
+
+void ComObserverGains::Validate() const {
+  for (const auto& [name, value] : {std::pair{"force_bandwidth_rad_per_s", force_bandwidth},
+                                    std::pair{"torque_bandwidth_rad_per_s", torque_bandwidth}}) {
+    Demand(std::isfinite(value) && value > 0,
+           fmt::format("{} = {} must be positive: the estimate would not follow", name, value));
+  }
+}
+
+void ComObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  gains.Validate();
+}
+
+WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
+                                         const Vec<3>& specific_force_W, Memory& memory) const {
+  QuadrupedDynamics dynamics;
+  model_.Calc(state, &dynamics);
+  const bool from_imu = params.gains.force_source == ForceSource::kImu;
+  const double mass = model_.mass(), period = params.rate.period();
+  const Vec<3> weight(0, 0, mass * model_.gravity());
+
+  const Memory before = memory;
+  memory.started = true;
+  memory.linear = mass * dynamics.com_velocity_W;
+  if (from_imu) memory.linear -= mass * (state.v_W + state.w_W.cross(state.R_WB() * params.robot.imu_B));
+  memory.angular = dynamics.angular_momentum_W;
+  memory.ground.setZero();
+  memory.moment.setZero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const Vec<3> arm = LowestPoint(dynamics, leg, params.robot.foot_radius) - dynamics.com_W;
+    memory.ground += foot_forces[leg];
+    memory.moment += arm.cross(foot_forces[leg]);
+  }
+  if (!before.started) return memory.estimate;
+
+  // The mean wrench of the interval that ends now.
+  const Vec<3> change = (memory.linear - before.linear) / period;
+  const Vec<3> force = from_imu ? Vec<3>(mass * specific_force_W + change - before.ground)
+                                : Vec<3>(change + weight - (before.ground + memory.ground) / 2);
+  const Vec<3> torque = (memory.angular - before.angular) / period - (before.moment + memory.moment) / 2;
+  WrenchEstimate& estimate = memory.estimate;
+  estimate.force_W += -std::expm1(-params.gains.force_bandwidth * period) * (force - estimate.force_W);
+  estimate.torque_W += -std::expm1(-params.gains.torque_bandwidth * period) * (torque - estimate.torque_W);
+  return estimate;
+}
+
+}  // namespace tenon

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <array>
+#include <tuple>
+
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// What an observer takes the acceleration of the centre of mass from.
+enum class ForceSource {
+  kImu,       ///< the inertial unit of the trunk, and the legs' motion relative to it
+  kMomentum,  ///< the velocity of the centre of mass, which the trunk's must be known for
+};
+constexpr auto EnumNames(ForceSource) {
+  return std::array{std::pair{ForceSource::kImu, "imu"}, std::pair{ForceSource::kMomentum, "momentum"}};
+}
+
+/// What is tuned of an observer of the net wrench.
+struct ComObserverGains {
+  double force_bandwidth = 20;   ///< K_l [rad/s]
+  double torque_bandwidth = 20;  ///< K_a [rad/s]
+  ForceSource force_source = ForceSource::kImu;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth},
+                      Field{"torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth},
+                      Field{"force_source", &ComObserverGains::force_source}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// With these a ComObserver is the centroidal momentum observer of Focchi et al. 2020: force and torque from
+/// the momenta, with gains of 25 and 10 rad/s.
+constexpr ComObserverGains CentroidalMomentumObserver() {
+  return {25, 10, ForceSource::kMomentum};
+}
+
+struct ComObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  ComObserverGains gains;
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Estimates the net wrench on a quadruped of everything but gravity and the ground, about its centre of mass
+/// x: the hybrid observer of Morlando 2023, section 2.4.2, in its exact form. With L the angular momentum
+/// about x, and the ground's forces f_i at p_i,
+///
+///     tau' = K_a (tau_ext - tau),   tau_ext = L' - sum_i (p_i - x) x f_i              (2.15) to (2.18)
+///     f'   = K_l (f_ext - f),       f_ext   = m x'' + m g e_z - sum_i f_i             (2.19) to (2.21)
+///
+/// each first-order filter being exact in time for a wrench that is constant in each interval. Neither L' nor
+/// x'' is differentiated: a filter needs their means over an interval only, and these are differences of
+/// momenta. So tau_ext has the mean (L[n] - L[n-1]) / h minus the mean moment of the ground at the ends.
+///
+/// **Force.** The trunk's velocity is hard to know, but its specific force s is measured at the point I of
+/// the inertial unit, and the centre of mass moves relative to I with a velocity u = x' - v_I that joint
+/// speeds and angular velocity tell. So, from m (v_I' + g e_z) = m R_WB s,
+///
+///     f_ext = m R_WB s + m u' - sum_i f_i,   the mean of u' being (u[n] - u[n-1]) / h,
+///
+/// with the inertial unit and the ground at the instant of the unit's sample, the start of the interval: the
+/// shaking of a stiff contact is in both and cancels. No velocity of the trunk, no gravity and no angular
+/// acceleration is needed. `kMomentum` takes the mean of m x'' from x' itself, and that of f_i from both
+/// ends.
+///
+/// The ground's forces act at the lowest point of each foot's sphere. All forces of the surroundings are in
+/// the wrench, wherever they act; estimates of other observers do not enter.
+///
+///     | port        | kind            | type                                      |
+///     | state       | input           | LeggedState; v_W is read by kMomentum only |
+///     | foot_forces | input           | FootForces                                |
+///     | imu         | input           | ImuMeasurement                            |
+///     | estimate    | output, sampled | WrenchEstimate                            |
+///
+/// The estimate depends on the present state and foot forces, and on the inertial unit one tick ago, so that
+/// a controller may use it for the torque of the same tick, which the unit feels at once.
+class ComObserver final : public LeafSystem<ComObserverParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// Of the last tick.
+  struct Memory {
+    bool started = false;
+    Vec<3> linear = Vec<3>::Zero();   ///< m u, or m x' [kg m/s]
+    Vec<3> angular = Vec<3>::Zero();  ///< L [kg m^2/s]
+    Vec<3> ground = Vec<3>::Zero();   ///< force [N]
+    Vec<3> moment = Vec<3>::Zero();   ///< of the ground about x [N m]
+    WrenchEstimate estimate;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"linear", &Memory::linear},
+                        Field{"angular", &Memory::angular}, Field{"ground", &Memory::ground},
+                        Field{"moment", &Memory::moment},   Field{"estimate", &Memory::estimate}};
+    }
+  };
+
+ private:
+  const QuadrupedModel model_{params.robot};
+
+ public:
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<ImuMeasurement> imu{this, {"imu"}};
+
+  DiscreteState<Vec<3>> specific_force_W{this, {"specific_force_W", "m/s^2"}};  ///< when the interval began
+  Update<Vec<3>> next_specific_force{specific_force_W, Sampled{params.rate}, Uses(state, imu),
+                                     [](const LeggedState& state, const ImuMeasurement& imu) -> Vec<3> {
+                                       return state.R_WB() * imu.specific_force_B;
+                                     }};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<WrenchEstimate> estimate{this,
+                                      {"estimate"},
+                                      Sampled{params.rate},
+                                      Uses(state, foot_forces, specific_force_W, memory),
+                                      &ComObserver::CalcEstimate};
+
+ private:
+  WrenchEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
+                              const Vec<3>& specific_force_W, Memory& memory) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,226 @@
+#include <tenon/controllers/legged/observers/contact_aided_filter.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <tenon/controllers/optimization/small_product.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+namespace {
+
+using Filter = ContactAidedFilter;
+using Eigen::Matrix3d;
+
+Matrix3d Skew(const Vec<3>& a) {
+  Matrix3d cross;
+  cross << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return cross;
+}
+
+constexpr std::size_t At(int leg) {
+  return static_cast<std::size_t>(leg);
+}
+constexpr int Rows(int leg) {
+  return Filter::kFeet + 3 * leg;
+}
+
+/// What the sensors say without their biases.
+struct Unbiased {
+  Unbiased(const ContactAidedMean& mean, const ImuMeasurement& inertial)
+      : f_B(inertial.specific_force_B - mean.specific_force_bias_B),
+        w_B(inertial.angular_velocity_B - mean.angular_velocity_bias_B) {}
+  Vec<3> f_B, w_B;
+};
+
+TENON_VECTOR_CLONES void Multiply(const Filter::Covariance& a, const Filter::Covariance& b,
+                                  Filter::Covariance* c) {
+  internal::Multiply(a, b, *c);
+}
+
+}  // namespace
+
+void ContactAidedNoise::Validate() const {
+  const auto check = [](const char* name, double value) {
+    Demand(
+        std::isfinite(value) && value > 0,
+        fmt::format("noise.{} = {} must be positive: give a perfect sensor a small deviation", name, value));
+  };
+  check("specific_force", specific_force);
+  check("angular_velocity", angular_velocity);
+  check("specific_force_bias_walk", specific_force_bias_walk);
+  check("angular_velocity_bias_walk", angular_velocity_bias_walk);
+  check("encoder", encoder);
+  check("foot", foot);
+  check("foot_walk", foot_walk);
+}
+
+ContactAidedMean Plus(const ContactAidedMean& mean, const Filter::Error& error) {
+  const Vec<4> turn = QuaternionFromRotationVector(error.segment<3>(Filter::kAttitude));
+  const Matrix3d E = RotationFromQuaternion(turn);
+  ContactAidedMean out = mean;
+  out.p_WI = E * mean.p_WI + error.segment<3>(Filter::kPosition);
+  out.v_WI = E * mean.v_WI + error.segment<3>(Filter::kVelocity);
+  out.q_WB = QuaternionProduct(turn, mean.q_WB).normalized();
+  out.specific_force_bias_B += error.segment<3>(Filter::kForceBias);
+  out.angular_velocity_bias_B += error.segment<3>(Filter::kRateBias);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    out.feet_W[At(leg)] = E * mean.feet_W[At(leg)] + error.segment<3>(Rows(leg));
+  }
+  return out;
+}
+
+ContactAidedMean Propagate(const ContactAidedMean& mean, const ContactAidedInput& input,
+                           const std::array<bool, kNumLegs>& anchored, double T, double radius,
+                           double gravity) {
+  const Unbiased imu(mean, input.inertial);
+  const Matrix3d R = mean.R_WB();
+  const Vec<3> a = R * imu.f_B - Vec<3>(0, 0, gravity);
+  ContactAidedMean out = mean;
+  out.p_WI += T * mean.v_WI + T * T / 2 * a;
+  out.v_WI += T * a;
+  out.q_WB = QuaternionProduct(mean.q_WB, QuaternionFromRotationVector(T * imu.w_B)).normalized();
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    if (!anchored[leg]) continue;
+    const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[leg]);
+    out.feet_W[leg] += radius * turn_W.cross(Vec<3>::UnitZ());
+  }
+  return out;
+}
+
+Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const ContactAidedInput& input,
+                                       const std::array<bool, kNumLegs>& anchored, double T, double radius,
+                                       double gravity) {
+  const ContactAidedMean next = Propagate(mean, input, anchored, T, radius, gravity);
+  const Unbiased imu(mean, input.inertial);
+  const Matrix3d R = mean.R_WB(), up = Skew(Vec<3>::UnitZ());
+  // How an error of the rate turns everything in the interval.
+  const Matrix3d turned = -T * RotationFromQuaternion(QuaternionProduct(
+                                   mean.q_WB, QuaternionFromRotationVector(T / 2 * imu.w_B)));
+  Filter::Covariance F = Filter::Covariance::Identity();
+  F.block<3, 3>(Filter::kPosition, Filter::kVelocity).diagonal().setConstant(T);
+  F.block<3, 3>(Filter::kPosition, Filter::kAttitude) = -T * T / 2 * gravity * up;
+  F.block<3, 3>(Filter::kPosition, Filter::kForceBias) = -T * T / 2 * R;
+  F.block<3, 3>(Filter::kPosition, Filter::kRateBias) = Skew(next.p_WI) * turned;
+  F.block<3, 3>(Filter::kVelocity, Filter::kAttitude) = -T * gravity * up;
+  F.block<3, 3>(Filter::kVelocity, Filter::kForceBias) = -T * R;
+  F.block<3, 3>(Filter::kVelocity, Filter::kRateBias) = Skew(next.v_WI) * turned;
+  F.block<3, 3>(Filter::kAttitude, Filter::kRateBias) = turned;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!anchored[At(leg)]) continue;
+    const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[At(leg)]);
+    F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * Skew(turn_W) * up;
+    F.block<3, 3>(Rows(leg), Filter::kRateBias) = Skew(next.feet_W[At(leg)]) * turned + radius * T * up * R;
+  }
+  return F;
+}
+
+Vec<3> FootResidual(const ContactAidedMean& mean, int leg, const Vec<3>& p_IF_B) {
+  return mean.feet_W[At(leg)] - mean.p_WI - mean.R_WB() * p_IF_B;
+}
+
+void ContactAidedFilter::Start(const ContactAidedMean& start, const Eigen::Matrix<double, 5, 1>& deviation) {
+  mean = start;
+  anchored.fill(false);
+  covariance.setZero();
+  for (int i = 0; i < 5; ++i) covariance.diagonal().segment<3>(3 * i).setConstant(std::pow(deviation[i], 2));
+  // xi = (p - p_hat) + p_hat x theta
+  const double turn = std::pow(deviation[kAttitude / 3], 2);
+  const Matrix3d p = Skew(mean.p_WI), v = Skew(mean.v_WI);
+  covariance.block<3, 3>(kPosition, kPosition) += turn * p * p.transpose();
+  covariance.block<3, 3>(kPosition, kVelocity) = turn * p * v.transpose();
+  covariance.block<3, 3>(kVelocity, kPosition) = turn * v * p.transpose();
+  covariance.block<3, 3>(kVelocity, kVelocity) += turn * v * v.transpose();
+  covariance.block<3, 3>(kPosition, kAttitude) = turn * p;
+  covariance.block<3, 3>(kAttitude, kPosition) = turn * p.transpose();
+  covariance.block<3, 3>(kVelocity, kAttitude) = turn * v;
+  covariance.block<3, 3>(kAttitude, kVelocity) = turn * v.transpose();
+}
+
+Matrix3d ContactAidedFilter::PlainCovariance(int rows, const Vec<3>& value) const {
+  const Matrix3d cross = Skew(value);
+  const Matrix3d mixed = cross * covariance.block<3, 3>(kAttitude, rows);
+  return covariance.block<3, 3>(rows, rows) - mixed - mixed.transpose() +
+         cross * covariance.block<3, 3>(kAttitude, kAttitude) * cross.transpose();
+}
+
+void ContactAidedFilter::Predict(const ContactAidedInput& input, const ContactAidedNoise& noise, double T,
+                                 double radius, double gravity) {
+  const Covariance F = PropagationJacobian(mean, input, anchored, T, radius, gravity);
+  const Covariance F_transposed = F.transpose();
+  Covariance FP;
+  Multiply(F, covariance, &FP);
+  Multiply(FP, F_transposed, &covariance);
+  mean = Propagate(mean, input, anchored, T, radius, gravity);
+
+  // A sample's noise acts as its bias does, for one tick.
+  Eigen::Matrix<double, kErrors, 6, Eigen::DontAlign> G;
+  G.leftCols<3>() = noise.specific_force * F.middleCols<3>(kForceBias);
+  G.rightCols<3>() = noise.angular_velocity * F.middleCols<3>(kRateBias);
+  G.middleRows<6>(kForceBias).setZero();
+  covariance += G.lazyProduct(G.transpose());
+  auto variance = covariance.diagonal();
+  variance.segment<3>(kForceBias).array() += T * std::pow(noise.specific_force_bias_walk, 2);
+  variance.segment<3>(kRateBias).array() += T * std::pow(noise.angular_velocity_bias_walk, 2);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (anchored[At(leg)]) variance.segment<3>(Rows(leg)).array() += T * std::pow(noise.foot_walk, 2);
+  }
+}
+
+void ContactAidedFilter::Anchor(int leg, const FootMeasurement& foot) {
+  Release(leg);
+  anchored[At(leg)] = true;
+  const Matrix3d R = mean.R_WB();
+  mean.feet_W[At(leg)] = mean.p_WI + R * foot.p_IF_B;
+  // Its error is that of p, and the measurement's.
+  const FootRow row = covariance.middleRows<3>(kPosition);
+  covariance.middleRows<3>(Rows(leg)) = row;
+  covariance.middleCols<3>(Rows(leg)) = row.transpose();
+  covariance.block<3, 3>(Rows(leg), Rows(leg)) =
+      row.middleCols<3>(kPosition) + R * foot.covariance * R.transpose();
+}
+
+void ContactAidedFilter::Release(int leg) {
+  anchored[At(leg)] = false;
+  covariance.middleRows<3>(Rows(leg)).setZero();
+  covariance.middleCols<3>(Rows(leg)).setZero();
+}
+
+int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& feet, double outlier) {
+  // One foot after the other, all linearised at the same mean.
+  const Matrix3d R = mean.R_WB();
+  Error error = Error::Zero();
+  std::array<bool, kNumLegs> moved{};
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!anchored[At(leg)]) continue;
+    const FootMeasurement& foot = feet[At(leg)];
+    const FootRow HP = covariance.middleRows<3>(Rows(leg)) - covariance.middleRows<3>(kPosition);
+    const Matrix3d S =
+        HP.middleCols<3>(Rows(leg)) - HP.middleCols<3>(kPosition) + R * foot.covariance * R.transpose();
+    const Vec<3> innovation =
+        -FootResidual(mean, leg, foot.p_IF_B) - (error.segment<3>(Rows(leg)) - error.segment<3>(kPosition));
+    const Eigen::LLT<Matrix3d> llt(S);
+    const Vec<3> weighted = llt.solve(innovation);
+    if (innovation.dot(weighted) > outlier) {
+      moved[At(leg)] = true;
+      continue;
+    }
+    error += HP.transpose() * weighted;
+    const FootRow half = llt.matrixL().solve(HP);  // P -= HP^T S^-1 HP, symmetric as it is computed
+    covariance -= half.transpose().lazyProduct(half);
+  }
+  mean = Plus(mean, error);
+  covariance = ((covariance + covariance.transpose()) / 2).eval();
+  int count = 0;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!moved[At(leg)]) continue;
+    Anchor(leg, feet[At(leg)]);
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace tenon

@@ -1,0 +1,65 @@
+#include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+namespace tenon {
+
+std::vector<double> LegObserverGains::Gains() const {
+  if (butterworth) return ButterworthGains(butterworth->order, butterworth->bandwidth);
+  return gains.empty() ? std::vector<double>{100, 256} : gains;
+}
+
+void LegObserverGains::Validate() const {
+  Demand(gains.empty() || !butterworth,
+         "gains_per_s and butterworth are both given, but either makes the estimator: leave one away");
+  Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
+         fmt::format("min_singular_value_m = {} must be positive: a straight leg has no inverse",
+                     min_singular_value));
+  DemandHurwitz(Gains());
+}
+
+void LegMomentumObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  gains.Validate();
+}
+
+LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
+                                                   const Vec<12>& held_torque, Memory& memory) const {
+  const bool exact = params.gains.dynamics == LegDynamics::kExact;
+  QuadrupedDynamics dynamics;
+  DecoupledDynamics decoupled;
+  model_.Calc(state, &dynamics);
+  if (!exact) model_.CalcDecoupled(state, dynamics, &decoupled);
+
+  Vec<12> momentum, known_rate;
+  if (exact) {
+    momentum = dynamics.leg_momentum;
+    known_rate = dynamics.leg_momentum_rate - dynamics.gravity.tail<12>() +
+                 GroundTorque(dynamics, foot_forces, params.robot.foot_radius);
+  } else {
+    momentum = decoupled.momentum;
+    known_rate =
+        decoupled.momentum_rate + DecoupledGroundTorque(dynamics, foot_forces, params.robot.foot_radius);
+  }
+  if (memory.started) {
+    const Vec<12> mean = (momentum - memory.momentum) / params.rate.period() -
+                         (known_rate + memory.known_rate) / 2 - held_torque;
+    filter_.Advance<12>(mean, &memory.estimator);
+  }
+  memory.started = true;
+  memory.momentum = momentum;
+  memory.known_rate = known_rate;
+
+  LegForceEstimate estimate;
+  estimate.joint_torque = DisturbanceFilter::Estimate<12>(memory.estimator);
+  estimate.foot_force =
+      exact ? SolveFootForces(dynamics, estimate.joint_torque, params.gains.min_singular_value)
+            : SolveFootForces(dynamics, decoupled, estimate.joint_torque, params.gains.min_singular_value);
+  return estimate;
+}
+
+}  // namespace tenon

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <array>
+#include <tuple>
+
+#include <tenon/controllers/legged/observers/contact_aided_filter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// How far the robot may be from where it is said to start, and the sensors from what they should read:
+/// standard deviations per axis.
+struct LeggedStartDeviation {
+  double position = 1e-3;               ///< [m]
+  double velocity = 1e-3;               ///< [m/s]
+  double attitude = 2e-3;               ///< [rad]
+  double specific_force_bias = 0.02;    ///< [m/s^2]
+  double angular_velocity_bias = 2e-3;  ///< [rad/s]
+};
+
+struct LeggedStateEstimatorParams {
+  QuadrupedDescription robot;
+  LeggedState initial;         ///< where it starts
+  LeggedStartDeviation start;  ///< how well this is known
+  ContactAidedNoise noise;
+  double settle_time = 0.02;  ///< a foot counts once it has been in stance so long [s]
+  double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
+  double gravity = 9.81;  ///< [m/s^2]
+  Rate rate = Hz(1000);   ///< of the filter; that of IMU and encoders should not be lower
+
+  /// Throws ParameterError unless deviations, noise and `outlier` are finite and positive, `settle_time` is
+  /// not negative, and the rest is finite, quaternions with a direction.
+  void Validate() const;
+};
+
+/// What the estimator knows of itself. Deviations are standard deviations along the axes of W.
+struct LeggedEstimatorDiagnostics {
+  Vec<3> position_deviation = Vec<3>::Zero();       ///< [m]
+  Vec<3> velocity_deviation = Vec<3>::Zero();       ///< of the IMU's place [m/s]
+  Vec<3> attitude_deviation = Vec<3>::Zero();       ///< about the axes [rad]
+  Vec<3> specific_force_bias_B = Vec<3>::Zero();    ///< estimated [m/s^2]
+  Vec<3> angular_velocity_bias_B = Vec<3>::Zero();  ///< estimated [rad/s]
+  int feet = 0;                                     ///< that count
+  long moved_feet = 0;  ///< since the start: how often a standing foot was anchored anew
+
+  static constexpr auto Fields() {
+    using D = LeggedEstimatorDiagnostics;
+    return std::tuple{Field{"position_deviation", &D::position_deviation, "m"},
+                      Field{"velocity_deviation", &D::velocity_deviation, "m/s"},
+                      Field{"attitude_deviation", &D::attitude_deviation, "rad"},
+                      Field{"specific_force_bias_B", &D::specific_force_bias_B, "m/s^2"},
+                      Field{"angular_velocity_bias_B", &D::angular_velocity_bias_B, "rad/s"},
+                      Field{"feet", &D::feet},
+                      Field{"moved_feet", &D::moved_feet}};
+  }
+};
+
+struct LeggedEstimate {
+  LeggedState state;
+  LeggedEstimatorDiagnostics diagnostics;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"state", &LeggedEstimate::state},
+                      Field{"diagnostics", &LeggedEstimate::diagnostics}};
+  }
+};
+
+/// The trunk's pose and velocity from IMU, encoders and the knowledge which feet stand: ContactAidedFilter
+/// with a quadruped's kinematics. Joint angles and speeds are passed on as the encoders give them; the
+/// angular velocity is the gyroscope's without its estimated bias.
+///
+/// The IMU's sample of a tick is used at the next one, to go from the one to the other: it feels the torque
+/// that follows from this very estimate. The angular velocity so is one tick old.
+///
+/// Feet roll with the radius that is left when the robot's weight, shared by those that count, has pressed
+/// them into the ground, foot_radius - m g / (n k) - b / 2 with the contact's stiffness k and blend b.
+/// A foot counts once it has been in stance for `settle_time`, when the ground below has taken its load; in
+/// swing, late or searching it does not.
+///
+///     | port        | kind            | type                        |
+///     | imu         | input           | ImuMeasurement              |
+///     | joints      | input           | JointMotion                 |
+///     | schedule    | input           | ContactSchedule             |
+///     | estimate    | output, sampled | LeggedEstimate              |
+///     | state       | output          | LeggedState, of estimate    |
+///     | diagnostics | output          | LeggedEstimatorDiagnostics  |
+class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// What the estimator remembers.
+  struct Memory {
+    bool started = false;
+    ContactAidedFilter filter;
+    Vec<12> q = Vec<12>::Zero();                 ///< joint angles of the last tick [rad]
+    std::array<double, kNumLegs> stance_time{};  ///< since touchdown [s]
+    long moved_feet = 0;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"filter", &Memory::filter},
+                        Field{"q", &Memory::q}, Field{"stance_time", &Memory::stance_time},
+                        Field{"moved_feet", &Memory::moved_feet}};
+    }
+  };
+
+  InputPort<ImuMeasurement> imu{this, {"imu"}};
+  InputPort<JointMotion> joints{this, {"joints"}};
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  Scratch<Memory> memory{this, "memory"};
+
+ private:
+  QuadrupedModel model_{params.robot, params.gravity};
+  DiscreteState<ImuMeasurement> last_imu_{this, {"last_imu"}};
+  Update<ImuMeasurement> next_imu_{last_imu_, Sampled{params.rate}, Uses(imu),
+                                   [](const ImuMeasurement& imu) -> const ImuMeasurement& { return imu; }};
+  Shared<QuadrupedDynamics> legs_{this, "legs", Uses(joints), &LeggedStateEstimator::CalcLegs};
+
+ public:
+  OutputPort<LeggedEstimate> estimate{this,
+                                      {"estimate"},
+                                      Sampled{params.rate},
+                                      Uses(last_imu_, legs_, joints, schedule, memory),
+                                      &LeggedStateEstimator::CalcEstimate};
+  OutputPort<LeggedState> state{
+      this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.state; }};
+  OutputPort<LeggedEstimatorDiagnostics> diagnostics{
+      this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate) {
+        return estimate.diagnostics;
+      }};
+
+ private:
+  void CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const;
+  LeggedEstimate CalcEstimate(const ImuMeasurement& last_imu, const QuadrupedDynamics& legs,
+                              const JointMotion& joints, const ContactSchedule& schedule,
+                              Memory& memory) const;
+  double RollingRadius(const std::array<bool, kNumLegs>& anchored) const;
+  void Start(const JointMotion& joints, Memory& memory) const;
+  LeggedEstimate Output(const ImuMeasurement& imu_B, const JointMotion& joints, const Memory& memory) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <array>
+#include <tuple>
+
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// How the gain matrix Lambda of the observer depends on X, of which publications differ.
+enum class NdoReading {
+  kM,        ///< Lambda = X M_q^-1
+  kInverse,  ///< Lambda = X^-1 M_q^-1
+};
+constexpr auto EnumNames(NdoReading) {
+  return std::array{std::pair{NdoReading::kM, "m"}, std::pair{NdoReading::kInverse, "inverse"}};
+}
+
+struct NonlinearDisturbanceObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  NdoReading reading = NdoReading::kM;
+  double gain = 10;                  ///< X, the same for all joints [N m s/rad], or its inverse [rad/(N m s)]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, as in LegMomentumObserver [m]
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The nonlinear disturbance observer that Morlando 2023 compares its leg observer with, in the decoupled
+/// coordinates of the legs (DecoupledDynamics),
+///
+///     M_q qdd + C_q nu = tau + J_q^T f + F,
+///     F_hat = z + p,   p = x qd,   z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),   Lambda = x
+///     M_q^-1,
+///
+/// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat): of first order, as fast as the legs are light. In
+/// steps of h by the implicit rule, stable for all x,
+///
+///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f -
+///     F_hat[n-1])),
+///
+/// where tau is the torque of the interval and C_q nu - J_q^T f the mean of its ends. The first tick only
+/// remembers, so that it may start on a moving robot. Ports, and what becomes of F_hat at the feet, are as
+/// with LegMomentumObserver of LegDynamics::kThesis.
+///
+///     | port        | kind            | type             |
+///     | state       | input           | LeggedState      |
+///     | torque      | input           | Vec<12> [N m]    |
+///     | foot_forces | input           | FootForces       |
+///     | estimate    | output, sampled | LegForceEstimate |
+class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanceObserverParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// Of the last tick.
+  struct Memory {
+    bool started = false;
+    Vec<12> qd = Vec<12>::Zero();
+    Vec<12> known_torque = Vec<12>::Zero();  ///< J_q^T f - C_q nu
+    Vec<12> estimate = Vec<12>::Zero();
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"qd", &Memory::qd},
+                        Field{"known_torque", &Memory::known_torque}, Field{"estimate", &Memory::estimate}};
+    }
+  };
+
+ private:
+  const QuadrupedModel model_{params.robot};
+
+ public:
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+
+  DiscreteState<Vec<12>> held_torque{this, {"held_torque", "N m"}};  ///< of the interval that ends
+  Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
+                              [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<LegForceEstimate> estimate{this,
+                                        {"estimate"},
+                                        Sampled{params.rate},
+                                        Uses(state, foot_forces, held_torque, memory),
+                                        &NonlinearDisturbanceObserver::CalcEstimate};
+
+ private:
+  LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
+                                const Vec<12>& held_torque, Memory& memory) const;
+};
+
+}  // namespace tenon

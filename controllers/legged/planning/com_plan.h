@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <tuple>
+
+#include <tenon/controllers/legged/planning/periodic_pendulum.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
+#include <tenon/controllers/optimization/dual_active_set.h>
+#include <tenon/plants/model/motion_signals.h>
+
+namespace tenon {
+
+/// How the optimisations of the CoM's spline went; zeros without any.
+struct ComDiagnostics {
+  long solves = 0;    ///< since the start of the run
+  long failures = 0;  ///< of these found nothing, so that the old plan went on
+  long failures_in_a_row = 0;
+  int iterations = 0;                   ///< of the last
+  QpStatus status = QpStatus::kSolved;  ///< of the last
+  int constraint = -1;                  ///< that its status is about, see QpReport
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"solves", &ComDiagnostics::solves},
+                      Field{"failures", &ComDiagnostics::failures},
+                      Field{"failures_in_a_row", &ComDiagnostics::failures_in_a_row},
+                      Field{"iterations", &ComDiagnostics::iterations},
+                      Field{"status", &ComDiagnostics::status},
+                      Field{"constraint", &ComDiagnostics::constraint}};
+  }
+};
+
+/// A plan of the CoM's motion, made at one time and valid until the next.
+struct ComPlan {
+  int footsteps = -1;         ///< the schedule's count when it was made; none yet
+  double start = 0;           ///< when it was made [s]
+  PlanarPath path;            ///< then
+  PeriodicPendulum pendulum;  ///< the CoM over ground, after blending,
+  PlanarSpline spline;        ///< or, if it has segments, this, and beyond its end the path
+  double ground = 0;          ///< height of the ground below the robot [m]
+  double blend = 0;           ///< time until the old plan is forgotten [s]
+  /// What is left of the old plan: (x, y, z, yaw), coefficients of t^0 ... t^3.
+  std::array<Vec<4>, 4> remainder{Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero()};
+  ComDiagnostics diagnostics;
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"footsteps", &ComPlan::footsteps},
+                      Field{"start", &ComPlan::start, "s"},
+                      Field{"path", &ComPlan::path},
+                      Field{"pendulum", &ComPlan::pendulum},
+                      Field{"spline", &ComPlan::spline},
+                      Field{"ground", &ComPlan::ground, "m"},
+                      Field{"blend", &ComPlan::blend, "s"},
+                      Field{"remainder", &ComPlan::remainder},
+                      Field{"diagnostics", &ComPlan::diagnostics}};
+  }
+};
+
+}  // namespace tenon

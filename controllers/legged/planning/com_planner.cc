@@ -1,0 +1,189 @@
+#include <tenon/controllers/legged/planning/com_planner.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include <tenon/controllers/legged/planning/planned_phases.h>
+
+namespace tenon {
+namespace {
+
+/// (x, y, z, yaw) and two derivatives.
+struct Pose {
+  Vec<4> position, velocity, acceleration;
+};
+
+PlanarPoint OnPath(const PlanarPath& path) {
+  const Eigen::Vector2d v = path.VelocityW();
+  return {path.position_W, v, path.yaw_rate * Eigen::Vector2d(-v[1], v[0])};
+}
+
+Pose PoseAt(const ComPlan& plan, double com_height, double time) {
+  const double t = time - plan.start;
+  const PlanarPath path = plan.path.At(t);
+  const PlanarPoint over_ground = plan.spline.num_segments == 0 ? plan.pendulum.At(t)
+                                  : t < plan.spline.duration    ? plan.spline.At(t)
+                                                                : OnPath(path);
+  Pose pose;
+  pose.position << over_ground.position, plan.ground + com_height, path.yaw;
+  pose.velocity << over_ground.velocity, 0, path.yaw_rate;
+  pose.acceleration << over_ground.acceleration, 0, 0;
+  if (t < plan.blend) {
+    const auto& c = plan.remainder;
+    pose.position += c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+    pose.velocity += c[1] + t * (2 * c[2] + 3 * t * c[3]);
+    pose.acceleration += 2 * c[2] + 6 * t * c[3];
+  }
+  return pose;
+}
+
+/// The cubic that begins at `offset` with `rate` and ends at rest at 0 after the time `blend`.
+void Fade(const Vec<4>& offset, const Vec<4>& rate, double blend, ComPlan* plan) {
+  plan->blend = blend;
+  plan->remainder = {offset, rate, -(3 * offset + 2 * blend * rate) / (blend * blend),
+                     (2 * offset + blend * rate) / (blend * blend * blend)};
+}
+
+}  // namespace
+
+void ZmpPlanParams::Validate() const {
+  constexpr int kMost = (ZmpSpline::kMaxPhases - 1) / 2;
+  Demand(horizon >= 1 && horizon <= kMost,
+         fmt::format("zmp.horizon_steps is {}: plan 1 to {} steps ahead", horizon, kMost));
+  Demand(half_width > 0, fmt::format("zmp.half_width_m is {} m: it must be positive", half_width));
+  Demand(margin >= 0, fmt::format("zmp.margin_m is {} m: it must not be negative", margin));
+  spline.Validate();
+}
+
+void ComPlannerParams::Validate() const {
+  zmp.Validate();
+  Demand(blend > 0, fmt::format("a plan is blended in within {} s: it must be positive", blend));
+  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+}
+
+/// At rest where the robot stands in its nominal stance; its CoM need not be over the centre of its feet.
+ComPlan ComPlanner::FirstPlan(double time) const {
+  ComPlan plan;
+  plan.start = time;
+  plan.path.yaw = params.start_yaw;
+  const Eigen::Matrix2d R = plan.path.Heading();
+  plan.path.position_W = params.start_position + R * stance.center_B;
+  plan.pendulum.Begin(plan.path, 1);
+  plan.blend = params.blend;
+  plan.remainder[0].head<2>() = R * (stance.com_B.head<2>() - stance.center_B);
+  return plan;
+}
+
+void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
+                          const LeggedState& state, ComPlan& memory, ZmpSpline& optimizer,
+                          ComPlan* plan) const {
+  *plan = memory;
+  if (memory.footsteps == schedule.footsteps) return;
+  if (memory.footsteps < 0) {
+    *plan = FirstPlan(time);
+    plan->ground = GroundHeight(schedule, state, 0);
+  }
+  const Pose old = PoseAt(*plan, stance.com_height, time);
+  memory = *plan;
+  plan->path = plan->path.At(time - plan->start);
+  plan->start = time;
+  const bool walks = schedule.gait != Gait::kStand;
+  plan->path.velocity = walks ? Vec<2>(command.forward, command.left) : Vec<2>(0, 0);
+  plan->path.yaw_rate = walks ? command.yaw_rate : 0;
+  plan->ground = GroundHeight(schedule, state, plan->ground);
+  plan->blend = 0;
+  plan->spline.num_segments = 0;
+  PlanPendulum(schedule, plan);
+  const Pose next = PoseAt(*plan, stance.com_height, time);
+  Fade(old.position - next.position, old.velocity - next.velocity, params.blend, plan);
+  if (walks && params.reference == ComReference::kZmpSpline) {
+    const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
+    if (PlanSpline(schedule, begin, command.height[0], optimizer, plan)) {
+      for (Vec<4>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
+    } else {
+      memory.diagnostics = plan->diagnostics;
+      *plan = memory;
+    }
+  }
+  plan->footsteps = schedule.footsteps;
+  memory = *plan;
+}
+
+/// The cycle from the beginning of the present step on.
+void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const {
+  plan->pendulum.Begin(plan->path, std::sqrt(params.gravity / stance.com_height));
+  ForEachPlannedPhase(plan->path, schedule, stance, schedule.timing.num_steps,
+                      [&](double duration, std::span<const Eigen::Vector2d> feet) {
+                        Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+                        for (const Eigen::Vector2d& foot : feet) sum += foot;
+                        plan->pendulum.Add(duration, sum / static_cast<double>(feet.size()));
+                      });
+  plan->pendulum.Solve();
+}
+
+bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
+                            ZmpSpline& optimizer, ComPlan* plan) const {
+  std::array<SupportPhase, ZmpSpline::kMaxPhases> phases;
+  std::size_t count = 0, visited = 0;
+  double duration = 0;
+  ForEachPlannedPhase(
+      plan->path, schedule, stance, params.zmp.horizon + 1,
+      [&](double seconds, std::span<const Eigen::Vector2d> feet) {
+        if (++visited > 2 * static_cast<std::size_t>(params.zmp.horizon) + 1) return;
+        if (seconds <= 0) return;
+        phases[count++] = {seconds, SupportPolygon(feet, params.zmp.half_width, params.zmp.margin)};
+        duration += seconds;
+      });
+  HeightProfile height{.rest = stance.com_height + raised, .fade_duration = plan->blend};
+  for (std::size_t i = 0; i < height.fade.size(); ++i) height.fade[i] = plan->remainder[i][2];
+  const QpReport report = optimizer.Solve({.phases = {phases.data(), count},
+                                           .begin = begin,
+                                           .end = OnPath(plan->path.At(duration)),
+                                           .path = plan->path,
+                                           .height = height,
+                                           .gravity = params.gravity},
+                                          &plan->spline);
+  ComDiagnostics& diagnostics = plan->diagnostics;
+  ++diagnostics.solves;
+  diagnostics.failures += !report.ok();
+  diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
+  diagnostics.iterations = report.iterations;
+  diagnostics.status = report.status;
+  diagnostics.constraint = report.constraint;
+  return report.ok();
+}
+
+double ComPlanner::GroundHeight(const ContactSchedule& schedule, const LeggedState& state,
+                                double otherwise) const {
+  const Eigen::Matrix3d R = state.R_WB();
+  double sum = 0;
+  for (int i = 0; i < kNumLegs; ++i) {
+    if (!schedule.legs[static_cast<std::size_t>(i)].stance()) continue;
+    sum += (state.p_WB + R * params.robot.FootPosition(i, state.q))[2] - params.robot.foot_radius;
+  }
+  const int count = schedule.num_stance();
+  return count > 0 ? sum / count : otherwise;
+}
+
+BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan,
+                                        const WalkCommand& command) const {
+  const Pose pose = PoseAt(plan, stance.com_height, time);
+  BodyReference reference;
+  reference.com_W = pose.position.head<3>();
+  reference.com_velocity_W = pose.velocity.head<3>();
+  reference.com_acceleration_W = pose.acceleration.head<3>();
+  reference.com_W[2] += command.height[0];
+  reference.com_velocity_W[2] += command.height[1];
+  reference.com_acceleration_W[2] += command.height[2];
+  reference.q_WB << std::cos(pose.position[3] / 2), 0, 0, std::sin(pose.position[3] / 2);
+  reference.w_W[2] = pose.velocity[3];
+  reference.alpha_W[2] = pose.acceleration[3];
+  return reference;
+}
+
+PlanarPath ComPlanner::CalcPath(const double& time, const ComPlan& plan) const {
+  return plan.path.At(time - plan.start);
+}
+
+}  // namespace tenon

@@ -1,0 +1,200 @@
+#include <tenon/controllers/legged/planning/foot_scheduler.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include <tenon/systems/yaml/yaml_node.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kClockTolerance = 1e-9;  // sums of sample periods round [s]
+
+bool SwingsIn(const ContactSchedule& schedule, std::size_t leg) {
+  return schedule.timing.num_steps > 0 && schedule.timing.step[leg] == schedule.step;
+}
+
+bool StepIsOver(const ContactSchedule& schedule) {
+  return schedule.step_time >= schedule.timing.step_duration() - kClockTolerance;
+}
+
+/// Whether the stance of this step is over, and its legs have not lifted off.
+bool LiftsOff(const FootScheduler::Memory& memory) {
+  const ContactSchedule& schedule = memory.schedule;
+  return schedule.gait != Gait::kStand && !memory.lifted &&
+         schedule.step_time >= schedule.timing.stance - kClockTolerance;
+}
+
+/// Whether a leg that is to stand while the others swing feels no ground.
+bool OthersSearch(const ContactSchedule& schedule) {
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    if (!SwingsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
+  }
+  return false;
+}
+
+/// Phases and times to the next events, from the clock.
+void PlanLegs(bool lifted, ContactSchedule* schedule) {
+  const GaitTiming& timing = schedule->timing;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    LegContact& leg = schedule->legs[i];
+    leg.phase = leg.time_to_lift_off = leg.time_to_touchdown = 0;
+    if (timing.num_steps == 0) continue;
+    int steps_ahead = (timing.step[i] - schedule->step + timing.num_steps) % timing.num_steps;
+    if (steps_ahead == 0 && lifted) steps_ahead = timing.num_steps;
+    leg.time_to_lift_off = steps_ahead * timing.step_duration() + timing.stance - schedule->step_time;
+    if (leg.state == ContactState::kSwing || leg.state == ContactState::kLate) {
+      leg.phase = std::clamp((schedule->step_time - timing.stance) / timing.swing, 0.0, 1.0);
+      leg.time_to_touchdown = std::max(0.0, timing.step_duration() - schedule->step_time);
+    } else {
+      leg.phase = std::clamp(1 - leg.time_to_lift_off / timing.leg_stance(), 0.0, 1.0);
+      if (leg.stance()) leg.time_to_touchdown = leg.time_to_lift_off + timing.swing;
+    }
+  }
+}
+
+}  // namespace
+
+void GaitProperties::Validate() const {
+  Demand(stance >= 0, fmt::format("a stance of {} s: it must not be negative", stance));
+  Demand(swing > 0, fmt::format("a swing of {} s: it must be positive", swing));
+  std::array<int, kNumLegs> count{};
+  for (const std::vector<Leg>& group : swing_groups) {
+    Demand(!group.empty(), "a group of swing_groups is empty: leave it out");
+    for (const Leg leg : group) ++count[leg];
+  }
+  Demand(swing_groups.size() >= 2, "swing_groups must be two at least, or all feet are in the air at once");
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    Demand(count[i] == 1, fmt::format("swing_groups must name every leg once, but '{}' stands there {} times",
+                                      kLegNames[i], count[i]));
+  }
+}
+
+GaitTiming GaitProperties::Timing() const {
+  GaitTiming timing{.num_steps = static_cast<int>(swing_groups.size()), .stance = stance, .swing = swing};
+  for (std::size_t k = 0; k < swing_groups.size(); ++k) {
+    for (const Leg leg : swing_groups[k]) timing.step[leg] = static_cast<int>(k);
+  }
+  return timing;
+}
+
+const GaitProperties& GaitTable::operator[](Gait gait) const {
+  switch (gait) {
+    case Gait::kCrawl:
+      return crawl;
+    case Gait::kTrot:
+      return trot;
+    case Gait::kPace:
+      return pace;
+    case Gait::kGallop:
+      return gallop;
+    case Gait::kStand:
+      break;
+  }
+  throw Error("standing has no steps: ask for the properties of a gait that walks");
+}
+
+void FootSchedulerParams::Validate() const {
+  for (const Gait gait : {Gait::kCrawl, Gait::kTrot, Gait::kPace, Gait::kGallop}) {
+    try {
+      gaits[gait].Validate();
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("gaits.{}: {}", EnumName(gait), error.what()));
+    }
+  }
+  Demand(touchdown_force > 0, fmt::format("touchdown_force_N is {} N: it must be positive", touchdown_force));
+  Demand(early_touchdown_phase >= 0 && early_touchdown_phase <= 1,
+         fmt::format("early_touchdown_phase is {}: it is a part of the swing, from 0 to 1",
+                     early_touchdown_phase));
+  Demand(late_wait >= 0, fmt::format("late_wait_s is {} s: it must not be negative", late_wait));
+  Demand(search_after > 0, fmt::format("search_after_s is {} s: it must be positive", search_after));
+}
+
+ContactState NextContactState(ContactState state, const ContactEvents& events) {
+  if (events.lift_off) return ContactState::kSwing;
+  switch (state) {
+    case ContactState::kStance:
+      return events.unloaded ? ContactState::kSearching : state;
+    case ContactState::kSwing:
+      if (events.loaded && events.may_land) return ContactState::kStance;
+      return events.swing_over ? ContactState::kLate : state;
+    case ContactState::kLate:
+      if (events.loaded) return ContactState::kStance;
+      return events.wait_over ? ContactState::kSearching : state;
+    case ContactState::kSearching:
+      return events.loaded ? ContactState::kStance : state;
+  }
+  return state;
+}
+
+ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const FootForces& forces,
+                                            Memory& memory) const {
+  ContactSchedule& schedule = memory.schedule;
+  if (!memory.started) {
+    memory.started = true;
+    BeginStep(command.gait, &memory);
+    schedule.footsteps = 0;
+  } else {
+    const double dt = params.rate.period();
+    if (schedule.gait != Gait::kStand) {
+      if (StepIsOver(schedule) || LiftsOff(memory)) {
+        memory.waited += dt;
+      } else {
+        schedule.step_time += dt;
+      }
+    }
+    UpdateContacts(forces, &memory);
+    const bool late = std::any_of(schedule.legs.begin(), schedule.legs.end(),
+                                  [](const LegContact& leg) { return leg.state == ContactState::kLate; });
+    if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
+      BeginStep(command.gait, &memory);
+    }
+  }
+  const bool wait_over = memory.waited >= params.late_wait - kClockTolerance;
+  const bool lift_off = LiftsOff(memory) && (wait_over || !OthersSearch(schedule));
+  if (lift_off) {
+    memory.lifted = true;
+    memory.waited = 0;
+  }
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    LegContact& leg = schedule.legs[i];
+    if (lift_off && SwingsIn(schedule, i)) leg.state = NextContactState(leg.state, {.lift_off = true});
+  }
+  PlanLegs(memory.lifted, &schedule);
+  return schedule;
+}
+
+void FootScheduler::UpdateContacts(const FootForces& forces, Memory* memory) const {
+  ContactSchedule& schedule = memory->schedule;
+  const double swing_time = schedule.step_time - schedule.timing.stance;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    LegContact& leg = schedule.legs[i];
+    ContactEvents events;
+    events.loaded = forces[static_cast<int>(i)].norm() > params.touchdown_force;
+    double& unloaded = memory->unloaded[i];
+    unloaded = leg.stance() && !events.loaded ? unloaded + params.rate.period() : 0;
+    events.unloaded = unloaded >= params.search_after - kClockTolerance;
+    events.may_land = swing_time >= params.early_touchdown_phase * schedule.timing.swing - kClockTolerance;
+    events.swing_over = StepIsOver(schedule);
+    events.wait_over = memory->waited >= params.late_wait - kClockTolerance;
+    leg.state = NextContactState(leg.state, events);
+  }
+}
+
+void FootScheduler::BeginStep(Gait gait, Memory* memory) const {
+  ContactSchedule& schedule = memory->schedule;
+  ++schedule.footsteps;
+  schedule.step_time = 0;
+  memory->lifted = false;
+  memory->waited = 0;
+  if (gait == schedule.gait && gait != Gait::kStand) {
+    schedule.step = (schedule.step + 1) % schedule.timing.num_steps;
+    return;
+  }
+  schedule.gait = gait;
+  schedule.step = 0;
+  schedule.timing = gait == Gait::kStand ? GaitTiming{} : params.gaits[gait].Timing();
+}
+
+}  // namespace tenon

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <array>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+constexpr auto EnumNames(Leg) {
+  return std::array{std::pair{kFrontLeft, kLegNames[0]}, std::pair{kFrontRight, kLegNames[1]},
+                    std::pair{kRearLeft, kLegNames[2]}, std::pair{kRearRight, kLegNames[3]}};
+}
+
+/// A gait as a user writes it down: groups of legs that swing together, one group after the other.
+struct GaitProperties {
+  std::vector<std::vector<Leg>> swing_groups;  ///< every leg once
+  double stance = 0;                           ///< of all four feet, before each swing [s]
+  double swing = 0;                            ///< [s]
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("swing_groups", &GaitProperties::swing_groups),
+                      Required("stance_s", &GaitProperties::stance),
+                      Required("swing_s", &GaitProperties::swing)};
+  }
+  void Validate() const;  ///< throws ParameterError
+  GaitTiming Timing() const;
+};
+
+struct GaitTable {
+  GaitProperties crawl, trot, pace, gallop;
+
+  const GaitProperties& operator[](Gait gait) const;  ///< not of Gait::kStand
+  static constexpr auto Fields() {
+    return std::tuple{Required("crawl", &GaitTable::crawl), Required("trot", &GaitTable::trot),
+                      Required("pace", &GaitTable::pace), Required("gallop", &GaitTable::gallop)};
+  }
+};
+
+/// Read from a file such as controllers/gaits/standard.yaml, which tells where its numbers come from.
+struct FootSchedulerParams {
+  GaitTable gaits;
+  double touchdown_force = 0;        ///< a foot with more touches the ground [N]
+  double early_touchdown_phase = 0;  ///< part of the swing before which no touchdown counts
+  double late_wait = 0;              ///< how long the clock waits for a late or searching foot [s]
+  double search_after = 0;           ///< time without force after which a stance foot searches [s]
+  Rate rate = Hz(1000);
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("gaits", &FootSchedulerParams::gaits),
+                      Required("touchdown_force_N", &FootSchedulerParams::touchdown_force),
+                      Required("early_touchdown_phase", &FootSchedulerParams::early_touchdown_phase),
+                      Required("late_wait_s", &FootSchedulerParams::late_wait),
+                      Required("search_after_s", &FootSchedulerParams::search_after)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What decides about a leg's contact at a tick.
+struct ContactEvents {
+  bool lift_off = false;    ///< its swing begins now
+  bool may_land = false;    ///< so much of the swing is over that a touchdown counts
+  bool swing_over = false;  ///< the planned touchdown has come
+  bool wait_over = false;   ///< the clock waits no longer
+  bool loaded = false;      ///< its force is above the threshold
+  bool unloaded = false;    ///< it has been below for so long that the foot does not stand
+};
+
+/// The leg's next state. The first row that applies:
+///
+/// | from      | if                    | to        |
+/// | any       | lift_off              | swing     |
+/// | stance    | unloaded              | searching |
+/// | swing     | loaded and may_land   | stance    |
+/// | swing     | swing_over            | late      |
+/// | late      | loaded                | stance    |
+/// | late      | wait_over             | searching |
+/// | searching | loaded                | stance    |
+ContactState NextContactState(ContactState state, const ContactEvents& events);
+
+/// Decides which feet stand (Morlando 2023, section 2.4.1): by the gait's clock and by the measured forces.
+///
+///     ports in   command      gait; the velocities are the planners'
+///                foot_forces  measured, of the ground on each foot [N]; their norm counts
+///     ports out  schedule     sampled
+///
+/// A step of the gait is a stance of all feet, then the swing of one group (GaitTiming). A foot that lands
+/// early stands from there on, without shortening the step. A foot that has not landed at the end of its
+/// swing is late: the clock waits for it, at most late_wait, then it is searching and the next step begins.
+/// So when a step begins, no leg is in swing or late. While a leg that is to carry the robot alone with
+/// others is searching, those others do not lift off; the clock waits for it as for a late foot. Gaits change
+/// at the beginning of a step; from standing at once. The gaits of this block have no flight phase: at most
+/// one group is in the air.
+class FootScheduler final : public LeafSystem<FootSchedulerParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// The clock between ticks.
+  struct Memory {
+    bool started = false;
+    bool lifted = false;                      ///< this step's legs have lifted off
+    double waited = 0;                        ///< before this lift-off, or before the next step [s]
+    std::array<double, kNumLegs> unloaded{};  ///< time in stance without force [s]
+    ContactSchedule schedule;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"lifted", &Memory::lifted},
+                        Field{"waited", &Memory::waited, "s"}, Field{"unloaded", &Memory::unloaded, "s"},
+                        Field{"schedule", &Memory::schedule}};
+    }
+  };
+
+  InputPort<WalkCommand> command{this, {"command"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<ContactSchedule> schedule{this,
+                                       {"schedule"},
+                                       Sampled{params.rate},
+                                       Uses(command, foot_forces, memory),
+                                       &FootScheduler::CalcSchedule};
+
+ private:
+  ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, Memory& memory) const;
+  void UpdateContacts(const FootForces& forces, Memory* memory) const;
+  void BeginStep(Gait gait, Memory* memory) const;
+};
+
+}  // namespace tenon

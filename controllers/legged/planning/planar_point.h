@@ -1,0 +1,23 @@
+#pragma once
+
+#include <tuple>
+
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/signal.h>
+
+namespace tenon {
+
+/// A point of a motion in the plane, in W.
+struct PlanarPoint {
+  Vec<2> position = Vec<2>::Zero();      ///< x [m]
+  Vec<2> velocity = Vec<2>::Zero();      ///< x' [m/s]
+  Vec<2> acceleration = Vec<2>::Zero();  ///< x'' [m/s^2]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"position", &PlanarPoint::position, "m"},
+                      Field{"velocity", &PlanarPoint::velocity, "m/s"},
+                      Field{"acceleration", &PlanarPoint::acceleration, "m/s^2"}};
+  }
+};
+
+}  // namespace tenon

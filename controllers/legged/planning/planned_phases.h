@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <tenon/controllers/legged/planning/nominal_stance.h>
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/motion_signals.h>
+
+namespace tenon {
+
+/// Calls visit(duration, feet) for the phases of the next `steps` steps, from the beginning of the present
+/// one on: the stance of all feet, then the swing with those that stand, of each step. `path` is then. A foot
+/// is planted where the path has it at its nominal place in the middle of its stance.
+template <class Visit>
+void ForEachPlannedPhase(const PlanarPath& path, const ContactSchedule& schedule, const NominalStance& stance,
+                         int steps, Visit&& visit) {
+  const GaitTiming& timing = schedule.timing;
+  std::array<Eigen::Vector2d, kNumLegs> foot;
+  const auto plant = [&](std::size_t leg, double mid_stance) {
+    const PlanarPath there = path.At(mid_stance);
+    foot[leg] = there.position_W + there.Heading() * stance.foot[leg];
+  };
+  const auto steps_ahead = [&](std::size_t leg) {
+    return (timing.step[leg] - schedule.step + timing.num_steps) % timing.num_steps;
+  };
+  for (std::size_t i = 0; i < kNumLegs && timing.num_steps > 0; ++i) {
+    const double lift_off = steps_ahead(i) * timing.step_duration() + timing.stance;
+    plant(i, lift_off - timing.leg_stance() / 2);
+  }
+  for (int k = 0; k < steps; ++k) {
+    std::array<Eigen::Vector2d, kNumLegs> standing;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      if (steps_ahead(i) != k % timing.num_steps) standing[count++] = foot[i];
+    }
+    visit(timing.stance, std::span<const Eigen::Vector2d>(foot));
+    visit(timing.swing, std::span<const Eigen::Vector2d>(standing.data(), count));
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      if (steps_ahead(i) == k % timing.num_steps) {
+        plant(i, (k + 1) * timing.step_duration() + timing.leg_stance() / 2);
+      }
+    }
+  }
+}
+
+}  // namespace tenon

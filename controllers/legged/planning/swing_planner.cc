@@ -1,0 +1,197 @@
+#include <tenon/controllers/legged/planning/swing_planner.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/controllers/legged/planning/shortened.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kLeastWeight = 0.5;  // of the robot's, that its feet carry at least while it walks
+
+/// The motion over ground at the time t after lift-off.
+PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
+  PlanarPoint course;
+  for (const int axis : {0, 1}) {
+    const MotionPoint from{leg.from.position[axis], leg.from.velocity[axis], leg.from.acceleration[axis]};
+    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - leg.from_time, t - leg.from_time);
+    course.position[axis] = now.position;
+    course.velocity[axis] = now.velocity;
+    course.acceleration[axis] = now.acceleration;
+  }
+  return course;
+}
+
+/// Draws a foot that is farther from its hip than `longest` in, at its height: so it finds the ground sooner
+/// than if the leg were shortened.
+void KeepBent(const Eigen::Vector3d& hip, double longest, FootReference* foot) {
+  const Eigen::Vector3d leg = foot->p_W - hip;
+  if (leg.norm() <= longest) return;
+  const double height = std::clamp(leg[2], -longest, longest);
+  const double outward = std::sqrt(longest * longest - height * height);
+  foot->p_W << hip.head<2>() + Shortened<2>(leg.head<2>(), outward), hip[2] + height;
+  foot->v_W.head<2>().setZero();
+  foot->a_W.head<2>().setZero();
+  if (height != leg[2]) foot->v_W[2] = foot->a_W[2] = 0;
+}
+
+bool Searches(ContactState state) {
+  return state == ContactState::kLate || state == ContactState::kSearching;
+}
+
+}  // namespace
+
+void StepProperties::Validate() const {
+  Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
+  Demand(touchdown_speed > 0,
+         fmt::format("a touchdown at {} m/s: it must be positive, or a late foot never finds the ground",
+                     touchdown_speed));
+  Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
+  Demand(velocity_feedback >= 0,
+         fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
+  Demand(retarget_phase >= 0 && retarget_phase < 1,
+         fmt::format("a retarget phase of {}: it must be at least 0 and less than 1, where the swing ends",
+                     retarget_phase));
+  Demand(
+      shift_bandwidth > 0,
+      fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
+  Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
+  Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
+}
+
+void SwingPlannerParams::Validate() const {
+  step.Validate();
+  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+}
+
+void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
+                            const BodyReference& body, const LeggedState& state, const WrenchEstimate& wrench,
+                            Memory& memory, Memory* plan) const {
+  const Eigen::Matrix3d R = state.R_WB();
+  std::array<Eigen::Vector3d, kNumLegs> foot;
+  double ground = 0;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
+    if (schedule.legs[i].stance()) ground += foot[i][2] / schedule.num_stance();
+  }
+  if (params.step.wrench_shift) {
+    const double gain = 1 - std::exp(-params.step.shift_bandwidth * params.rate.period());
+    memory.shift += gain * (Shift(wrench) - memory.shift);
+  }
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    LegMemory& leg = memory.legs[i];
+    const ContactState before = leg.state;
+    leg.state = schedule.legs[i].state;
+    leg.hip = state.p_WB + R * params.robot.HipPosition(static_cast<int>(i), state.q);
+    if (leg.state == ContactState::kStance) {
+      if (before != leg.state || !memory.started) leg.foothold = foot[i];
+    } else if (leg.state == ContactState::kSwing) {
+      const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
+      // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
+      const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
+      if (!lifts_off && schedule.legs[i].phase > params.step.retarget_phase) continue;
+      const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
+      const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
+      if (lifts_off) {
+        leg.from = {.position = foot[i].head<2>()};
+        leg.from_time = 0;
+        leg.lift_off_height = foot[i][2];
+        leg.foothold[2] = schedule.num_stance() > 0 ? ground : foot[i][2];
+      } else {
+        leg.from = Course(leg, swing, t);
+        leg.from_time = t;
+      }
+      leg.foothold.head<2>() =
+          Foothold(i, schedule, path, params.step.velocity_feedback * v_error + memory.shift);
+    } else if (Searches(before) && memory.started) {
+      leg.searching += params.rate.period();
+    } else {
+      leg.searching = 0;
+      if (leg.state == ContactState::kSearching) leg.foothold = foot[i];
+    }
+  }
+  memory.started = true;
+  *plan = memory;
+}
+
+Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench) const {
+  const Vec<3>&f = wrench.force_W, &t = wrench.torque_W;
+  const double weight = mass_ * params.gravity;
+  const double load = std::max(weight - f[2], kLeastWeight * weight);
+  const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
+  const double length = shift.norm() / load, free = params.step.free_shift;
+  if (length <= free) return Eigen::Vector2d::Zero();
+  return Shortened<2>(shift / load * (1 - free * free / (length * length)), params.step.largest_shift);
+}
+
+Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,
+                                       const PlanarPath& path, const Eigen::Vector2d& correction) const {
+  const double touchdown = schedule.legs[leg].time_to_touchdown;
+  const auto nominal = [&](double t) -> Eigen::Vector2d {
+    const PlanarPath there = path.At(t);
+    return there.position_W + there.Heading() * stance.foot[leg];
+  };
+  const Eigen::Vector2d at_touchdown = nominal(touchdown);
+  const Eigen::Vector2d wanted = nominal(touchdown + schedule.timing.leg_stance() / 2) + correction;
+  return at_touchdown + Shortened<2>(wanted - at_touchdown, stance.reach[leg]);
+}
+
+FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan) const {
+  FeetReference reference;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    const LegMemory& leg = plan.legs[i];
+    FootReference& foot = reference.feet[i];
+    if (leg.state == ContactState::kSwing) {
+      foot = Swing(leg, schedule.legs[i].phase, schedule.timing.swing);
+    } else if (Searches(leg.state)) {
+      foot = Search(leg);
+    } else {
+      foot.p_W = leg.foothold;
+      continue;
+    }
+    KeepBent(leg.hip, stance.longest[i], &foot);
+  }
+  return reference;
+}
+
+FootReference SwingPlanner::Swing(const LegMemory& leg, double phase, double duration) const {
+  const StepProperties& step = params.step;
+  const double t = phase * duration, half = duration / 2;
+  const PlanarPoint course = Course(leg, duration, t);
+  const double z_begin = leg.lift_off_height, z_end = leg.foothold[2];
+  const double z_top = std::max(z_begin, z_end) + step.height;
+  // At the top, the mean of what cubics from rest to rest would have on its two sides.
+  const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
+  const double v = step.touchdown_speed;
+  const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
+  const MotionPoint height =
+      t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half);
+  FootReference foot;
+  foot.p_W << course.position, height.position;
+  foot.v_W << course.velocity, height.velocity;
+  foot.a_W << course.acceleration, height.acceleration;
+  return foot;
+}
+
+FootReference SwingPlanner::Search(const LegMemory& leg) const {
+  const double v = params.step.touchdown_speed, depth = params.step.search_depth;
+  const double decay = std::exp(-v * leg.searching / depth);
+  FootReference foot;
+  foot.p_W = leg.foothold;
+  foot.p_W[2] -= depth * (1 - decay);
+  foot.v_W[2] = -v * decay;
+  foot.a_W[2] = v * v / depth * decay;
+  return foot;
+}
+
+std::array<Vec<3>, kNumLegs> SwingPlanner::CalcFootholds(const Memory& plan) const {
+  std::array<Vec<3>, kNumLegs> footholds;
+  for (std::size_t i = 0; i < kNumLegs; ++i) footholds[i] = plan.legs[i].foothold;
+  return footholds;
+}
+
+}  // namespace tenon

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <array>
+#include <tuple>
+
+#include <tenon/controllers/legged/planning/nominal_stance.h>
+#include <tenon/controllers/legged/planning/planar_point.h>
+#include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/motion_signals.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// What a user chooses of the steps.
+struct StepProperties {
+  double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
+  double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 7 cm deeper in 0.25 s [m/s]
+  double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
+  double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
+  double retarget_phase = 0.7;      ///< part of the swing in which the foothold is chosen anew at every tick
+  bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
+  double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
+  double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
+  double largest_shift = 0.1;       ///< [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"height_m", &StepProperties::height},
+                      Field{"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
+                      Field{"search_depth_m", &StepProperties::search_depth},
+                      Field{"velocity_feedback_s", &StepProperties::velocity_feedback},
+                      Field{"retarget_phase", &StepProperties::retarget_phase},
+                      Field{"wrench_shift", &StepProperties::wrench_shift},
+                      Field{"free_shift_m", &StepProperties::free_shift},
+                      Field{"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
+                      Field{"largest_shift_m", &StepProperties::largest_shift}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+struct SwingPlannerParams {
+  QuadrupedDescription robot;
+  StepProperties step;
+  double gravity = 9.81;  ///< [m/s^2]
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).
+///
+///     ports in   schedule   which feet stand; phases of those that swing
+///                path       of the CoM planner, with its twist
+///                body       the CoM planner's reference, for the velocity error
+///                state      where the feet are
+///                wrench     estimated disturbance, for the option wrench_shift; none if not connected
+///     ports out  feet       position, velocity, acceleration of all feet; sampled
+///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
+///
+/// **Foothold.** Chosen at lift-off, and over ground anew at every tick until retarget_phase, so that in the
+/// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
+/// horizontal velocity of a CoM fixed to the trunk, plus the shift
+///
+///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
+///
+/// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
+/// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that
+/// move for every push disturb the walk more than it does. Then drawn into the reach of the leg, seen from
+/// its nominal place at touchdown. The height is the mean of the feet that stand.
+///
+/// **Swing.** From the measured place at lift-off. Over ground a polynomial of degree five from rest to rest,
+/// which a new foothold replaces by the one that goes on from where the old has come, with its velocity and
+/// acceleration; in height two, each half of the swing long: lift and lower, joined with equal acceleration.
+/// It arrives with a small speed downwards. A foot that is late, or searches, goes on from there,
+///
+///     z = z_0 - D (1 - e^(-v t / D)),
+///
+/// bounded by the search depth D. Throughout the swing the acceleration does not jump.
+///
+/// In the air no foot is sent farther from its hip than a leg with a bent knee reaches, wherever the trunk
+/// is: through a straight one the knee would snap to the other side, and there is no force to get it back.
+/// It is drawn in at its height.
+class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  const NominalStance stance{params.robot};
+
+  /// One leg's motion since its last event.
+  struct LegMemory {
+    ContactState state = ContactState::kStance;
+    PlanarPoint from;                  ///< over ground, where the course to the foothold began,
+    double from_time = 0;              ///< at this time after lift-off [s]
+    double lift_off_height = 0;        ///< [m]
+    Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
+    Vec<3> hip = Vec<3>::Zero();       ///< [m]
+    double searching = 0;              ///< for how long, late included [s]
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"state", &LegMemory::state},
+                        Field{"from", &LegMemory::from},
+                        Field{"from_time", &LegMemory::from_time, "s"},
+                        Field{"lift_off_height", &LegMemory::lift_off_height, "m"},
+                        Field{"foothold", &LegMemory::foothold, "m"},
+                        Field{"hip", &LegMemory::hip, "m"},
+                        Field{"searching", &LegMemory::searching, "s"}};
+    }
+  };
+  struct Memory {
+    bool started = false;
+    Vec<2> shift = Vec<2>::Zero();  ///< of the footholds [m]
+    std::array<LegMemory, kNumLegs> legs;
+
+    static constexpr auto Fields() {
+      return std::tuple{Field{"started", &Memory::started}, Field{"shift", &Memory::shift, "m"},
+                        Field{"legs", &Memory::legs}};
+    }
+  };
+
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<PlanarPath> path{this, {"path"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<Memory> plan{this,
+                          {"plan"},
+                          Sampled{params.rate},
+                          Uses(schedule, path, body, state, wrench, memory),
+                          &SwingPlanner::CalcPlan};
+  OutputPort<FeetReference> feet{
+      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan), &SwingPlanner::CalcFeet};
+  OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
+      this, {"footholds", "m"}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
+
+ private:
+  void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
+                const LeggedState& state, const WrenchEstimate& wrench, Memory& memory, Memory* plan) const;
+  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan) const;
+  std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
+
+  Eigen::Vector2d Shift(const WrenchEstimate& wrench) const;
+  Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
+                           const Eigen::Vector2d& correction) const;
+  FootReference Swing(const LegMemory& leg, double phase, double duration) const;
+  FootReference Search(const LegMemory& leg) const;
+
+  const double mass_ = params.robot.mass();
+};
+
+}  // namespace tenon

@@ -1,0 +1,74 @@
+#include <tenon/controllers/legged/planning/trunk_planner.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tenon/controllers/legged/planning/shortened.h>
+#include <tenon/plants/model/quaternion.h>
+
+namespace tenon {
+
+void TrunkPlannerParams::Validate() const {
+  Demand(std::isfinite(bandwidth) && bandwidth > 0,
+         fmt::format("bandwidth = {} rad/s must be finite and positive: the trunk would not answer a push",
+                     bandwidth));
+  Demand(std::isfinite(sway_limit) && sway_limit >= 0,
+         fmt::format("sway_limit = {} rad/s^2 must be finite and not negative; 0 keeps the trunk level",
+                     sway_limit));
+}
+
+// `a` of the header, in the swing of this step; zero unless two feet stay on the ground in it.
+Vec<3> TrunkPlanner::FreeAcceleration(const ContactSchedule& schedule, const LeggedState& state,
+                                      const WrenchEstimate& wrench) const {
+  std::array<Eigen::Vector3d, kNumLegs> feet_B;
+  std::size_t count = 0;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (schedule.timing.step[static_cast<std::size_t>(leg)] != schedule.step)
+      feet_B[count++] = params.robot.FootPosition(leg, state.q);
+  }
+  if (count != 2) return Vec<3>::Zero();
+  const Eigen::Matrix3d R = state.R_WB();
+  const Eigen::Vector3d n_B = (feet_B[1] - feet_B[0]).normalized();
+  const Eigen::Vector3d arm_W = R * (feet_B[0] - stance.com_B);
+  const Eigen::Vector3d push_W(wrench.force_W[0], wrench.force_W[1], 0);
+  const double torque = (R * n_B).dot(wrench.torque_W - arm_W.cross(push_W));
+  return torque / n_B.dot(stance.inertia_B * n_B) * (R * n_B);
+}
+
+BodyReference TrunkPlanner::CalcReference(const BodyReference& body, const ContactSchedule& schedule,
+                                          const LeggedState& state, const WrenchEstimate& wrench,
+                                          Memory& memory) const {
+  const double S = schedule.timing.stance, T = schedule.timing.swing;
+  const double blend = -std::expm1(-params.bandwidth * params.rate.period());
+  memory.push.force_W += blend * (wrench.force_W - memory.push.force_W);
+  memory.push.torque_W += blend * (wrench.torque_W - memory.push.torque_W);
+  BodyReference out = body;
+  if (schedule.timing.num_steps == 0) {
+    memory.rate.setZero();
+    return out;
+  }
+  const Eigen::Vector3d a =
+      Shortened<3>(FreeAcceleration(schedule, state, memory.push), params.sway_limit * S / (3 * T));
+  Eigen::Vector3d angle;
+  if (schedule.step_time < S) {
+    const double u = schedule.step_time / S;
+    const Eigen::Vector3d to = -T / 2 * a;
+    angle = S * u * (1 - u) * ((1 - u) * memory.rate - u * to);
+    out.w_W += (1 - u) * (1 - 3 * u) * memory.rate + u * (3 * u - 2) * to;
+    out.alpha_W += ((6 * u - 4) * memory.rate + (6 * u - 2) * to) / S;
+  } else {
+    const double s = std::min(schedule.step_time - S, T);
+    angle = -s * (T - s) / 2 * a;
+    out.w_W += (s - T / 2) * a;
+    out.alpha_W += a;
+    memory.rate = T / 2 * a;
+  }
+  out.q_WB = QuaternionProduct(QuaternionFromRotationVector(angle), body.q_WB);
+  return out;
+}
+
+}  // namespace tenon

@@ -1,0 +1,106 @@
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <tenon/controllers/legged/planning/quintic.h>
+
+namespace tenon {
+namespace {
+
+double Speed(const WalkCommand& c) {
+  return std::hypot(c.forward, c.left);
+}
+
+WalkCommand Between(const WalkCommand& from, const WalkCommand& to, double s) {
+  return {to.gait, from.forward + s * (to.forward - from.forward), from.left + s * (to.left - from.left),
+          from.yaw_rate + s * (to.yaw_rate - from.yaw_rate), Vec<3>::Zero()};
+}
+
+/// Height, its speed and acceleration of squats that last until `end`, at t.
+Vec<3> Squat(double amplitude, double w, double t, double end) {
+  const double period = 2 * std::numbers::pi / w;
+  MotionPoint size{1, 0, 0};
+  if (t < period) size = Quintic({}, {1, 0, 0}, period, t);
+  if (end - t < period) size = Quintic({1, 0, 0}, {}, period, t - (end - period));
+  const Vec<3> wave(std::sin(w * t), w * std::cos(w * t), -w * w * std::sin(w * t));
+  return amplitude *
+         Vec<3>(size.position * wave[0], size.velocity * wave[0] + size.position * wave[1],
+                size.acceleration * wave[0] + 2 * size.velocity * wave[1] + size.position * wave[2]);
+}
+
+}  // namespace
+
+void WalkScheduleParams::Validate() const {
+  Demand(!segments.empty(), "a walk without segments: give one at least");
+  Demand(acceleration > 0, fmt::format("an acceleration of {} m/s^2: it must be positive", acceleration));
+  Demand(yaw_acceleration > 0,
+         fmt::format("a yaw acceleration of {} rad/s^2: it must be positive", yaw_acceleration));
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const WalkSegment& s = segments[i];
+    Demand(s.duration.has_value() != s.length.has_value(),
+           fmt::format("segment {} of the walk needs either duration_s or length_m, not {}", i,
+                       s.duration ? "both" : "neither"));
+    Demand(s.duration.value_or(1) > 0 && s.length.value_or(1) > 0,
+           fmt::format("segment {} of the walk: duration and length must be positive", i));
+    Demand(s.gait != Gait::kStand || (s.forward == 0 && s.left == 0 && s.yaw_rate == 0),
+           fmt::format("segment {} of the walk moves while it stands: give it another gait", i));
+    Demand(s.squat_frequency > 0,
+           fmt::format("segment {} of the walk: squat_frequency_hz = {} must be positive", i,
+                       s.squat_frequency));
+    Demand(!s.length || s.forward != 0 || s.left != 0,
+           fmt::format("segment {} of the walk has a length but no speed: give its duration_s", i));
+  }
+}
+
+std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkScheduleParams& params) {
+  std::vector<Piece> pieces;
+  double begin = 0;
+  WalkCommand from;
+  for (std::size_t i = 0; i < params.segments.size(); ++i) {
+    const WalkSegment& s = params.segments[i];
+    const WalkCommand to{s.gait, s.forward, s.left, s.yaw_rate, Vec<3>::Zero()};
+    const bool stands = s.gait == Gait::kStand;
+    if (stands) from = to;
+    const double change = std::hypot(to.forward - from.forward, to.left - from.left);
+    const double ramp = std::max(change / params.acceleration,
+                                 std::abs(to.yaw_rate - from.yaw_rate) / params.yaw_acceleration);
+    // Simpson's rule for the way on the ramp: exact as long as the direction stays.
+    const double way = ramp / 6 * (Speed(from) + 4 * Speed(Between(from, to, 0.5)) + Speed(to));
+    const double duration = s.duration ? *s.duration : ramp + (*s.length - way) / Speed(to);
+    Demand(
+        duration >= ramp,
+        fmt::format("segment {} of the walk is too short to reach its velocities, which takes {:.3g} s and "
+                    "{:.3g} m: make it longer or the accelerations larger",
+                    i, ramp, way));
+    Demand(s.squat_amplitude == 0 || duration * s.squat_frequency >= 2,
+           fmt::format("segment {} of the walk is too short for its squats: two take {:.3g} s", i,
+                       2 / s.squat_frequency));
+    pieces.push_back({begin, ramp, begin + duration, from, to, s.squat_amplitude,
+                      2 * std::numbers::pi * s.squat_frequency});
+    begin += duration;
+    from = to;
+  }
+  return pieces;
+}
+
+double WalkSchedule::end_time() const {
+  return pieces_.back().end;
+}
+
+WalkCommand WalkSchedule::CalcCommand(const double& time) const {
+  for (const Piece& piece : pieces_) {
+    if (time >= piece.end) continue;
+    const double t = time - piece.begin;
+    WalkCommand command = t < piece.ramp ? Between(piece.from, piece.to, t / piece.ramp) : piece.to;
+    if (piece.amplitude != 0)
+      command.height = Squat(piece.amplitude, piece.frequency, t, piece.end - piece.begin);
+    return command;
+  }
+  return {};
+}
+
+}  // namespace tenon

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include <tenon/plants/model/gait_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// A part of a walk with one gait and constant velocities: a straight line, an arc, a turn on the spot.
+struct WalkSegment {
+  Gait gait = Gait::kStand;
+  double forward = 0;              ///< [m/s]
+  double left = 0;                 ///< [m/s]
+  double yaw_rate = 0;             ///< [rad/s]
+  std::optional<double> duration;  ///< [s]
+  std::optional<double> length;    ///< of path, instead of the duration [m]
+  double squat_amplitude = 0;      ///< of the CoM's height about the nominal one [m]
+  double squat_frequency = 0.5;    ///< [Hz]
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("gait", &WalkSegment::gait),
+                      Field{"forward_m_per_s", &WalkSegment::forward},
+                      Field{"left_m_per_s", &WalkSegment::left},
+                      Field{"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
+                      Field{"duration_s", &WalkSegment::duration},
+                      Field{"length_m", &WalkSegment::length},
+                      Field{"squat_amplitude_m", &WalkSegment::squat_amplitude},
+                      Field{"squat_frequency_hz", &WalkSegment::squat_frequency}};
+  }
+};
+
+struct WalkScheduleParams {
+  std::vector<WalkSegment> segments;  ///< one after the other
+  double acceleration = 0.5;          ///< between segments, a choice [m/s^2]
+  double yaw_acceleration = 1;        ///< [rad/s^2]
+  Rate rate = Hz(100);
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("segments", &WalkScheduleParams::segments),
+                      Field{"acceleration_m_per_s2", &WalkScheduleParams::acceleration},
+                      Field{"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Commands a walk that is known beforehand, from t = 0 on.
+///
+///     ports out  command   sampled
+///
+/// A segment begins with the velocities at the end of the one before and goes over to its own on a ramp that
+/// is linear in time, as short as both accelerations allow; its duration and length include the ramp. The
+/// gait changes at once. After the last segment the robot stands.
+///
+/// Squats are sines of the time since the segment's beginning; within their first and last period they grow
+/// and fade as a quintic, so that height, speed and acceleration do not jump.
+///
+/// Throws ParameterError for a segment with neither or both of duration and length, with a length but no
+/// speed, and one that is too short for its ramp or for two squats.
+class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// When the last segment ends [s].
+  double end_time() const;
+  OutputPort<WalkCommand> command{
+      this, {"command"}, Sampled{params.rate}, Uses(time), &WalkSchedule::CalcCommand};
+
+ private:
+  struct Piece {
+    double begin, ramp, end;  // times; the ramp's is its duration
+    WalkCommand from, to;
+    double amplitude, frequency;  // of the squats [m], [rad/s]
+  };
+  static std::vector<Piece> MakePieces(const WalkScheduleParams& params);
+  WalkCommand CalcCommand(const double& time) const;
+
+  const std::vector<Piece> pieces_ = MakePieces(params);
+};
+
+}  // namespace tenon

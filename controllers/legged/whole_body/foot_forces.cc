@@ -1,0 +1,87 @@
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+const QuadrupedDynamics::Foot& FootOf(const QuadrupedDynamics& dynamics, int leg) {
+  return dynamics.feet[static_cast<std::size_t>(leg)];
+}
+
+/// The penalty on |f|^2: 0 for a regular leg.
+double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
+  // The smallest singular value is |det J| over the product of the others, which is at most |J|^2 / 2.
+  if (2 * std::abs(J.determinant()) >= min_singular_value * J.squaredNorm()) return 0;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> squares;
+  squares.computeDirect(J * J.transpose(), Eigen::EigenvaluesOnly);
+  return std::max(0.0, min_singular_value * min_singular_value - std::max(0.0, squares.eigenvalues()[0]));
+}
+
+}  // namespace
+
+Vec<3> LowestPoint(const QuadrupedDynamics& dynamics, int leg, double radius) {
+  return FootOf(dynamics, leg).p_W - Vec<3>(0, 0, radius);
+}
+
+FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& torque,
+                           double min_singular_value) {
+  FootForces forces;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const Eigen::Matrix3d& J = FootOf(dynamics, leg).J_leg;
+    const Vec<3> tau = torque.segment<3>(3 * leg);
+    const double damping = Damping(J, min_singular_value);
+    if (damping == 0) {
+      forces[leg] = J.transpose().inverse() * tau;
+    } else {
+      const Eigen::Matrix3d normal = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
+      forces[leg] = normal.llt().solve(J * tau);
+    }
+  }
+  return forces;
+}
+
+FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const DecoupledDynamics& decoupled,
+                           const Vec<12>& torque, double min_singular_value) {
+  double damping = 0;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    damping = std::max(damping, Damping(FootOf(dynamics, leg).J_leg, min_singular_value));
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+  Vec<12> f;
+  if (damping == 0) {
+    f = Matrix12(decoupled.J_q.transpose()).partialPivLu().solve(torque);
+  } else {
+    Matrix12 normal = Matrix12::Identity() * damping;
+    normal.noalias() += decoupled.J_q * decoupled.J_q.transpose();
+    f = normal.llt().solve(decoupled.J_q * torque);
+  }
+  FootForces forces;
+  for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = f.segment<3>(3 * leg);
+  return forces;
+}
+
+Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius) {
+  Vec<12> torque;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    torque.segment<3>(3 * leg) =
+        dynamics.LegJacobian(leg, LowestPoint(dynamics, leg, radius)).transpose() * forces[leg];
+  return torque;
+}
+
+Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius) {
+  Eigen::Matrix<double, 6, 1> on_trunk = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    on_trunk.head<3>() += forces[leg];
+    on_trunk.tail<3>() += (LowestPoint(dynamics, leg, radius) - dynamics.base_W).cross(forces[leg]);
+  }
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> inertia(dynamics.M.topLeftCorner<6, 6>());
+  return GroundTorque(dynamics, forces, radius) -
+         dynamics.M.bottomLeftCorner<12, 6>() * inertia.solve(on_trunk);
+}
+
+}  // namespace tenon

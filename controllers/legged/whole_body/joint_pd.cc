@@ -1,0 +1,58 @@
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+
+#include <fmt/core.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <Eigen/QR>
+#include <cmath>
+
+namespace tenon {
+
+void JointPdParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  Demand(std::isfinite(stiffness) && stiffness > 0,
+         fmt::format("stiffness = {} must be positive: an error of the joints would not be corrected",
+                     stiffness));
+  Demand(std::isfinite(damping) && damping >= 0,
+         fmt::format("damping = {} must not be negative: it would feed oscillations", damping));
+  Demand(std::isfinite(gravity), fmt::format("gravity is {}; give m/s^2", gravity));
+}
+
+Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
+  LeggedState x;
+  x.q = robot.stance;
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(robot, gravity).Calc(x, &dynamics);
+
+  // Sum of the forces, and their moments about the CoM about x and y.
+  Eigen::Matrix<double, 3, kNumLegs> balance;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const Eigen::Vector3d arm = dynamics.feet[static_cast<std::size_t>(leg)].p_W - dynamics.com_W;
+    balance.col(leg) << 1, arm[1], -arm[0];
+  }
+  const auto solver = balance.completeOrthogonalDecomposition();
+  if (solver.rank() < 3)
+    throw ParameterError(
+        fmt::format("the feet of '{}' are in a line in its nominal stance: nothing can stand so; spread them",
+                    robot.name));
+  const Eigen::Vector4d normal = solver.solve(Eigen::Vector3d(robot.mass() * gravity, 0, 0));
+
+  Vec<12> torque = dynamics.gravity.tail<kNumJoints>();
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    torque.segment<kJointsPerLeg>(kJointsPerLeg * leg) -=
+        dynamics.feet[static_cast<std::size_t>(leg)].J_leg.row(2).transpose() * normal[leg];
+  return torque;
+}
+
+JointPd::JointPd(const JointPdParams& p) : LeafSystem(p) {
+  if (params.gravity_compensation) feedforward_ = StandingTorque(params.robot, params.gravity);
+  for (int j = 0; j < kNumJoints; ++j) limit_[j] = params.robot.joint(j).torque_limit;
+}
+
+Vec<12> JointPd::CalcTorque(const JointMotion& joints, const Vec<12>& reference) const {
+  const Vec<12> torque =
+      params.stiffness * (reference - joints.q) - params.damping * joints.qd + feedforward_;
+  return torque.cwiseMax(-limit_).cwiseMin(limit_);
+}
+
+}  // namespace tenon

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct JointPdParams {
+  QuadrupedDescription robot = {};   ///< what the controller believes
+  double stiffness = 0;              ///< K_p [N m/rad]
+  double damping = 0;                ///< K_d [N m s/rad]
+  bool gravity_compensation = true;  ///< add StandingTorque
+  double gravity = 9.81;             ///< [m/s^2]
+  Rate rate = Hz(1000);
+
+  void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
+};
+
+/// The joint torques at which a robot stands still in its nominal stance, level, on four feet [N m]:
+///     tau = g_q - sum_i J_i^T f_i,   f_i = (0, 0, N_i),
+/// with g_q the joints' rows of the gravity term and N the smallest vertical forces (in the sum of their
+/// squares) that carry the weight without a moment about the centre of mass. Throws ParameterError if there
+/// are none, the feet being in a line.
+Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
+
+/// Holds joint angles:
+///     tau = K_p (q_ref - q) - K_d qd + StandingTorque,   kept within the torque limits of the joints.
+///
+///     ports in  joints     measured angles and speeds
+///               reference  q_ref [rad]; the nominal stance if not connected
+///     port out  torque     [N m], sampled
+class JointPd final : public LeafSystem<JointPdParams> {
+ public:
+  explicit JointPd(const JointPdParams& params);
+
+  InputPort<JointMotion> joints{this, {"joints"}};
+  InputPort<Vec<12>> reference{this, {"reference", "rad"}, params.robot.stance};
+  OutputPort<Vec<12>> torque{
+      this, {"torque", "N m"}, Sampled{params.rate}, Uses(joints, reference), &JointPd::CalcTorque};
+
+ private:
+  Vec<12> CalcTorque(const JointMotion& joints, const Vec<12>& reference) const;
+
+  Vec<12> feedforward_ = Vec<12>::Zero();
+  Vec<12> limit_;
+};
+
+}  // namespace tenon

@@ -1,0 +1,152 @@
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+
+#include <tenon/controllers/legged/planning/shortened.h>
+#include <tenon/plants/model/quaternion.h>
+#include <tenon/systems/yaml/yaml_node.h>
+
+namespace tenon {
+namespace {
+
+// L' = A nu' from here on; the legs' rows of (2.3) stay as they are.
+void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
+  Vec<6> bias = Vec<6>::Zero();
+  bias.tail<3>() = dynamics->angular_momentum_bias_W;
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> trunk(dynamics->M.topLeftCorner<6, 6>());
+  dynamics->coriolis.head<6>() -= bias;
+  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.solve(bias);
+  dynamics->angular_momentum_bias_W.setZero();
+}
+
+}  // namespace
+
+void WholeBodyGains::Validate() const {
+  for (const auto& [name, value] :
+       {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
+        std::pair{"swing_stiffness", swing_stiffness}}) {
+    Demand(value > 0, fmt::format("{} = {} must be positive: errors would not be corrected", name, value));
+  }
+  for (const auto& [name, value] :
+       {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
+        std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
+    Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
+  }
+  Demand(swing_limit > 0, fmt::format("swing_limit = {} must be positive", swing_limit));
+  Demand(stretch_limit > 0 && stretch_limit <= 1,
+         fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
+  Demand(std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
+         fmt::format("stretch_stiffness = {} must be finite and not negative: it would stretch legs",
+                     stretch_stiffness));
+  qp.Validate();
+}
+
+Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
+  Vec<12> limit;
+  for (int j = 0; j < kNumJoints; ++j) limit[j] = robot.joint(j).torque_limit;
+  return limit;
+}
+
+void WholeBodyController::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
+  model_.Calc(state, dynamics);
+  if (params.gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
+}
+
+WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                                            const ContactSchedule& schedule, const BodyReference& body,
+                                            const FeetReference& feet, const WrenchEstimate& wrench,
+                                            const LegForceEstimate& leg_forces) const {
+  WholeBodyTask task;
+  const Eigen::Vector3d up(0, 0, model_.gravity());
+  const Eigen::Matrix3d R_WB = state.R_WB();
+  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * R_WB.transpose());
+  const Eigen::Vector3d lean = turn.angle() * turn.axis();
+  task.wrench.head<3>() = params.gains.com_stiffness * (body.com_W - dynamics.com_W) +
+                          params.gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
+                          model_.mass() * (body.com_acceleration_W + up);
+  task.wrench.tail<3>() =
+      dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * lean +
+                                       params.gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+  task.tilt = lean.head<2>().norm();
+  Vec<6> disturbance;
+  disturbance << wrench.force_W, wrench.torque_W;
+  if (params.gains.dynamics == BodyDynamics::kExact) {
+    task.disturbance = disturbance;
+  } else {
+    task.wrench -= disturbance;
+  }
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    const FootReference& reference = feet[leg];
+    task.stance[i] = schedule.legs[i].stance();
+    const Vec<3>& v_W = dynamics.feet[i].v_W;
+    if (task.stance[i]) {
+      const Eigen::Vector3d hip_W = state.p_WB + R_WB * params.robot.HipPosition(leg, state.q);
+      const Eigen::Vector3d to_hip = hip_W - dynamics.feet[i].p_W;
+      const double length = to_hip.norm();
+      const double excess = length - params.gains.stretch_limit * params.robot.LegLength(leg);
+      task.foot_acceleration[i] = -params.gains.stance_damping * v_W;
+      if (excess > 0) task.foot_acceleration[i] += params.gains.stretch_stiffness * excess / length * to_hip;
+    } else {
+      const Eigen::Vector3d correction =
+          params.gains.swing_damping * (reference.v_W - v_W) +
+          params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+      task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, params.gains.swing_limit);
+    }
+  }
+  if (params.gains.compensation == LegCompensation::kExact) {
+    task.joint_disturbance = leg_forces.joint_torque;
+  } else {
+    const auto pushed = SwingFootAcceleration(dynamics, task.stance, leg_forces.foot_force);
+    for (std::size_t i = 0; i < pushed.size(); ++i) task.foot_acceleration[i] -= pushed[i];
+  }
+  return task;
+}
+
+void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                                   const ContactSchedule& schedule, const BodyReference& body,
+                                   const FeetReference& feet, const WrenchEstimate& wrench,
+                                   const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
+                                   WholeBodyPlan* plan) const {
+  const auto begin = std::chrono::steady_clock::now();
+  const WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces);
+  const QpReport report = qp.Solve(dynamics, task, &last.solution);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  WholeBodyDiagnostics& diagnostics = last.diagnostics;
+  ++diagnostics.solves;
+  diagnostics.failures += !report.ok();
+  diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
+  diagnostics.full_solves += !qp.eliminated();
+  diagnostics.iterations = report.iterations;
+  diagnostics.status = report.status;
+  diagnostics.constraint = report.constraint;
+  diagnostics.solve_time = elapsed.count();
+  *plan = last;
+}
+
+Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan) const {
+  const WholeBodyDiagnostics& last = plan.diagnostics;
+  if (last.failures_in_a_row <= params.max_failures_in_a_row) return {};
+  return fmt::format(
+      "the whole-body optimisation failed {} times in a row, the last time as {}: the robot cannot do what "
+      "is "
+      "asked of it; lower the speed, or look at friction and torque limits",
+      last.failures_in_a_row, EnumName(last.status));
+}
+
+Vec<12> WholeBodyController::CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
+                                        const LegForceEstimate& leg_forces, Vec<12>& last) const {
+  if (plan.diagnostics.failures_in_a_row > 0) return last;
+  const Vec<12> disturbance = params.gains.compensation == LegCompensation::kExact ? leg_forces.joint_torque
+                                                                                   : Vec<12>(Vec<12>::Zero());
+  const Vec<12> limit = TorqueLimit(params.robot);
+  last = JointTorque(dynamics, plan.solution, disturbance).cwiseMin(limit).cwiseMax(-limit);
+  return last;
+}
+
+}  // namespace tenon

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <tenon/controllers/optimization/slq_options.h>
+#include <tenon/controllers/optimization/small_product.h>
+
+#include <Eigen/Core>
+
+namespace tenon {
+
+/// The Jacobians of f(x, u), dense; n and m may be Eigen::Dynamic.
+template <int n, int m>
+struct DenseLinearization {
+  static constexpr int kColumns = n == Eigen::Dynamic || m == Eigen::Dynamic ? Eigen::Dynamic : n + m;
+  /// Derivatives of a state with respect to the initial state and the input, [d/dx0  d/du].
+  using Tangent = Eigen::Matrix<double, n, kColumns>;
+
+  Eigen::Matrix<double, n, n> fx;
+  Eigen::Matrix<double, n, m> fu;
+
+  explicit DenseLinearization(int states = n, int inputs = m) : fx(states, states), fu(states, inputs) {}
+
+  /// rate = fx tangent + [0  fu]: the rate of the tangent.
+  void Multiply(const Tangent& tangent, Tangent& rate) const {
+    internal::Multiply(fx, tangent, rate);
+    rate.rightCols(fu.cols()) += fu;
+  }
+  /// The same for the tangent [1  0] at the start of a step.
+  void MultiplyIdentity(Tangent& rate) const {
+    rate.leftCols(fx.cols()) = fx;
+    rate.rightCols(fu.cols()) = fu;
+  }
+};
+
+/// One explicit step x' = F(x, u) of a system  dx/dt = f(x, u)  with u constant, and the exact derivatives
+/// [dF/dx  dF/du] of that same step (not of the flow that it approximates).
+///
+/// The stages of Euler, the midpoint rule and the classical method of order 4 are all of the form
+///     k_i = f(x + a_i h k_{i-1}, u),   x' = x + h sum_i b_i k_i,
+/// so that K_i = fx S_i + [0 fu] with S_i = [1 0] + a_i h K_{i-1} are the derivatives of the k_i.
+///
+/// `System` provides
+///     void Derivative(const State& x, const Input& u, State& dx) const;
+///     void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
+/// and Linearization the products that make use of its structure; see DenseLinearization.
+template <class System>
+class RungeKutta {
+ public:
+  using State = Eigen::Matrix<double, System::kStates, 1>;
+  using Input = Eigen::Matrix<double, System::kInputs, 1>;
+  using Linearization = typename System::Linearization;
+  using Tangent = typename DenseLinearization<System::kStates, System::kInputs>::Tangent;
+
+  RungeKutta(int states, int inputs)
+      : k_(states),
+        at_(states),
+        S_(states, states + inputs),
+        K_(states, states + inputs),
+        f_(states, inputs) {}
+
+  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
+    const Tableau& tableau = TableauOf(method);
+    next = x;
+    for (int i = 0; i < tableau.stages; ++i) {
+      if (i == 0) {
+        system.Derivative(x, u, k_);
+      } else {
+        at_ = x + (tableau.a[i] * h) * k_;
+        system.Derivative(at_, u, k_);
+      }
+      if (tableau.b[i] != 0) next += (tableau.b[i] * h) * k_;
+    }
+  }
+
+  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next,
+            Tangent& tangent) {
+    const Tableau& tableau = TableauOf(method);
+    next = x;
+    tangent.setIdentity();
+    for (int i = 0; i < tableau.stages; ++i) {
+      if (i == 0) {
+        system.Linearize(x, u, k_, f_);
+        f_.MultiplyIdentity(K_);
+      } else {
+        at_ = x + (tableau.a[i] * h) * k_;
+        S_ = (tableau.a[i] * h) * K_;
+        S_.diagonal().array() += 1;
+        system.Linearize(at_, u, k_, f_);
+        f_.Multiply(S_, K_);
+      }
+      if (tableau.b[i] == 0) continue;
+      next += (tableau.b[i] * h) * k_;
+      tangent += (tableau.b[i] * h) * K_;
+    }
+  }
+
+ private:
+  struct Tableau {
+    int stages;
+    double a[4], b[4];
+  };
+  static const Tableau& TableauOf(StepMethod method) {
+    static constexpr Tableau kEuler{1, {0}, {1}};
+    static constexpr Tableau kMidpoint{2, {0, 0.5}, {0, 1}};
+    static constexpr Tableau kClassic{4, {0, 0.5, 0.5, 1}, {1. / 6, 1. / 3, 1. / 3, 1. / 6}};
+    return method == StepMethod::kEuler ? kEuler : method == StepMethod::kMidpoint ? kMidpoint : kClassic;
+  }
+
+  State k_, at_;
+  Tangent S_, K_;
+  Linearization f_;
+};
+
+}  // namespace tenon

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <tenon/controllers/optimization/box_newton.h>
+#include <tenon/controllers/optimization/runge_kutta.h>
+#include <tenon/controllers/optimization/slq_options.h>
+#include <tenon/controllers/optimization/small_product.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Core>
+#include <concepts>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tenon {
+
+/// What Slq optimises. The sizes kStates and kInputs are constants or Eigen::Dynamic; k counts the nodes.
+///
+///     int num_states() const, num_inputs() const;
+///     Derivative, Linearize and the type Linearization     f and its Jacobians, see RungeKutta
+///     double StageCost(int k, x, u) const                  L_k [per second]
+///     void AddStageCost(int k, x, u, h, gx, gu, Hxx, Huu)  adds h times gradients and Hessians of L_k
+///     double TerminalCost(x) const                         phi
+///     void AddTerminalCost(x, gx, Hxx) const               adds its gradient and Hessian
+///     const Input& Lower(int k) const, Upper(int k) const  bounds of u_k
+///
+/// Hxx and Huu are to be positive semidefinite (of a sum of squares: Gauss-Newton).
+template <class P>
+concept SlqProblem = requires(const P& p, int k, typename RungeKutta<P>::State& x,
+                              typename RungeKutta<P>::Input& u,
+                              Eigen::Matrix<double, P::kStates, P::kStates>& Hxx,
+                              Eigen::Matrix<double, P::kInputs, P::kInputs>& Huu,
+                              typename P::Linearization& f) {
+  { p.num_states() } -> std::convertible_to<int>;
+  { p.num_inputs() } -> std::convertible_to<int>;
+  { p.StageCost(k, x, u) } -> std::convertible_to<double>;
+  { p.TerminalCost(x) } -> std::convertible_to<double>;
+  { p.Lower(k) } -> std::convertible_to<const typename RungeKutta<P>::Input&>;
+  { p.Upper(k) } -> std::convertible_to<const typename RungeKutta<P>::Input&>;
+  p.Derivative(x, u, x);
+  p.Linearize(x, u, x, f);
+  p.AddStageCost(k, x, u, 0.0, x, u, Hxx, Huu);
+  p.AddTerminalCost(x, x, Hxx);
+};
+
+/// The policy of an Slq at one time: u = u_bar + K (x - x_bar).
+template <int n, int m>
+struct SlqNode {
+  double time = 0;                ///< from the start of the horizon [s]
+  Eigen::Matrix<double, n, 1> x;  ///< nominal state
+  Eigen::Matrix<double, m, 1> u;  ///< nominal input
+  Eigen::Matrix<double, m, n> K;  ///< feedback
+};
+
+/// Sequential linear-quadratic optimal control (Morlando 2023, eqs. (3.10)-(3.18)), in discrete time:
+///
+///     min  sum_k h_k L_k(x_k, u_k) + phi(x_N),   x_{k+1} = F(x_k, u_k; h_k),   lower_k <= u_k <= upper_k
+///
+/// with F one Runge-Kutta step of dx/dt = f(x, u), u constant over the step. An iteration
+///   1. rolls out the present policy, with its feedback, and linearises f along it,
+///   2. runs the Riccati recursion backwards. At every node the input's increment du minimises
+///          1/2 du^T Huu du + gu^T du   over the box,
+///      and the feedback is K = -Huu^{-1} Hux on the inputs that are not at a bound, zero on the others,
+///   3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a cost that falls by a fair part of
+///      what the quadratic model expects.
+/// If the model is not convex or no alpha is good, mu I is added to Huu and 2 is repeated. Inputs never leave
+/// their bounds, in no roll-out.
+///
+/// The nodes need not be equidistant. Nothing is allocated after construction. Copies are independent, so an
+/// Slq can be the Scratch of a block. SlqStatus tells what can go wrong; then the policy is left as it was.
+template <SlqProblem Problem>
+class Slq {
+ public:
+  static constexpr int n = Problem::kStates, m = Problem::kInputs;
+  using State = Eigen::Matrix<double, n, 1>;
+  using Input = Eigen::Matrix<double, m, 1>;
+  using Node = SlqNode<n, m>;
+
+  /// `steps`: h_k [s], positive. Until SetPolicy() the policy is zero, clamped to the bounds.
+  Slq(Problem problem, const std::vector<double>& steps, const SlqOptions& options = {});
+
+  Problem& problem() { return problem_; }
+  const Problem& problem() const { return problem_; }
+  int num_steps() const { return static_cast<int>(steps_.size()); }
+
+  /// Every node to x and u, without feedback.
+  void SetPolicy(const State& x, const Input& u);
+  /// The policy, seen `elapsed` [s] later; at the end the last node is repeated.
+  void Shift(double elapsed);
+  /// Improves the policy for a start at x0 at the first node's time.
+  SlqReport Solve(const State& x0);
+
+  /// N + 1 nodes, to be read and, as a warm start, written; the last one repeats the input and the feedback
+  /// of the one before it.
+  std::vector<Node>& policy() { return policy_; }
+  const std::vector<Node>& policy() const { return policy_; }
+  /// (3.18) between the nodes: u_bar and x_bar interpolated, K of the node before, clamped to its bounds.
+  Input Evaluate(double time, const State& x) const;
+
+ private:
+  using Tangent = typename RungeKutta<Problem>::Tangent;
+  using StateMatrix = Eigen::Matrix<double, n, n>;
+  using Gain = Eigen::Matrix<double, m, n>;
+  struct Trajectory {
+    std::vector<State> x;
+    std::vector<Input> u;
+    double cost = 0;
+  };
+
+  void Clamp(int k, Input& u) const { u = u.cwiseMax(problem_.Lower(k)).cwiseMin(problem_.Upper(k)); }
+  bool Linearize(const State& x0, bool with_policy);  ///< along a roll-out; the result is nominal_
+  bool Backward(double mu);
+  bool RollOut(double alpha);  ///< of nominal_ with increments and feedback; the result is candidate_
+  bool Search(SlqReport& report);
+  void Adopt();
+
+  Problem problem_;
+  std::vector<double> steps_;
+  SlqOptions options_;
+  std::vector<Node> policy_;
+  Trajectory nominal_, candidate_;
+  std::vector<Tangent> tangents_;  // [A B] of every step
+  std::vector<Input> increment_;
+  std::vector<Gain> gain_;
+  double slope_ = 0, curvature_ = 0;  // of the expected cost: alpha slope + alpha^2 curvature
+
+  // Work space of the passes.
+  RungeKutta<Problem> step_;
+  BoxNewton<m> box_;
+  State gx_, Vx_, dx_;
+  Input gu_, du_, lower_, upper_;
+  StateMatrix V_;
+  Tangent VT_;
+  Eigen::Matrix<double, Tangent::ColsAtCompileTime, n> transposed_;
+  Eigen::Matrix<double, Tangent::ColsAtCompileTime, Tangent::ColsAtCompileTime> H_;
+  Eigen::Matrix<double, m, m> Huu_;
+  Gain Hux_;
+  Eigen::Matrix<double, n, m> Hxu_, Kt_;
+  StateMatrix decrease_;
+};
+
+}  // namespace tenon
+
+#include <tenon/controllers/optimization/slq_impl.h>

@@ -1,0 +1,39 @@
+#include <tenon/diagrams/legged/disturbance_observer.h>
+
+#include <tenon/systems/primitives/constant.h>
+
+namespace tenon {
+
+DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params) {
+  const ObserverKind kind = params.kind;
+  if (kind == ObserverKind::kLegs || kind == ObserverKind::kHybrid) {
+    legs = &Add<LegMomentumObserver>("legs", params.legs);
+    Connect(state, legs->state);
+    Connect(torque, legs->torque);
+    Connect(foot_forces, legs->foot_forces);
+    Connect(legs->estimate, leg_forces);
+  } else if (kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse) {
+    NonlinearDisturbanceObserverParams reading = params.ndo;
+    reading.reading = kind == ObserverKind::kNdoM ? NdoReading::kM : NdoReading::kInverse;
+    ndo = &Add<NonlinearDisturbanceObserver>("ndo", reading);
+    Connect(state, ndo->state);
+    Connect(torque, ndo->torque);
+    Connect(foot_forces, ndo->foot_forces);
+    Connect(ndo->estimate, leg_forces);
+  } else {
+    Connect(Add<ConstantSource<LegForceEstimate>>("no_leg_forces").y, leg_forces);
+  }
+  if (kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi) {
+    ComObserverParams of_kind = params.com;
+    if (kind == ObserverKind::kFocchi) of_kind.gains = CentroidalMomentumObserver();
+    com = &Add<ComObserver>("com", of_kind);
+    Connect(state, com->state);
+    Connect(foot_forces, com->foot_forces);
+    Connect(imu, com->imu);
+    Connect(com->estimate, wrench);
+  } else {
+    Connect(Add<ConstantSource<WrenchEstimate>>("no_wrench").y, wrench);
+  }
+}
+
+}  // namespace tenon

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <tenon/controllers/legged/planning/com_planner.h>
+#include <tenon/controllers/legged/planning/foot_scheduler.h>
+#include <tenon/controllers/legged/planning/swing_planner.h>
+#include <tenon/controllers/legged/planning/trunk_planner.h>
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/systems/framework/diagram_builder.h>
+
+namespace tenon {
+
+struct LeggedLocomotionParams {
+  FootSchedulerParams scheduler;
+  ComPlannerParams com_planner;
+  SwingPlannerParams swing_planner;
+  TrunkPlannerParams trunk_planner;
+  WholeBodyParams whole_body;
+};
+
+/// A quadruped's walking controller (Morlando 2023, figure 2.2), from a command to joint torques.
+///
+///     command ──► scheduler ──► com_planner ─┬► swing_planner ──► whole_body ──► torque
+///                    ▲               ▲       └► trunk_planner ───────▲
+///     foot_forces ───┘               │               ▲               │
+///     state ─────────────────────────┴───────────────┼───────────────┤
+///     wrench, leg_forces (what others exert) ────────┴───────────────┘
+///
+/// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle. `wrench` and
+/// `leg_forces` are an observer's estimates; without a connection nothing is compensated. Each block can be
+/// replaced by any other with its ports; this diagram is its five blocks and these connections, nothing else.
+class LeggedLocomotion final : public Subdiagram {
+ public:
+  explicit LeggedLocomotion(const LeggedLocomotionParams& params);
+
+  InputPort<WalkCommand> command{this, {"command"}};
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, LegForceEstimate()};
+
+  FootScheduler& scheduler;
+  ComPlanner& com_planner;
+  SwingPlanner& swing_planner;
+  TrunkPlanner& trunk_planner;
+  WholeBodyController& whole_body;
+
+  OutputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  OutputPort<ContactSchedule> schedule{this, {"schedule"}};
+  OutputPort<BodyReference> body{this, {"body"}};
+  OutputPort<FeetReference> feet{this, {"feet"}};
+  OutputPort<WholeBodyPlan> plan{this, {"plan"}};
+};
+
+}  // namespace tenon

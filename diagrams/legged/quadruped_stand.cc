@@ -1,0 +1,11 @@
+#include <tenon/diagrams/legged/quadruped_stand.h>
+
+namespace tenon {
+
+QuadrupedStand::QuadrupedStand(const QuadrupedStandParams& params)
+    : pd(Add<JointPd>("pd", params.pd)), world(Add<QuadrupedWorld>("world", params.world)) {
+  Connect(pd.torque, world.torque);
+  Connect(world.joints, pd.joints);
+}
+
+}  // namespace tenon

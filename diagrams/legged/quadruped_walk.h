@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/controllers/legged/observers/legged_state_estimator.h>
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/diagrams/legged/disturbance_observer.h>
+#include <tenon/diagrams/legged/quadruped_world.h>
+
+namespace tenon {
+
+struct QuadrupedWalkParams {
+  QuadrupedWorldParams world;
+  WalkScheduleParams walk;
+  LeggedLocomotionParams locomotion;
+  DisturbanceObserverParams observer;
+  std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
+};
+
+/// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses;
+/// what is left to give is the walk, and the forces that disturb it.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot,
+                                      const LocomotionProfile& profile = LoadLocomotionProfile("standard"));
+
+/// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
+///
+///     walk ──► locomotion ──► world ──┬─► IMU, torque ──┐
+///                ▲   ▲                │                 ▼
+///                │   └────────────────┴─ state ─────► observer
+///                └── wrench, forces on the legs ────────┘
+///
+/// The foot forces go to locomotion and observer too. With an estimator, the state that both are told is the
+/// one that it finds from IMU, encoders and the schedule; without, it is the true one.
+class QuadrupedWalk final : public Subdiagram {
+ public:
+  explicit QuadrupedWalk(const QuadrupedWalkParams& params);
+
+  WalkSchedule& walk;
+  LeggedLocomotion& locomotion;
+  QuadrupedWorld& world;
+  DisturbanceObserver& observer;
+  LeggedStateEstimator* estimator = nullptr;  ///< if there is one
+  TrackingError& errors;
+  WalkView& view;
+};
+
+}  // namespace tenon

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <tenon/plants/legged/disturbances.h>
+#include <tenon/plants/legged/fall_monitor.h>
+#include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/sensors/force_sensors.h>
+#include <tenon/plants/sensors/imu.h>
+#include <tenon/plants/sensors/joint_encoders.h>
+#include <tenon/systems/framework/diagram_builder.h>
+
+#include <vector>
+
+namespace tenon {
+
+struct QuadrupedWorldParams {
+  QuadrupedPlantParams plant;
+  JointEncodersParams encoders;
+  ForceSensorParams torque_sensor;
+  ForceSensorParams foot_sensor;
+  ImuParams imu;                         ///< its place is the robot's
+  std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
+  std::vector<SineForceParams> sines;
+  std::vector<RandomForceParams> random;
+  double min_height = 0;  ///< of the trunk above the ground; below, the robot has fallen [m]
+  double max_tilt = 1;    ///< of the trunk; above, the robot has fallen [rad]
+};
+
+/// Everything of a quadruped's run that is not the controller's: the robot on its terrain, its sensors, the
+/// forces that disturb it, and a monitor that ends the run when it falls.
+///
+///     pull, disturbances ──► plant ──► encoders, torque_sensor, foot_sensor, imu
+///                  torque ────▲
+///
+///     ports in   torque           of the joints [N m]
+///                pull             one more force on the robot; none if not connected
+///     ports out  state            the true one
+///                ground_forces    on the feet, the true ones
+///                external_torque  of forces on the legs at the joints, the true one [N m]
+///                joints           of the encoders
+///                measured_torque  of the joints [N m]
+///                foot_forces      as measured
+///                inertial         of the trunk's inertial unit
+///
+/// The blocks are public, for logs and for taking it apart.
+class QuadrupedWorld final : public Subdiagram {
+ public:
+  explicit QuadrupedWorld(const QuadrupedWorldParams& params);
+
+  InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  InputPort<ExternalForce> pull{this, {"pull"}, ExternalForce{}};
+
+  QuadrupedPlant& plant;
+  JointEncoders& encoders;
+  JointTorqueSensor& torque_sensor;
+  FootForceSensor& foot_sensor;
+  TrunkImu& imu;
+  ForceBundle& disturbances;
+
+  OutputPort<LeggedState> state{this, {"state"}};
+  OutputPort<FootForces> ground_forces{this, {"ground_forces"}};
+  OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}};
+  OutputPort<JointMotion> joints{this, {"joints"}};
+  OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m"}};
+  OutputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  OutputPort<ImuMeasurement> inertial{this, {"inertial"}};
+};
+
+}  // namespace tenon

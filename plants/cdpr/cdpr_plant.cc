@@ -1,0 +1,176 @@
+#include <tenon/plants/cdpr/cdpr_plant.h>
+
+#include <fmt/format.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kNormRate = 5;  // [1/s], with which the quaternion's length returns to 1
+
+void CheckFinite(const char* name, const Vec<3>& v) {
+  if (!v.allFinite())
+    throw ParameterError(
+        fmt::format("{} is ({}, {}, {}); give three finite numbers", name, v[0], v[1], v[2]));
+}
+
+/// The tension of a taut cable in tension or torque mode, see the header.
+double TautTension(const CdprPlantParams& params, const WinchState& winches, int i, double length,
+                   double length_rate) {
+  const WinchProperties& winch = params.robot.winch;
+  const double rest = winches.rest_length[i];
+  const double damping = params.robot.cable.axial_damping / rest;
+  const double strained = params.robot.cable.axial_stiffness / rest * (length - rest) + damping * length_rate;
+  if (params.lock_winches) return std::max(0.0, strained);
+  if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * winches.reel_speed[i]);
+  return std::max(0.0, (winch.reel_damping * strained + damping * winches.motor_tension[i]) /
+                           (winch.reel_damping + damping));
+}
+
+}  // namespace
+
+void CdprPlantParams::Validate() const {
+  robot.Validate();
+  CheckFinite("p_WB", p_WB);
+  CheckFinite("euler", euler);
+  CheckFinite("v_W", v_W);
+  CheckFinite("w_W", w_W);
+  if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  if (initial_tension.size() != robot.num_cables())
+    throw ParameterError(
+        fmt::format("initial_tension has {} entries but the robot '{}' has {} cables; give one tension each",
+                    initial_tension.size(), robot.name, robot.num_cables()));
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    if (!(std::isfinite(initial_tension[i]) && initial_tension[i] >= 0))
+      throw ParameterError(fmt::format(
+          "initial_tension of cable {} is {} N; a cable cannot push, give 0 or more", i, initial_tension[i]));
+    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    if (cable.anchor_W == p_WB + RotationFromEuler(euler) * cable.attachment_B)
+      throw ParameterError(fmt::format(
+          "cable {} has no length at the initial pose: its attachment is at its anchor; move p_WB", i));
+  }
+}
+
+PlatformState CdprPlant::InitialPlatform(const CdprPlantParams& params) {
+  return {params.p_WB, QuaternionFromRotation(RotationFromEuler(params.euler)), params.v_W, params.w_W};
+}
+
+WinchState CdprPlant::InitialWinches(const CdprPlantParams& params) {
+  WinchState winches;
+  const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
+  for (int i = 0; i < params.robot.num_cables(); ++i) {
+    const CableDescription& cable = params.robot.cables[static_cast<std::size_t>(i)];
+    const double length = (cable.anchor_W - params.p_WB - R_WB * cable.attachment_B).norm();
+    winches.rest_length[i] = length / (1 + params.initial_tension[i] / params.robot.cable.axial_stiffness);
+    winches.motor_tension[i] = params.initial_tension[i];
+  }
+  return winches;
+}
+
+void CdprPlant::CalcCableForces(const PlatformState& x, const WinchState& winches, CableForces* out) const {
+  const int n = params.robot.num_cables();
+  CableSignals& signals = out->signals;
+  signals.length.resize(n);
+  signals.length_rate.resize(n);
+  signals.tension.resize(n);
+  signals.rest_length = winches.rest_length.head(n);
+  out->wrench = {};
+  out->energy = 0;
+
+  const Eigen::Matrix3d R_WB = x.R_WB();
+  for (int i = 0; i < n; ++i) {
+    const CableDescription& cable = params.robot.cables[static_cast<std::size_t>(i)];
+    const Vec<3> arm = R_WB * cable.attachment_B;
+    const Vec<3> span = cable.anchor_W - x.p_WB - arm;
+    const double length = span.norm();
+    const double rest = winches.rest_length[i];
+    if (length == 0)
+      throw RunError(
+          fmt::format("cable {} has no length and so no direction: its attachment is at its anchor", i));
+    if (rest <= 0)
+      throw RunError(
+          fmt::format("cable {} is reeled in completely (rest length {} m); command less tension or move the "
+                      "platform away "
+                      "from the anchor",
+                      i, rest));
+    const Vec<3> direction = span / length;
+    const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
+    const bool taut = length > rest;
+    const double tension = taut ? TautTension(params, winches, i, length, length_rate) : 0;
+
+    signals.length[i] = length;
+    signals.length_rate[i] = length_rate;
+    signals.tension[i] = tension;
+    out->wrench.force_W += tension * direction;
+    out->wrench.torque_W += arm.cross(tension * direction);
+    if (taut)
+      out->energy += params.robot.cable.axial_stiffness / (2 * rest) * (length - rest) * (length - rest);
+  }
+}
+
+void CdprPlant::CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                         const PlatformWrench& wrench, FreeRigidBody* out) const {
+  if (payload.mass < 0)
+    throw RunError(fmt::format("the payload's mass is {} kg; give 0 for none, or more", payload.mass));
+  const PlatformWrench total{cables.wrench.force_W + wrench.force_W,
+                             cables.wrench.torque_W + wrench.torque_W};
+  out->Calc(x, total, payload, params.gravity);
+}
+
+PlatformState CdprPlant::CalcPlatform(const PlatformState& x) const {
+  PlatformState platform = x;
+  platform.q_WB.normalize();
+  return platform;
+}
+
+Vec<3> CdprPlant::CalcEuler(const PlatformState& x) const {
+  return EulerFromRotation(x.R_WB());
+}
+
+CdprEnergy CdprPlant::CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
+                                 const Payload& payload) const {
+  const double payload_height = x.p_WB[2] + (x.R_WB() * payload.p_B)[2];
+  return {.kinetic = body.kinetic_energy(),
+          .potential = params.gravity * (params.robot.mass * x.p_WB[2] + payload.mass * payload_height),
+          .elastic = cables.energy};
+}
+
+void CdprPlant::CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                             const PlatformWrench& wrench, Geometry* out) const {
+  MoveCdprGeometry(params.robot, x, cables.signals.tension, payload, wrench, out);
+}
+
+PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const {
+  return {x.v_W, body.quaternion_rate() + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
+          body.acceleration().a_W, body.acceleration().alpha_W};
+}
+
+WinchState CdprPlant::CalcWinchRate(const WinchState& winches, const CableForces& cables,
+                                    const CableVector& command) const {
+  const WinchProperties& winch = params.robot.winch;
+  const int n = params.robot.num_cables();
+  if (command.size() != n)
+    throw RunError(fmt::format(
+        "the command has {} entries but the robot has {} cables; give one tension each", command.size(), n));
+  WinchState rate;
+  for (int i = 0; i < n; ++i) {
+    const double asked = command[i] < 0 ? 0 : command[i];  // written so that nan stays nan
+    rate.motor_tension[i] = (asked - winches.motor_tension[i]) / winch.time_constant;
+    if (params.lock_winches) continue;
+    const double pull = cables.signals.tension[i] - winches.motor_tension[i];
+    if (winch.mode == WinchMode::kTension) {
+      rate.rest_length[i] = pull / winch.reel_damping;
+    } else {
+      rate.rest_length[i] = winches.reel_speed[i];
+      rate.reel_speed[i] = (pull - winch.reel_damping * winches.reel_speed[i]) / winch.effective_mass;
+    }
+  }
+  return rate;
+}
+
+}  // namespace tenon

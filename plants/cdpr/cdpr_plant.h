@@ -1,0 +1,144 @@
+#pragma once
+
+#include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/cdpr/free_rigid_body.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+#include <tuple>
+
+namespace tenon {
+
+struct CdprPlantParams {
+  CdprDescription robot;
+  Vec<3> p_WB = Vec<3>::Zero();   ///< the CoM at the start [m]
+  Vec<3> euler = Vec<3>::Zero();  ///< roll, pitch, yaw at the start [rad]
+  Vec<3> v_W = Vec<3>::Zero();    ///< velocity at the start [m/s]
+  Vec<3> w_W = Vec<3>::Zero();    ///< angular velocity at the start [rad/s]
+  CableVector initial_tension;    ///< one per cable [N]: gives rest lengths and motors at the start
+  double gravity = 9.81;          ///< [m/s^2]
+  bool lock_winches = false;      ///< the drums do not turn: rest lengths stay what they are
+
+  /// Throws ParameterError, also for what the robot's description refuses.
+  void Validate() const;
+};
+
+/// One value per cable and winch; those of cables that the robot does not have stay 0.
+struct WinchState {
+  Vec<kMaxCables> rest_length = Vec<kMaxCables>::Zero();    ///< l0, paid out [m]
+  Vec<kMaxCables> motor_tension = Vec<kMaxCables>::Zero();  ///< what the motor pulls at the drum [N]
+  Vec<kMaxCables> reel_speed = Vec<kMaxCables>::Zero();     ///< dl0/dt in torque mode, else unused [m/s]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"rest_length", &WinchState::rest_length, "m"},
+                      Field{"motor_tension", &WinchState::motor_tension, "N"},
+                      Field{"reel_speed", &WinchState::reel_speed, "m/s"}};
+  }
+};
+
+/// A cable-driven parallel robot: a platform on Simbody, 4 to 8 straight elastic cables, one winch each.
+///
+///     ports in   command       tension asked of each winch [N]; below 0 counts as 0
+///                payload       point mass on the platform (optional)
+///                wrench        external wrench about the CoM (optional)
+///     ports out  platform      pose (unit quaternion) and velocity
+///                euler         roll, pitch, yaw [rad]
+///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
+///                cables        length, rate, tension, rest length
+///                energy        kinetic, potential, elastic [J]
+///                geometry      what it looks like
+///
+/// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
+///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
+/// with e_i the direction from attachment to anchor. The quaternion's length has no meaning for the motion;
+/// 5 (1 - |q|^2) q in its derivative brings it back to 1, so that equilibria are isolated points.
+///
+/// **Cables** pull, if longer than their rest length l0, and never push:
+///     T = max(0, k (l - l0) + c (dl/dt - dl0/dt)) if l > l0, else 0;   k = EA / l0,  c = damping / l0.
+/// With a rate, c makes T jump when a slack cable becomes taut.
+///
+/// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant. Then with b
+/// the reel damping:
+///  - tension mode: the drum turns at dl0/dt = (T - T_m) / b. T depends on that speed through c: put in,
+///    T (1 + c/b) = T_e + (c/b) T_m with T_e = k (l - l0) + c dl/dt, so T = max(0, (b T_e + c T_m) / (b +
+///    c)). (If the fraction is negative, T = 0 solves both equations; as T - max(0, T_e - c/b (T - T_m))
+///    increases with T, there is no other solution.)
+///  - torque mode: m_eff d2l0/dt2 = T - T_m - b dl0/dt, with dl0/dt a state.
+///
+/// **Payload.** When the signal changes, mass and inertia change at once and exactly while pose and velocity
+/// stay: a mass that joins does so at the speed of the point that takes it. Make the signal change at ticks,
+/// by a sampled source, so that no integration step straddles the change.
+///
+/// At the start the cables carry `initial_tension`, l0 = l / (1 + T / EA), and so do the motors.
+/// Not modelled: sagging, the cables' mass, pulleys of finite radius, limits of the winches' speed.
+///
+/// Throws RunError, if a cable has no length or is reeled in completely, if the command has not one entry per
+/// cable, and if the payload's mass is negative.
+class CdprPlant final : public LeafSystem<CdprPlantParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// What the cables do, as several calculations need it.
+  struct CableForces {
+    CableSignals signals;
+    PlatformWrench wrench;  ///< of all cables, about the CoM
+    double energy = 0;      ///< elastic [J]
+  };
+
+  InputPort<CableVector> command{this, {"command", "N"}};
+  InputPort<Payload> payload{this, {"payload"}, Payload{}};
+  InputPort<PlatformWrench> wrench{this, {"wrench"}, PlatformWrench{}};
+
+  ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
+  ContinuousState<WinchState> winch_state{this, {"winch_state"}, InitialWinches(params)};
+
+  Shared<CableForces> cable_forces{this, "cable_forces", Uses(platform_state, winch_state),
+                                   &CdprPlant::CalcCableForces};
+  Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
+                             Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
+
+  OutputPort<PlatformState> platform{this, {"platform"}, Uses(platform_state), &CdprPlant::CalcPlatform};
+  OutputPort<Vec<3>> euler{
+      this, {"euler", "rad", "roll, pitch, yaw"}, Uses(platform_state), &CdprPlant::CalcEuler};
+  OutputPort<PlatformAcceleration> acceleration{
+      this, {"acceleration"}, Uses(body), &CdprPlant::CalcAcceleration};
+  OutputPort<CableSignals> cables{this,
+                                  {"cables"},
+                                  CableSignals::Zero(params.robot.num_cables()),
+                                  Uses(cable_forces),
+                                  &CdprPlant::CalcCables};
+  OutputPort<CdprEnergy> energy{
+      this, {"energy"}, Uses(platform_state, cable_forces, body, payload), &CdprPlant::CalcEnergy};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                MakeCdprGeometry(params.robot),
+                                Uses(platform, cable_forces, payload, wrench),
+                                &CdprPlant::CalcGeometry};
+
+  TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
+                                              &CdprPlant::CalcPlatformRate};
+  TimeDerivative<WinchState> winch_rate{winch_state, Uses(winch_state, cable_forces, command),
+                                        &CdprPlant::CalcWinchRate};
+
+ private:
+  static PlatformState InitialPlatform(const CdprPlantParams& params);
+  static WinchState InitialWinches(const CdprPlantParams& params);
+
+  void CalcCableForces(const PlatformState& x, const WinchState& winches, CableForces* out) const;
+  void CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                const PlatformWrench& wrench, FreeRigidBody* out) const;
+  PlatformState CalcPlatform(const PlatformState& x) const;
+  Vec<3> CalcEuler(const PlatformState& x) const;
+  PlatformAcceleration CalcAcceleration(const FreeRigidBody& body) const { return body.acceleration(); }
+  CableSignals CalcCables(const CableForces& cables) const { return cables.signals; }
+  CdprEnergy CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
+                        const Payload& payload) const;
+  void CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                    const PlatformWrench& wrench, Geometry* out) const;
+  PlatformState CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const;
+  WinchState CalcWinchRate(const WinchState& winches, const CableForces& cables,
+                           const CableVector& command) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,98 @@
+#include <tenon/plants/legged/disturbances.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tenon {
+namespace {
+
+void CheckForce(const ExternalForce& force) {
+  Demand(force.body >= 0 && force.body <= kNumJoints,
+         fmt::format("body {} is not there; give 0 for the trunk or 1 to {} for the body that a joint moves",
+                     force.body, kNumJoints));
+  Demand(internal::FinitenessOf(force) == internal::Finiteness::kFinite,
+         "point, force and torque must be finite: give m, N and N m");
+}
+
+}  // namespace
+
+ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double height) {
+  Demand(leg >= 0 && leg < kNumLegs, fmt::format("leg {} is not there; give 0 to {}", leg, kNumLegs - 1));
+  Demand(height >= 0 && height <= 1,
+         fmt::format("height {} is not on the leg; give 0 for the foot to 1 for the hip", height));
+  const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
+  const int shank = kJointsPerLeg * (leg + 1);
+  ExternalForce force;
+  if (height <= 0.5) {
+    force.body = shank;
+    force.p_B = (1 - 2 * height) * at.foot_J;
+  } else {
+    force.body = shank - 1;
+    force.p_B = (2 - 2 * height) * at.joints[2].p_PJ;
+  }
+  return force;
+}
+
+void SineForceParams::Validate() const {
+  CheckForce(amplitude);
+  Demand(std::isfinite(angular_frequency),
+         fmt::format("angular_frequency is {}; give rad/s", angular_frequency));
+  Demand(std::isfinite(start) && end >= start,
+         fmt::format("the force ends at {} s but starts at {} s: exchange them", end, start));
+}
+
+ExternalForce SineForce::CalcForce(const double& time) const {
+  ExternalForce force = params.amplitude;
+  const bool on = time >= params.start && time < params.end;
+  const double wave = on ? std::sin(params.angular_frequency * (time - params.start)) : 0;
+  force.force_W *= wave;
+  force.torque_W *= wave;
+  return force;
+}
+
+void PulseForceParams::Validate() const {
+  CheckForce(push);
+  Demand(std::isfinite(start), fmt::format("start is {}; give seconds", start));
+  Demand(duration >= 0, fmt::format("duration = {} must not be negative: give seconds", duration));
+}
+
+ExternalForce PulseForce::CalcForce(const double& time) const {
+  // Ticks are exact multiples of the period, the sum of two decimal numbers is not.
+  const double rounding = 1e-6 * params.rate.period();
+  const double since = time - params.start + rounding;
+  return since >= 0 && since < params.duration ? params.push : ExternalForce{};
+}
+
+void RandomForceParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  Demand(lower >= 0 && std::isfinite(upper) && upper >= lower,
+         fmt::format("magnitudes from {} to {} N make no sense: give 0 <= lower <= upper", lower, upper));
+}
+
+ExternalForce RandomForce::CalcForce(RandomStream& random) const {
+  // As many numbers for the trunk as for a leg, so that the one change does not make another sequence.
+  const int leg = static_cast<int>(random.Uniform(0, kNumLegs));
+  const double height = random.Uniform();
+  const double magnitude = random.Uniform(params.lower, params.upper);
+  const double z = random.Uniform(-1, 1), angle = random.Uniform(0, 2 * std::numbers::pi);
+  ExternalForce force;
+  if (!params.on_trunk) force = PointOnLeg(params.robot, leg, height);
+  const double r = std::sqrt(1 - z * z);
+  force.force_W = magnitude * Vec<3>(r * std::cos(angle), r * std::sin(angle), z);
+  return force;
+}
+
+void ForceBundleParams::Validate() const {
+  Demand(count <= kMaxExternalForces,
+         fmt::format("{} forces are too many: a robot takes at most {}", count, kMaxExternalForces));
+}
+
+ExternalForces ForceBundle::CalcForces(const Inputs<ExternalForce>& force) const {
+  ExternalForces forces;
+  for (std::size_t i = 0; i < force.size(); ++i) forces[i] = force[i];
+  return forces;
+}
+
+}  // namespace tenon

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+#include <limits>
+
+namespace tenon {
+
+/// Forces of the surroundings on a quadruped. Each of these blocks puts out one force; a ForceBundle makes
+/// the ExternalForces of them that QuadrupedPlant takes.
+
+/// A point on a leg, without a force: `height` runs along the leg from 0 at the foot over 0.5 at the knee to
+/// 1 at the hip's pitch joint. Throws ParameterError for a leg or a height that is not there.
+ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double height);
+
+struct SineForceParams {
+  ExternalForce amplitude = {};                          ///< where, and how much [N], [N m]
+  double angular_frequency = 1;                          ///< w [rad/s]
+  double start = 0;                                      ///< [s]
+  double end = std::numeric_limits<double>::infinity();  ///< [s]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// f(t) = amplitude sin(w (t - start)) for start <= t < end, else none.
+///
+///     port out  force
+class SineForce final : public LeafSystem<SineForceParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  OutputPort<ExternalForce> force{this, {"force"}, Uses(time), &SineForce::CalcForce};
+
+ private:
+  ExternalForce CalcForce(const double& time) const;
+};
+
+struct PulseForceParams {
+  ExternalForce push = {};  ///< where, and how much [N], [N m]
+  double start = 0;         ///< [s]
+  double duration = 0;      ///< [s]; infinity for a force that stays
+  Rate rate = Hz(1000);     ///< the instants are rounded up to its ticks, which end integration steps
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A constant force or torque on any body for part of the run: a push, or a wrench on the trunk.
+///
+///     port out  force  sampled
+class PulseForce final : public LeafSystem<PulseForceParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  OutputPort<ExternalForce> force{this, {"force"}, Sampled{params.rate}, Uses(time), &PulseForce::CalcForce};
+
+ private:
+  ExternalForce CalcForce(const double& time) const;
+};
+
+struct RandomForceParams {
+  QuadrupedDescription robot = {};
+  bool on_trunk = false;  ///< at B's origin instead of a leg
+  double lower = 0;       ///< magnitude, at least [N]
+  double upper = 0;       ///< at most [N]
+  Rate period = Hz(0.5);
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A force that changes every period, and stays in between: on a random leg at a random height (or on the
+/// trunk), of random magnitude and direction, all uniformly distributed.
+///
+///     port out  force  sampled
+class RandomForce final : public LeafSystem<RandomForceParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  Random random{this, "random"};
+  OutputPort<ExternalForce> force{
+      this, {"force"}, Sampled{params.period}, Uses(random), &RandomForce::CalcForce};
+
+ private:
+  ExternalForce CalcForce(RandomStream& random) const;
+};
+
+struct ForceBundleParams {
+  std::size_t count = 0;  ///< of inputs, up to kMaxExternalForces
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Several forces as one signal.
+///
+///     ports in  force_0, force_1, ...
+///     port out  forces
+class ForceBundle final : public LeafSystem<ForceBundleParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPorts<ExternalForce> force{this, {"force"}, params.count};
+  OutputPort<ExternalForces> forces{this, {"forces"}, Uses(force), &ForceBundle::CalcForces};
+
+ private:
+  ExternalForces CalcForces(const Inputs<ExternalForce>& force) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/surroundings/terrain.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct FallMonitorParams {
+  TerrainParams terrain = {};
+  double min_height = 0;  ///< of B's origin above the ground [m]
+  double max_tilt = 1;    ///< of the trunk's z axis from the vertical [rad]
+  Rate rate = Hz(1000);
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Ends the run when a quadruped has fallen: B's origin comes closer to the ground straight below it than
+/// min_height, or the trunk tilts by more than max_tilt. The reason tells which and by how much.
+///
+///     port in  state
+class FallMonitor final : public LeafSystem<FallMonitorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  const Terrain terrain{params.terrain};
+  InputPort<LeggedState> state{this, {"state"}};
+  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state), &FallMonitor::Check};
+
+ private:
+  Verdict Check(const LeggedState& x) const;
+};
+
+}  // namespace tenon

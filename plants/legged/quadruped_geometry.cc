@@ -1,0 +1,141 @@
+#include <tenon/plants/legged/quadruped_geometry.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace tenon {
+namespace {
+
+constexpr double kGravity = 9.81;         // [m/s^2], for the length of arrows alone
+constexpr double kPlaneSize = 12;         // [m], of a slope
+constexpr double kPlaneThickness = 0.02;  // [m]
+constexpr double kBoxDepth = 0.01;        // [m], of boxes in the plane, so that no gap shows
+constexpr int kNumBodies = 1 + kNumJoints;
+
+// The order of the shapes: these, the links, the feet, their forces, the external forces, the terrain.
+enum Index {
+  kTrunk,
+  kPayload,
+  kPath,
+  kFirstLink,
+  kFirstFoot = kFirstLink + kNumJoints,
+  kFirstFootForce = kFirstFoot + kNumLegs,
+  kFirstExternal = kFirstFootForce + kNumLegs,
+  kNumMoving = kFirstExternal + kMaxExternalForces
+};
+
+std::size_t At(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+/// The edges of the uniform box with these moments: m (b^2 + c^2) / 12 about its first axis, and so on.
+Vec<3> BoxEdges(const RigidInertia& body) {
+  if (body.mass == 0) return Vec<3>::Zero();
+  const Vec<3> I = body.inertia.diagonal();
+  const Vec<3> squares = 6 / body.mass * (Vec<3>::Constant(I.sum()) - 2 * I);
+  return squares.cwiseMax(0.0).cwiseSqrt();
+}
+
+/// The trunk: that box, widened to the first joints of the legs if they lie outside.
+Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
+  Vec<3> edges = BoxEdges(robot.trunk);
+  for (const LegDescription& leg : robot.legs)
+    edges = edges.cwiseMax(2 * (leg.joints[0].p_PJ - robot.trunk.com).cwiseAbs());
+  return edges;
+}
+
+/// Where a link ends, in its joint's frame: at the next joint, or at the foot.
+const Eigen::Vector3d& LinkEnd(const QuadrupedDescription& robot, int joint) {
+  return joint % kJointsPerLeg == kJointsPerLeg - 1 ? robot.legs[At(joint / kJointsPerLeg)].foot_J
+                                                    : robot.joint(joint + 1).p_PJ;
+}
+
+void AddTerrain(const TerrainParams& params, Geometry* shapes) {
+  const Terrain terrain(params);
+  const Vec<4> q_WS = QuaternionFromRotation(terrain.R_WS());
+  if (!params.grade.isZero(0)) {
+    Shape slope = Shape::Box(ShapeRole::kGround, "slope", {kPlaneSize, kPlaneSize, kPlaneThickness});
+    slope.p_W = terrain.R_WS() * Vec<3>(0, 0, -kPlaneThickness / 2);
+    slope.q_W = q_WS;
+    shapes->push_back(std::move(slope));
+  }
+  for (std::size_t i = 0; i < terrain.boxes().size(); ++i) {
+    const TerrainBox& box = terrain.boxes()[i];
+    Shape shape = Shape::Box(ShapeRole::kGround, "box " + std::to_string(i),
+                             {box.size[0], box.size[1], box.height + kBoxDepth});
+    shape.p_W = terrain.R_WS() * Vec<3>(box.centre[0], box.centre[1], (box.height - kBoxDepth) / 2);
+    shape.q_W = q_WS;
+    shapes->push_back(std::move(shape));
+  }
+}
+
+}  // namespace
+
+Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                               const TerrainParams& terrain) {
+  const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
+  Geometry shapes(kNumMoving);
+  shapes[kTrunk] = Shape::Box(ShapeRole::kRobot, "trunk", TrunkEdges(robot));
+  shapes[kPayload] = Shape::Box(ShapeRole::kPayload, "payload", BoxEdges(payload));
+  shapes[kPayload].visible = payload.mass > 0;
+  shapes[kPath] = Shape::Trace(ShapeRole::kRobot, "path of the trunk");
+  for (int j = 0; j < kNumJoints; ++j)
+    shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kRobot, "link of " + robot.joint(j).name,
+                                                0.8 * robot.foot_radius, LinkEnd(robot, j).norm());
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const std::string name = kLegNames[At(leg)];
+    shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kRobot, "foot " + name, robot.foot_radius);
+    shapes[At(kFirstFootForce + leg)] = Shape::Arrow(ShapeRole::kForce, "force on " + name, force_scale);
+  }
+  for (int i = 0; i < kMaxExternalForces; ++i)
+    shapes[At(kFirstExternal + i)] =
+        Shape::Arrow(ShapeRole::kDisturbance, "external force " + std::to_string(i), force_scale);
+  AddTerrain(terrain, &shapes);
+  return shapes;
+}
+
+void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                           const LeggedState& x, const FootForces& feet, const ExternalForces& external,
+                           Geometry* geometry) {
+  Geometry& shapes = *geometry;
+  std::array<Eigen::Matrix3d, kNumBodies> R_W;
+  std::array<Eigen::Vector3d, kNumBodies> p_W;
+  R_W[0] = x.R_WB();
+  p_W[0] = x.p_WB;
+  shapes[kTrunk].p_W = p_W[0] + R_W[0] * robot.trunk.com;
+  shapes[kPayload].p_W = p_W[0] + R_W[0] * payload.com;
+  shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
+  shapes[kPath].p_W = x.p_WB;
+
+  for (int j = 0; j < kNumJoints; ++j) {
+    const JointDescription& joint = robot.joint(j);
+    const std::size_t parent = j % kJointsPerLeg == 0 ? 0 : At(j), body = At(j + 1);
+    p_W[body] = p_W[parent] + R_W[parent] * joint.p_PJ;
+    R_W[body] = R_W[parent] * Eigen::AngleAxisd(x.q[j], joint.axis);
+    const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, j);
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
+    Shape& link = shapes[At(kFirstLink + j)];
+    link.p_W = p_W[body] + along_W / 2;
+    link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
+  }
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const std::size_t shank = At(kJointsPerLeg * (leg + 1));
+    Shape& foot = shapes[At(kFirstFoot + leg)];
+    Shape& force = shapes[At(kFirstFootForce + leg)];
+    foot.p_W = p_W[shank] + R_W[shank] * robot.legs[At(leg)].foot_J;
+    force.p_W = foot.p_W;
+    force.vector_W = feet[leg];
+  }
+  for (std::size_t i = 0; i < external.size(); ++i) {
+    const ExternalForce& force = external[i];
+    Shape& arrow = shapes[kFirstExternal + i];
+    arrow.visible = force.body >= 0 && force.body < kNumBodies;
+    if (!arrow.visible) continue;
+    arrow.p_W = p_W[At(force.body)] + R_W[At(force.body)] * force.p_B;
+    arrow.vector_W = force.force_W;
+  }
+}
+
+}  // namespace tenon

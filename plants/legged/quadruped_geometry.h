@@ -1,0 +1,25 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/surroundings/terrain.h>
+#include <tenon/systems/geometry.h>
+
+namespace tenon {
+
+/// What a quadruped on terrain looks like: the trunk as the uniform box that has its mass and moments of
+/// inertia (wider if the legs are not within), the payload as such a box, a capsule for each link, feet as
+/// spheres, the forces on the feet, forces of the surroundings, the path of the trunk, and the terrain. An
+/// arrow for half the robot's weight is as long as the robot is high.
+///
+/// A level plane is not among the shapes, for viewers draw one at z = 0; a slope is a slab about the origin.
+Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                               const TerrainParams& terrain);
+
+/// Moves the shapes that MakeQuadrupedGeometry made for the same robot; allocates nothing. Forces on bodies
+/// that are not there are not drawn.
+void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
+                           const LeggedState& x, const FootForces& feet, const ExternalForces& external,
+                           Geometry* geometry);
+
+}  // namespace tenon

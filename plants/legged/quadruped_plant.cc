@@ -1,0 +1,185 @@
+#include <tenon/plants/legged/quadruped_plant.h>
+
+#include <fmt/format.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kNormRate = 5;         // [1/s], with which the quaternion's length returns to 1
+constexpr double kFrictionSpeed = 0.1;  // [rad/s], below which Coulomb's friction is smooth
+
+/// The torque of a drive, see the header.
+double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
+                   bool limit_speed) {
+  double upper = joint.torque_limit, lower = -joint.torque_limit;
+  if (limit_speed) {
+    const double fall = joint.speed_limit * (1 - drive.full_torque_speed_ratio);
+    upper = std::clamp(joint.torque_limit * (joint.speed_limit - qd) / fall, lower, upper);
+    lower = std::clamp(-joint.torque_limit * (joint.speed_limit + qd) / fall, lower, upper);
+  }
+  if (command > upper) return upper;  // written so that nan stays nan
+  return command < lower ? lower : command;
+}
+
+/// Friction and end stops of a joint.
+double PassiveTorque(double q, double qd, const JointDescription& joint, const DriveProperties& drive) {
+  double torque = -drive.damping * qd;
+  if (drive.friction > 0) torque -= drive.friction * std::tanh(qd / kFrictionSpeed);
+  const double above = q - joint.upper, below = joint.lower - q;
+  if (above > 0) torque -= drive.stop_stiffness * above * std::max(0.0, 1 + drive.stop_dissipation * qd);
+  if (below > 0) torque += drive.stop_stiffness * below * std::max(0.0, 1 - drive.stop_dissipation * qd);
+  return torque;
+}
+
+}  // namespace
+
+void QuadrupedPlantParams::Validate() const {
+  if (!(robot.mass() > 0))
+    throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+  if (!(std::isfinite(payload.mass) && payload.com.allFinite() && payload.inertia.allFinite()))
+    throw ParameterError(
+        "the payload is not finite; give mass, centre of mass and inertia in SI units, 0 kg for none");
+  if (robot.foot_radius > Terrain::kMaxRadius)
+    throw ParameterError(
+        fmt::format("the feet of '{}' have a radius of {} m, but the terrain takes at most {} m", robot.name,
+                    robot.foot_radius, Terrain::kMaxRadius));
+  if (internal::FinitenessOf(initial) != internal::Finiteness::kFinite || initial.q_WB.norm() == 0)
+    throw ParameterError(
+        "the initial state has entries that are not finite, or a quaternion of length 0; give "
+        "all in SI units and a unit quaternion");
+  if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  terrain.Validate();
+}
+
+void QuadrupedPlant::CalcBody(const LeggedState& x, QuadrupedBody* out) const {
+  out->SetState(x);
+}
+
+void QuadrupedPlant::CalcContacts(const QuadrupedBody& body, const FootBristles& bristles,
+                                  FootContacts* out) const {
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    out->feet[static_cast<std::size_t>(leg)] =
+        CalcFootContact(terrain, params.robot.contact, params.robot.foot_radius, body.Foot(leg),
+                        bristles.z.segment<2>(2 * leg));
+}
+
+LeggedState QuadrupedPlant::CalcState(const LeggedState& x) const {
+  LeggedState state = x;
+  state.q_WB.normalize();
+  return state;
+}
+
+Vec<12> QuadrupedPlant::CalcJointTorque(const LeggedState& x, const Vec<12>& command) const {
+  Vec<12> torque;
+  for (int j = 0; j < kNumJoints; ++j)
+    torque[j] =
+        DriveTorque(command[j], x.qd[j], params.robot.joint(j), params.robot.drive, params.limit_speed);
+  return torque;
+}
+
+LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
+                                                    const FootContacts& contacts, const Vec<12>& joint_torque,
+                                                    const ExternalForces& external) const {
+  std::array<PointForce, kNumLegs + kMaxExternalForces> forces;
+  std::size_t count = 0;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const FootContact& foot = contacts.feet[leg];
+    if (foot.depth > 0)
+      forces[count++] = {static_cast<int>(kJointsPerLeg * (leg + 1)), foot.p_W, foot.force_W};
+  }
+  for (const ExternalForce& force : external) {
+    if (force.body < 0 || force.body > kNumJoints)
+      throw RunError(
+          fmt::format("an external force acts on body {}; give 0 for the trunk or 1 to {} for the body "
+                      "that a joint moves",
+                      force.body, kNumJoints));
+    if (!force.force_W.isZero(0) || !force.torque_W.isZero(0))
+      forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W, force.torque_W};
+  }
+  Vec<12> torque;
+  for (int j = 0; j < kNumJoints; ++j)
+    torque[j] = joint_torque[j] + PassiveTorque(x.q[j], x.qd[j], params.robot.joint(j), params.robot.drive);
+  return body.Acceleration(torque, {forces.data(), count}, params.gravity);
+}
+
+FootForces QuadrupedPlant::CalcFootForces(const FootContacts& contacts) const {
+  FootForces forces;
+  for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = contacts.feet[static_cast<std::size_t>(leg)].force_W;
+  return forces;
+}
+
+Vec<4> QuadrupedPlant::CalcFootDepths(const FootContacts& contacts) const {
+  Vec<4> depths;
+  for (int leg = 0; leg < kNumLegs; ++leg) depths[leg] = contacts.feet[static_cast<std::size_t>(leg)].depth;
+  return depths;
+}
+
+std::array<Vec<3>, kNumLegs> QuadrupedPlant::CalcFootSlips(const FootContacts& contacts) const {
+  std::array<Vec<3>, kNumLegs> slips;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) slips[leg] = contacts.feet[leg].slip_W;
+  return slips;
+}
+
+LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
+  return {body.KineticEnergy(), params.gravity * loaded_.mass() * body.Com()[2]};
+}
+
+WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
+                                                  const ExternalForces& external) const {
+  const RigidInertia& payload = params.payload;
+  const Vec<3> payload_W = body.Position(0, payload.com);
+  const Vec<3> com =
+      (loaded_.mass() * body.Com() - payload.mass * payload_W) / (loaded_.mass() - payload.mass);
+  WrenchEstimate wrench;
+  wrench.force_W[2] = -payload.mass * params.gravity;
+  wrench.torque_W = (payload_W - com).cross(wrench.force_W);
+  for (const ExternalForce& force : external) {
+    wrench.force_W += force.force_W;
+    wrench.torque_W += force.torque_W + (body.Position(force.body, force.p_B) - com).cross(force.force_W);
+  }
+  return wrench;
+}
+
+Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const {
+  Vec<12> torque = Vec<12>::Zero();
+  for (const ExternalForce& force : external) {
+    if (force.body == 0) continue;
+    const Vec<3> p_W = body.Position(force.body, force.p_B);
+    const int last = force.body - 1;  // the joint that moves the body; those above it in its leg come before
+    for (int j = last - last % kJointsPerLeg; j <= last; ++j) {
+      const Vec<3> origin = body.Position(1 + j, Vec<3>::Zero());
+      const Vec<3> axis = body.Position(1 + j, params.robot.joint(j).axis) - origin;
+      torque[j] += axis.dot(force.torque_W + (p_W - origin).cross(force.force_W));
+    }
+  }
+  return torque;
+}
+
+void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
+                                  const ExternalForces& external, Geometry* out) const {
+  MoveQuadrupedGeometry(params.robot, params.payload, x, feet, external, out);
+}
+
+LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,
+                                           const LeggedAcceleration& acceleration) const {
+  return {x.v_W,
+          QuaternionRate(x.q_WB, x.w_W) + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
+          x.qd,
+          acceleration.a_W,
+          acceleration.alpha_W,
+          acceleration.qdd};
+}
+
+FootBristles QuadrupedPlant::CalcBristleRate(const FootContacts& contacts) const {
+  FootBristles rate;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    rate.z.segment<2>(2 * leg) = contacts.feet[static_cast<std::size_t>(leg)].bristle_rate;
+  return rate;
+}
+
+}  // namespace tenon

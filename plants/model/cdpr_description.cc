@@ -1,0 +1,85 @@
+#include <tenon/plants/model/cdpr_description.h>
+
+#include <fmt/format.h>
+#include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+void CheckPositive(const char* what, double value, const char* unit, const char* remedy) {
+  if (!(std::isfinite(value) && value > 0))
+    throw ParameterError(fmt::format("{} is {} {} but must be positive; {}", what, value, unit, remedy));
+}
+
+void CheckNotNegative(const char* what, double value, const char* unit, const char* remedy) {
+  if (!(std::isfinite(value) && value >= 0))
+    throw ParameterError(fmt::format("{} is {} {} but must not be negative; {}", what, value, unit, remedy));
+}
+
+std::string Point(const Eigen::Vector3d& p) {
+  return fmt::format("({}, {}, {}) m", p[0], p[1], p[2]);
+}
+
+void CheckCables(const std::vector<CableDescription>& cables) {
+  if (cables.size() < kMinCables || cables.size() > kMaxCables)
+    throw ParameterError(fmt::format("the robot has {} cables but must have {} to {}; add or remove cables",
+                                     cables.size(), kMinCables, kMaxCables));
+  for (std::size_t i = 0; i < cables.size(); ++i) {
+    const auto& [anchor, attachment] = cables[i];
+    if (!anchor.allFinite() || !attachment.allFinite())
+      throw ParameterError(fmt::format("cable {} has a coordinate that is not finite; give all in m", i));
+    if (anchor == attachment)
+      throw ParameterError(
+          fmt::format("cable {} has zero length: anchor and attachment are both {}; "
+                      "give the anchor in the world and the attachment from the platform's CoM",
+                      i, Point(anchor)));
+    for (std::size_t j = 0; j < i; ++j)
+      if (anchor == cables[j].anchor_W && attachment == cables[j].attachment_B)
+        throw ParameterError(
+            fmt::format("cables {} and {} both run from anchor {} to attachment {}; move or remove one", j, i,
+                        Point(anchor), Point(attachment)));
+  }
+}
+
+}  // namespace
+
+void CableProperties::Validate() const {
+  CheckPositive("the axial stiffness", axial_stiffness, "N", "give EA, Young's modulus times cross-section");
+  CheckNotNegative("the axial damping", axial_damping, "N s", "give EA times the material's damping time");
+  CheckNotNegative("the lowest tension", tension_min, "N", "a cable cannot push, give 0 or more");
+  if (!(std::isfinite(tension_max) && tension_min < tension_max))
+    throw ParameterError(fmt::format(
+        "the lowest tension {} N must be below the highest, {} N; raise tension_max_N or lower tension_min_N",
+        tension_min, tension_max));
+}
+
+void WinchProperties::Validate() const {
+  CheckPositive("the winch's time constant", time_constant, "s", "give the lag of the motor's current loop");
+  if (mode == WinchMode::kTension) {
+    CheckPositive("the winch's reel damping", reel_damping, "N s/m",
+                  "in mode 'tension' give cable stiffness over the bandwidth of the tension loop in rad/s");
+    CheckNotNegative("the winch's effective mass", effective_mass, "kg", "give 0 or more");
+  } else {
+    CheckNotNegative("the winch's reel damping", reel_damping, "N s/m", "give the friction at the drum");
+    CheckPositive("the winch's effective mass", effective_mass, "kg",
+                  "mode 'torque' needs rotor inertia times gear ratio squared over drum radius squared");
+  }
+}
+
+void CdprDescription::Validate() const {
+  CheckPositive("the platform's mass", mass, "kg", "give mass_kg above 0");
+  CheckInertia(inertia_B);
+  CheckCables(cables);
+  cable.Validate();
+  winch.Validate();
+}
+
+CdprDescription LoadCdpr(const std::filesystem::path& path) {
+  return YamlDocument::Load(path).Read<CdprDescription>();
+}
+
+}  // namespace tenon

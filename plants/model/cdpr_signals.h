@@ -1,0 +1,104 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/quaternion.h>
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/signal.h>
+
+#include <tuple>
+
+namespace tenon {
+
+/// What the ports of a cable-driven parallel robot carry. W is the world, z up; B is fixed to the platform
+/// with its origin at the platform's CoM. SI units.
+
+/// Pose and velocity of the platform.
+struct PlatformState {
+  Vec<3> p_WB = Vec<3>::Zero();  ///< CoM [m]
+  Vec<4> q_WB{1, 0, 0, 0};       ///< attitude, (w, x, y, z)
+  Vec<3> v_W = Vec<3>::Zero();   ///< velocity of the CoM [m/s]
+  Vec<3> w_W = Vec<3>::Zero();   ///< angular velocity [rad/s]
+
+  Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
+  static constexpr auto Fields() {
+    return std::tuple{Field{"p_WB", &PlatformState::p_WB, "m"}, Field{"q_WB", &PlatformState::q_WB},
+                      Field{"v_W", &PlatformState::v_W, "m/s"}, Field{"w_W", &PlatformState::w_W, "rad/s"}};
+  }
+};
+
+/// Acceleration of the platform.
+struct PlatformAcceleration {
+  Vec<3> a_W = Vec<3>::Zero();      ///< of the CoM [m/s^2]
+  Vec<3> alpha_W = Vec<3>::Zero();  ///< angular [rad/s^2]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"a_W", &PlatformAcceleration::a_W, "m/s^2"},
+                      Field{"alpha_W", &PlatformAcceleration::alpha_W, "rad/s^2"}};
+  }
+};
+
+/// Force and torque on the platform, about its CoM.
+struct PlatformWrench {
+  Vec<3> force_W = Vec<3>::Zero();   ///< [N]
+  Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"force_W", &PlatformWrench::force_W, "N"},
+                      Field{"torque_W", &PlatformWrench::torque_W, "N m"}};
+  }
+};
+
+/// A point mass fixed to the platform; none if the mass is 0.
+struct Payload {
+  double mass = 0;              ///< [kg]
+  Vec<3> p_B = Vec<3>::Zero();  ///< where, from the CoM of the empty platform [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"mass", &Payload::mass, "kg"}, Field{"p_B", &Payload::p_B, "m"}};
+  }
+};
+
+/// The cables, one entry each.
+struct CableSignals {
+  CableVector length;       ///< from attachment to anchor [m]
+  CableVector length_rate;  ///< [m/s]
+  CableVector tension;      ///< not negative; 0 if slack [N]
+  CableVector rest_length;  ///< what the winch has paid out, without strain [m]
+
+  static CableSignals Zero(int num_cables) {
+    const CableVector zero = CableVector::Zero(num_cables);
+    return {zero, zero, zero, zero};
+  }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"length", &CableSignals::length, "m"}, Field{"length_rate", &CableSignals::length_rate, "m/s"},
+        Field{"tension", &CableSignals::tension, "N"}, Field{"rest_length", &CableSignals::rest_length, "m"}};
+  }
+};
+
+/// What a motion capture system reports of the platform.
+struct PoseMeasurement {
+  Vec<3> p_WB = Vec<3>::Zero();  ///< CoM [m]
+  Vec<4> q_WB{1, 0, 0, 0};       ///< attitude, (w, x, y, z)
+
+  Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
+  static constexpr auto Fields() {
+    return std::tuple{Field{"p_WB", &PoseMeasurement::p_WB, "m"}, Field{"q_WB", &PoseMeasurement::q_WB}};
+  }
+};
+
+/// Mechanical energy of platform, payload and cables [J]; the potential is that of gravity, 0 at z = 0.
+struct CdprEnergy {
+  double kinetic = 0;
+  double potential = 0;
+  double elastic = 0;
+
+  double total() const { return kinetic + potential + elastic; }
+  static constexpr auto Fields() {
+    return std::tuple{Field{"kinetic", &CdprEnergy::kinetic, "J"},
+                      Field{"potential", &CdprEnergy::potential, "J"},
+                      Field{"elastic", &CdprEnergy::elastic, "J"}};
+  }
+};
+
+}  // namespace tenon

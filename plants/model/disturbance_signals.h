@@ -1,0 +1,29 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+
+namespace tenon {
+
+/// The net wrench of all forces on the robot but gravity and the ground's, as an observer estimates it.
+struct WrenchEstimate {
+  Vec<3> force_W = Vec<3>::Zero();   ///< [N]
+  Vec<3> torque_W = Vec<3>::Zero();  ///< about the CoM [N m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"force_W", &WrenchEstimate::force_W, "N"},
+                      Field{"torque_W", &WrenchEstimate::torque_W, "N m"}};
+  }
+};
+
+/// What such forces do to the legs: at the joints, and as forces on the feet that would do the same there.
+struct LegForceEstimate {
+  Vec<12> joint_torque = Vec<12>::Zero();  ///< [N m]
+  FootForces foot_force;                   ///< in W [N]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"joint_torque", &LegForceEstimate::joint_torque, "N m"},
+                      Field{"foot_force", &LegForceEstimate::foot_force}};
+  }
+};
+
+}  // namespace tenon

@@ -1,0 +1,188 @@
+#include <tenon/plants/model/quadruped_description.h>
+
+#include <fmt/format.h>
+#include <tenon/plants/model/quadruped_urdf.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+/// One value for each leg.
+template <class T>
+struct PerLeg {
+  T front_left{}, front_right{}, rear_left{}, rear_right{};
+  std::array<T, kNumLegs> InOrder() const { return {front_left, front_right, rear_left, rear_right}; }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
+        Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
+  }
+};
+
+/// The YAML file.
+struct RobotFile {
+  std::string name;
+  std::string urdf;
+  PerLeg<std::string> feet;
+  double foot_radius = 0;
+  Eigen::Vector3d imu = Eigen::Vector3d::Zero();
+  PerLeg<Eigen::Vector3d> stance;
+  DriveProperties drive;
+  ContactProperties contact;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required("name", &RobotFile::name),       Required("urdf", &RobotFile::urdf),
+        Required("feet", &RobotFile::feet),       Required("foot_radius_m", &RobotFile::foot_radius),
+        Field{"imu_position_m", &RobotFile::imu}, Required("nominal_stance", &RobotFile::stance),
+        Required("drive", &RobotFile::drive),     Required("contact", &RobotFile::contact)};
+  }
+  void Validate() const {
+    if (!(foot_radius > 0))
+      throw ParameterError(
+          fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
+                      "sphere that touches the ground",
+                      foot_radius));
+  }
+};
+
+void CheckPositive(const char* key, double value, const char* remedy) {
+  if (!(value > 0))
+    throw ParameterError(fmt::format("{} is {} but must be positive; {}", key, value, remedy));
+}
+
+void CheckNotNegative(const char* key, double value) {
+  if (!(value >= 0))
+    throw ParameterError(
+        fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
+}
+
+/// Refuses legs in another order and a stance out of reach.
+void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
+                 const std::string& file) {
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto at = static_cast<std::size_t>(leg);
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const JointDescription& joint = robot.legs[at].joints[static_cast<std::size_t>(i)];
+      const double q = robot.stance[kJointsPerLeg * leg + i];
+      if (q < joint.lower || q > joint.upper)
+        throw ParameterError(
+            fmt::format("{}: nominal_stance.{}.{}: the angle {} rad is outside the range {} to {} rad of the "
+                        "joint '{}' in "
+                        "the URDF; change one of them",
+                        file, kLegNames[at], i, q, joint.lower, joint.upper, joint.name));
+    }
+    const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
+    const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
+    if ((p[0] > 0) != front || (p[1] > 0) != left)
+      throw ParameterError(fmt::format(
+          "{}: feet.{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, "
+          "which is "
+          "{} {} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
+          file, kLegNames[at], feet.InOrder()[at], p[0], p[1], p[2], p[0] > 0 ? "front" : "rear",
+          p[1] > 0 ? "left" : "right"));
+  }
+}
+
+}  // namespace
+
+void DriveProperties::Validate() const {
+  CheckNotNegative("rotor_inertia_kg_m2", rotor_inertia);
+  CheckNotNegative("damping_N_m_s_per_rad", damping);
+  CheckNotNegative("friction_N_m", friction);
+  if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
+    throw ParameterError(
+        fmt::format("full_torque_speed_ratio is {} but must be at least 0 and below 1; it is the part of the "
+                    "speed limit up "
+                    "to which the motor has its full torque",
+                    full_torque_speed_ratio));
+  CheckNotNegative("stop_stiffness_N_m_per_rad", stop_stiffness);
+  CheckNotNegative("stop_dissipation_s_per_rad", stop_dissipation);
+}
+
+void ContactProperties::Validate() const {
+  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over the depth it may sink in");
+  CheckNotNegative("dissipation_s_per_m", dissipation);
+  CheckPositive("blend_m", blend, "give a tenth of the static depth or so");
+  CheckPositive("bristle_stiffness_per_m", bristle_stiffness,
+                "give the friction coefficient over the deflection before sliding");
+  CheckNotNegative("bristle_damping_s_per_m", bristle_damping);
+  CheckPositive("full_friction_N", full_friction, "give a small part of the weight on a foot");
+  CheckPositive("release_time_s", release_time, "give some milliseconds");
+}
+
+double QuadrupedDescription::mass() const {
+  double sum = trunk.mass;
+  for (const LegDescription& leg : legs)
+    for (const RigidInertia& body : leg.bodies) sum += body.mass;
+  return sum;
+}
+
+Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
+  const auto& joints = legs[static_cast<std::size_t>(leg)].joints;
+  return joints[0].p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg], joints[0].axis) * joints[1].p_PJ;
+}
+
+double QuadrupedDescription::LegLength(int leg) const {
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  return at.joints[2].p_PJ.norm() + at.foot_J.norm();
+}
+
+Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  Eigen::Vector3d p = at.foot_J;
+  for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+    const JointDescription& joint = at.joints[static_cast<std::size_t>(i)];
+    p = joint.p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], joint.axis) * p;
+  }
+  return p;
+}
+
+double QuadrupedDescription::StanceHeight() const {
+  double sum = 0;
+  for (int leg = 0; leg < kNumLegs; ++leg) sum += foot_radius - FootPosition(leg, stance)[2];
+  return sum / kNumLegs;
+}
+
+QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload) {
+  if (!(payload.mass >= 0))
+    throw ParameterError(fmt::format("a payload of {} kg makes no sense; give 0 for none", payload.mass));
+  if (payload.mass > 0) robot.trunk = robot.trunk + payload;
+  return robot;
+}
+
+QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
+  if (!(std::isfinite(factor) && factor > 0))
+    throw ParameterError(
+        fmt::format("a mass factor of {}: it must be positive, 1 for the robot as it is", factor));
+  const auto scale = [factor](RigidInertia& body) {
+    body.mass *= factor;
+    body.inertia *= factor;
+  };
+  scale(robot.trunk);
+  for (LegDescription& leg : robot.legs) std::for_each(leg.bodies.begin(), leg.bodies.end(), scale);
+  return robot;
+}
+
+QuadrupedDescription LoadQuadruped(const std::filesystem::path& path) {
+  const auto file = YamlDocument::Load(path).Read<RobotFile>();
+  QuadrupedDescription robot;
+  robot.name = file.name;
+  robot.foot_radius = file.foot_radius;
+  robot.imu_B = file.imu;
+  robot.drive = file.drive;
+  robot.contact = file.contact;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
+        file.stance.InOrder()[static_cast<std::size_t>(leg)];
+  internal::ReadUrdf(path.parent_path() / file.urdf, file.feet.InOrder(), &robot);
+  CheckStance(robot, file.feet, path.string());
+  return robot;
+}
+
+}  // namespace tenon

@@ -1,0 +1,310 @@
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d Cross(const Vector3d& r) {
+  Matrix3d cross;
+  cross << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
+  return cross;
+}
+
+/// exp(angle axis x), by Rodrigues.
+Matrix3d Rotation(double angle, const Vector3d& axis) {
+  const double s = std::sin(angle), c = std::cos(angle);
+  const Vector3d b = (1 - c) * axis;
+  Matrix3d R;
+  R << b[0] * axis[0] + c, b[0] * axis[1] - s * axis[2], b[0] * axis[2] + s * axis[1],
+      b[1] * axis[0] + s * axis[2], b[1] * axis[1] + c, b[1] * axis[2] - s * axis[0],
+      b[2] * axis[0] - s * axis[1], b[2] * axis[1] + s * axis[0], b[2] * axis[2] + c;
+  return R;
+}
+
+/// mass * (|c|^2 - c c^T), what a mass at c adds to the inertia about the origin.
+Matrix3d Steiner(double mass, const Vector3d& c) {
+  const Vector3d mc = mass * c;
+  Matrix3d J;
+  J(0, 0) = mc[1] * c[1] + mc[2] * c[2];
+  J(1, 1) = mc[0] * c[0] + mc[2] * c[2];
+  J(2, 2) = mc[0] * c[0] + mc[1] * c[1];
+  J(0, 1) = J(1, 0) = -mc[0] * c[1];
+  J(0, 2) = J(2, 0) = -mc[0] * c[2];
+  J(1, 2) = J(2, 1) = -mc[1] * c[2];
+  return J;
+}
+
+/// Pose, velocity, and acceleration at nu' = 0 of a body.
+struct Frame {
+  Matrix3d R;
+  Vector3d p;         // of its origin, from B's
+  Vector3d w, v;      // angular; of its origin
+  Vector3d alpha, a;  // the same, of the acceleration
+
+  Vector3d Velocity(const Vector3d& arm) const { return v + w.cross(arm); }
+  Vector3d Acceleration(const Vector3d& arm) const { return a + alpha.cross(arm) + w.cross(w.cross(arm)); }
+};
+
+/// What a body and all that it carries sum up to, about B's origin, in W.
+struct Composite {
+  double mass = 0;
+  Vector3d moment = Vector3d::Zero();  // mass times CoM
+  Matrix3d inertia = Matrix3d::Zero();
+  Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();  // momentum
+  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero();    // its rate at nu' = 0
+
+  void Add(const Frame& frame, double body_mass, const Vector3d& com, const Matrix3d& body_inertia) {
+    const Vector3d arm = frame.R * com;
+    const Vector3d c = frame.p + arm;
+    const Matrix3d I = frame.R * body_inertia * frame.R.transpose();
+    const Vector3d k = I * frame.w;
+    const Vector3d l = body_mass * frame.Velocity(arm);
+    const Vector3d f = body_mass * frame.Acceleration(arm);
+    mass += body_mass;
+    moment += body_mass * c;
+    inertia += I + Steiner(body_mass, c);
+    linear += l;
+    angular += k + c.cross(l);
+    force += f;
+    torque += I * frame.alpha + frame.w.cross(k) + c.cross(f);
+  }
+  void Add(const Composite& other) {
+    mass += other.mass;
+    moment += other.moment;
+    inertia += other.inertia;
+    linear += other.linear;
+    angular += other.angular;
+    force += other.force;
+    torque += other.torque;
+  }
+};
+
+}  // namespace
+
+DynamicsMatrix<3, 18> QuadrupedDynamics::FootJacobian(int leg) const {
+  const Foot& foot = feet[static_cast<std::size_t>(leg)];
+  DynamicsMatrix<3, 18> J = DynamicsMatrix<3, 18>::Zero();
+  J.leftCols<3>().setIdentity();
+  J.middleCols<3>(3) = -Cross(foot.p_W - base_W);
+  J.middleCols<3>(6 + kJointsPerLeg * leg) = foot.J_leg;
+  return J;
+}
+
+Eigen::Matrix3d QuadrupedDynamics::LegJacobian(int leg, const Eigen::Vector3d& p_W) const {
+  Matrix3d J;
+  for (int i = 0; i < kJointsPerLeg; ++i) {
+    const auto j = static_cast<std::size_t>(kJointsPerLeg * leg + i);
+    J.col(i) = axis_W[j].cross(p_W - origin_W[j]);
+  }
+  return J;
+}
+
+QuadrupedModel::QuadrupedModel(const QuadrupedDescription& robot, double gravity)
+    : trunk_{Vector3d::Zero(), Vector3d::Zero(), robot.trunk.com, robot.trunk.inertia, robot.trunk.mass},
+      rotor_inertia_(robot.drive.rotor_inertia),
+      mass_(robot.mass()),
+      gravity_(gravity) {
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      const JointDescription& joint = robot.legs[leg].joints[i];
+      const RigidInertia& body = robot.legs[leg].bodies[i];
+      bodies_[kJointsPerLeg * leg + i] = {joint.p_PJ, joint.axis, body.com, body.inertia, body.mass};
+    }
+    feet_[leg] = robot.legs[leg].foot_J;
+  }
+}
+
+void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
+  const Frame base{x.R_WB(), Vector3d::Zero(), x.w_W, x.v_W, Vector3d::Zero(), Vector3d::Zero()};
+  Composite robot;
+  robot.Add(base, trunk_.mass, trunk_.com, trunk_.inertia);
+  out->base_W = x.p_WB;
+  out->M.setZero();
+
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    std::array<Frame, kJointsPerLeg> frames;
+    std::array<Vector3d, kJointsPerLeg> axis, spin;  // motion vectors (axis, spin) about B's origin
+    const Frame* parent = &base;
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const int j = kJointsPerLeg * leg + i;
+      const Body& body = bodies_[static_cast<std::size_t>(j)];
+      Frame& frame = frames[static_cast<std::size_t>(i)];
+      const Vector3d arm = parent->R * body.p_PJ;
+      const Vector3d a = parent->R * body.axis;
+      frame.R = parent->R * Rotation(x.q[j], body.axis);
+      frame.p = parent->p + arm;
+      frame.v = parent->Velocity(arm);
+      frame.a = parent->Acceleration(arm);
+      frame.w = parent->w + x.qd[j] * a;
+      frame.alpha = parent->alpha + x.qd[j] * parent->w.cross(a);
+      axis[static_cast<std::size_t>(i)] = a;
+      spin[static_cast<std::size_t>(i)] = frame.p.cross(a);
+      out->axis_W[static_cast<std::size_t>(j)] = a;
+      out->origin_W[static_cast<std::size_t>(j)] = x.p_WB + frame.p;
+      parent = &frame;
+    }
+
+    QuadrupedDynamics::Foot& foot = out->feet[static_cast<std::size_t>(leg)];
+    const Vector3d arm = parent->R * feet_[static_cast<std::size_t>(leg)];
+    foot.p_W = x.p_WB + parent->p + arm;
+    foot.v_W = parent->Velocity(arm);
+    foot.bias = parent->Acceleration(arm);
+    foot.J_leg = out->LegJacobian(leg, foot.p_W);
+
+    Composite carried;  // by joint i
+    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+      const auto at = static_cast<std::size_t>(i);
+      const int j = kJointsPerLeg * leg + i;
+      const Body& body = bodies_[static_cast<std::size_t>(j)];
+      const Frame& frame = frames[at];
+      carried.Add(frame, body.mass, body.com, body.inertia);
+      const Vector3d &a = axis[at], &s = spin[at];
+
+      // Momentum of what it carries per unit of its speed, projected on it and on the joints above.
+      const Vector3d linear = carried.mass * s + a.cross(carried.moment);
+      const Vector3d angular = carried.inertia * a + carried.moment.cross(s);
+      out->M.block<3, 1>(0, 6 + j) = linear;
+      out->M.block<3, 1>(3, 6 + j) = angular;
+      for (int k = i; k >= 0; --k) {
+        const auto above = static_cast<std::size_t>(k);
+        const double m = axis[above].dot(angular) + spin[above].dot(linear);
+        out->M(6 + kJointsPerLeg * leg + k, 6 + j) = m;
+        out->M(6 + j, 6 + kJointsPerLeg * leg + k) = m;
+      }
+      out->M(6 + j, 6 + j) += rotor_inertia_;
+
+      out->coriolis[6 + j] = a.dot(carried.torque) + s.dot(carried.force);
+      out->gravity[6 + j] =
+          gravity_ * (a[0] * carried.moment[1] - a[1] * carried.moment[0] + s[2] * carried.mass);
+      out->leg_momentum[j] = a.dot(carried.angular) + s.dot(carried.linear) + rotor_inertia_ * x.qd[j];
+      const Vector3d v_origin = frame.v - frame.w.cross(frame.p);
+      out->leg_momentum_rate[j] =
+          frame.w.cross(a).dot(carried.angular) + (frame.w.cross(s) + v_origin.cross(a)).dot(carried.linear);
+    }
+    robot.Add(carried);
+  }
+
+  out->M.block<3, 3>(0, 0).diagonal().setConstant(robot.mass);
+  out->M.block<3, 3>(0, 3) = -Cross(robot.moment);
+  out->M.block<3, 3>(3, 0) = Cross(robot.moment);
+  out->M.block<3, 3>(3, 3) = robot.inertia;
+  out->M.block<12, 6>(6, 0) = out->M.block<6, 12>(0, 6).transpose();
+  out->coriolis.head<3>() = robot.force;
+  out->coriolis.segment<3>(3) = robot.torque;
+  out->gravity.head<6>() << 0, 0, gravity_ * robot.mass, gravity_ * robot.moment[1],
+      -gravity_ * robot.moment[0], 0;
+
+  const Vector3d com = robot.moment / robot.mass;
+  out->com_W = x.p_WB + com;
+  out->com_velocity_W = robot.linear / robot.mass;
+  out->com_bias_W = robot.force / robot.mass;
+  out->centroidal_inertia_W = robot.inertia - Steiner(robot.mass, com);
+  out->angular_momentum_W = robot.angular - com.cross(robot.linear);
+  out->angular_momentum_bias_W = robot.torque - com.cross(robot.force);
+  for (int c = 0; c < kNumVelocities; ++c) {
+    const Vector3d linear = out->M.block<3, 1>(0, c);
+    out->angular_map.col(c) = out->M.block<3, 1>(3, c) - com.cross(linear);
+  }
+}
+
+void QuadrupedModel::CalcDecoupled(const LeggedState& x, const QuadrupedDynamics& dynamics,
+                                   DecoupledDynamics* out) const {
+  const auto& M = dynamics.M;
+  const Eigen::Matrix<double, 6, 12> M_bj = M.block<6, 12>(0, 6);
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> M_bb(M.block<6, 6>(0, 0));
+  const Eigen::Matrix<double, 6, 12> X = M_bb.solve(M_bj);  // the trunk moves with -X qd as the legs move
+  out->M_q = M.block<12, 12>(6, 6);
+  out->M_q.noalias() -= M_bj.transpose() * X;
+  out->coriolis = dynamics.coriolis.tail<12>() - X.transpose() * dynamics.coriolis.head<6>();
+  out->momentum = out->M_q * x.qd;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const DynamicsMatrix<3, 18> J = dynamics.FootJacobian(leg);
+    out->J_q.middleRows<3>(3 * leg) = J.rightCols<12>();
+    out->J_q.middleRows<3>(3 * leg).noalias() -= J.leftCols<6>() * X;
+  }
+  Vec<18> nu_star;  // M_q qd is the joints' part of M nu_star, whose trunk's part is zero
+  nu_star << -X * x.qd, x.qd;
+  const Vec<18> rate = MassRateTimes(x, dynamics, nu_star);
+  out->momentum_rate = rate.tail<12>() - X.transpose() * rate.head<6>() - out->coriolis;
+}
+
+Vec<18> QuadrupedModel::MassRateTimes(const LeggedState& x, const QuadrupedDynamics& dynamics,
+                                      const Vec<18>& nu_star) const {
+  // The bodies' velocities at nu_star, and how these change as the robot moves with x's velocities.
+  struct Moving {
+    Matrix3d R;
+    Vector3d p, p_rate, w;  // from B's origin; w of x
+    Vector3d w_star, v_star, w_star_rate, v_star_rate;
+  };
+  struct Momentum {
+    Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
+    Vector3d linear_rate = Vector3d::Zero(), angular_rate = Vector3d::Zero();
+    void Add(const Moving& body, double mass, const Vector3d& com, const Matrix3d& inertia) {
+      const Vector3d arm = body.R * com, arm_rate = body.w.cross(arm);
+      const Vector3d c = body.p + arm, c_rate = body.p_rate + arm_rate;
+      const Matrix3d I = body.R * inertia * body.R.transpose();
+      const Vector3d l = mass * (body.v_star + body.w_star.cross(arm));
+      const Vector3d l_rate =
+          mass * (body.v_star_rate + body.w_star_rate.cross(arm) + body.w_star.cross(arm_rate));
+      const Vector3d k_rate =
+          body.w.cross(I * body.w_star) - I * body.w.cross(body.w_star) + I * body.w_star_rate;
+      linear += l;
+      angular += I * body.w_star + c.cross(l);
+      linear_rate += l_rate;
+      angular_rate += k_rate + c_rate.cross(l) + c.cross(l_rate);
+    }
+  };
+  Vec<18> out;
+  const Moving base{x.R_WB(),          Vector3d::Zero(), Vector3d::Zero(), x.w_W, nu_star.segment<3>(3),
+                    nu_star.head<3>(), Vector3d::Zero(), Vector3d::Zero()};
+  Momentum robot;
+  robot.Add(base, trunk_.mass, trunk_.com, trunk_.inertia);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    std::array<Moving, kJointsPerLeg> frames;
+    const Moving* parent = &base;
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const int j = kJointsPerLeg * leg + i;
+      const Body& body = bodies_[static_cast<std::size_t>(j)];
+      Moving& frame = frames[static_cast<std::size_t>(i)];
+      const Vector3d arm = parent->R * body.p_PJ, arm_rate = parent->w.cross(arm);
+      const Vector3d& a = dynamics.axis_W[static_cast<std::size_t>(j)];
+      frame.R = parent->R * Rotation(x.q[j], body.axis);
+      frame.p = parent->p + arm;
+      frame.p_rate = parent->p_rate + arm_rate;
+      frame.w = parent->w + x.qd[j] * a;
+      frame.w_star = parent->w_star + nu_star[6 + j] * a;
+      frame.w_star_rate = parent->w_star_rate + nu_star[6 + j] * parent->w.cross(a);
+      frame.v_star = parent->v_star + parent->w_star.cross(arm);
+      frame.v_star_rate =
+          parent->v_star_rate + parent->w_star_rate.cross(arm) + parent->w_star.cross(arm_rate);
+      parent = &frame;
+    }
+    Momentum carried;
+    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+      const int j = kJointsPerLeg * leg + i;
+      const Body& body = bodies_[static_cast<std::size_t>(j)];
+      const Moving& frame = frames[static_cast<std::size_t>(i)];
+      carried.Add(frame, body.mass, body.com, body.inertia);
+      const Vector3d& a = dynamics.axis_W[static_cast<std::size_t>(j)];
+      const Vector3d a_rate = frame.w.cross(a);
+      const Vector3d s = frame.p.cross(a), s_rate = frame.p_rate.cross(a) + frame.p.cross(a_rate);
+      out[6 + j] = a_rate.dot(carried.angular) + a.dot(carried.angular_rate) + s_rate.dot(carried.linear) +
+                   s.dot(carried.linear_rate);
+    }
+    robot.linear += carried.linear;
+    robot.angular += carried.angular;
+    robot.linear_rate += carried.linear_rate;
+    robot.angular_rate += carried.angular_rate;
+  }
+  out.head<3>() = robot.linear_rate;
+  out.segment<3>(3) = robot.angular_rate;
+  return out;
+}
+
+}  // namespace tenon

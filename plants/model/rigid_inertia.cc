@@ -1,0 +1,61 @@
+#include <tenon/plants/model/rigid_inertia.h>
+
+#include <fmt/format.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+/// Relative to the largest entry; files give inertias with a few digits.
+constexpr double kInertiaTolerance = 1e-9;
+
+/// What a mass at d adds to the inertia about the origin.
+Eigen::Matrix3d Steiner(double mass, const Eigen::Vector3d& d) {
+  return mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+}
+
+}  // namespace
+
+RigidInertia RigidInertia::In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const {
+  return {mass, p + R * com, R * inertia * R.transpose()};
+}
+
+RigidInertia operator+(const RigidInertia& a, const RigidInertia& b) {
+  const double mass = a.mass + b.mass;
+  if (mass == 0) return a;
+  const Eigen::Vector3d com = (a.mass * a.com + b.mass * b.com) / mass;
+  return {mass, com, a.inertia + Steiner(a.mass, a.com - com) + b.inertia + Steiner(b.mass, b.com - com)};
+}
+
+void CheckInertia(const Eigen::Matrix3d& inertia) {
+  const double tolerance = kInertiaTolerance * inertia.cwiseAbs().maxCoeff();
+  if (!inertia.allFinite())
+    throw ParameterError("the inertia has entries that are not finite; give all in kg m^2");
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < r; ++c)
+      if (std::abs(inertia(r, c) - inertia(c, r)) > tolerance)
+        throw ParameterError(fmt::format(
+            "the inertia is not symmetric: row {} column {} is {} kg m^2, row {} column {} is {} kg m^2; "
+            "give both the same value, the negative of the product of inertia",
+            c, r, inertia(c, r), r, c, inertia(r, c)));
+
+  const Eigen::Vector3d principal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const std::string moments =
+      fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", principal[0], principal[1], principal[2]);
+  if (principal[0] <= 0)
+    throw ParameterError(
+        fmt::format("the inertia is not positive definite: its principal moments are {}; "
+                    "all must be positive, check signs and units",
+                    moments));
+  if (principal[0] + principal[1] < principal[2] - tolerance)
+    throw ParameterError(fmt::format(
+        "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
+        "other two; check the values and that they are about the CoM",
+        moments));
+}
+
+}  // namespace tenon

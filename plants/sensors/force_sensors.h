@@ -1,0 +1,51 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Defaults: without errors.
+struct ForceSensorParams {
+  Rate rate = Hz(1000);
+  SensorError error = {};  ///< [N m] or [N]; `relative` is to each component
+
+  void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
+};
+
+/// Measures the torques of all drives at a rate, each with an error (noise.h).
+///
+///     port in   torque    what the drives give [N m]
+///     port out  measured  sampled [N m]
+class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  Random noise{this, "noise"};
+  OutputPort<Vec<12>> measured{
+      this, {"measured", "N m"}, Sampled{params.rate}, Uses(torque, noise), &JointTorqueSensor::CalcMeasured};
+
+ private:
+  Vec<12> CalcMeasured(const Vec<12>& torque, RandomStream& noise) const;
+};
+
+/// Measures the forces on all feet at a rate, every component in W with an error (noise.h).
+///
+///     port in   forces    of the ground on the feet
+///     port out  measured  sampled
+class FootForceSensor final : public LeafSystem<ForceSensorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<FootForces> forces{this, {"forces"}};
+  Random noise{this, "noise"};
+  OutputPort<FootForces> measured{
+      this, {"measured"}, Sampled{params.rate}, Uses(forces, noise), &FootForceSensor::CalcMeasured};
+
+ private:
+  FootForces CalcMeasured(const FootForces& forces, RandomStream& noise) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Defaults: a small industrial unit without bias.
+struct ImuParams {
+  Rate rate = Hz(1000);
+  Vec<3> p_B = Vec<3>::Zero();  ///< where it is; QuadrupedWorld takes the robot's, CdprEstimator 0 [m]
+  Vec<3> angular_velocity_noise = Vec<3>::Constant(0.005);  ///< standard deviation per axis [rad/s]
+  Vec<3> specific_force_noise = Vec<3>::Constant(0.05);     ///< standard deviation per axis [m/s^2]
+  Vec<3> angular_velocity_bias = Vec<3>::Zero();            ///< added to all samples [rad/s]
+  Vec<3> specific_force_bias = Vec<3>::Zero();              ///< added to all samples [m/s^2]
+  double gravity = 9.81;                                    ///< [m/s^2]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// An inertial measurement unit at the point p of B, aligned with B, with constant bias and white noise:
+///     angular velocity = R_WB^T w_W + b_w + n_w,
+///     specific force   = R_WB^T (a_W + alpha_W x r + w_W x (w_W x r) - g) + b_f + n_f,
+/// with r = R_WB p_B and g = (0, 0, -gravity).
+/// At rest the specific force points up and is 9.81 m/s^2; in free fall it is 0.
+///
+///     ports in  body          the true state
+///               acceleration  the true acceleration
+///     port out  measurement   sampled
+///
+/// Imu is for the platform of a cable robot, TrunkImu for the trunk of a quadruped.
+template <class State, class Acceleration>
+class BasicImu final : public LeafSystem<ImuParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<State> body{this, {"body"}};
+  InputPort<Acceleration> acceleration{this, {"acceleration"}};
+  Random noise{this, "noise"};
+  OutputPort<ImuMeasurement> measurement{this,
+                                         {"measurement"},
+                                         Sampled{params.rate},
+                                         Uses(body, acceleration, noise),
+                                         &BasicImu::CalcMeasurement};
+
+ private:
+  ImuMeasurement CalcMeasurement(const State& body, const Acceleration& acceleration,
+                                 RandomStream& noise) const;
+};
+
+using Imu = BasicImu<PlatformState, PlatformAcceleration>;
+using TrunkImu = BasicImu<LeggedState, LeggedAcceleration>;
+extern template class BasicImu<PlatformState, PlatformAcceleration>;
+extern template class BasicImu<LeggedState, LeggedAcceleration>;
+
+}  // namespace tenon

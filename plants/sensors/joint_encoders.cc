@@ -1,0 +1,15 @@
+#include <tenon/plants/sensors/joint_encoders.h>
+
+namespace tenon {
+
+void JointEncodersParams::Validate() const {
+  angle.Validate("the joint angles");
+  speed.Validate("the joint speeds");
+}
+
+JointMotion JointEncoders::CalcJoints(const LeggedState& x, RandomStream& angle_noise,
+                                      RandomStream& speed_noise) const {
+  return {params.angle.Measure(x.q, angle_noise), params.speed.Measure(x.qd, speed_noise)};
+}
+
+}  // namespace tenon

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Defaults: a motion capture system at some distance.
+struct PoseSensorParams {
+  Rate rate = Hz(200);
+  Vec<3> position_noise = Vec<3>::Constant(0.005);  ///< standard deviation along x, y, z of W [m]
+  Vec<3> attitude_noise = Vec<3>::Constant(0.01);   ///< standard deviation about x, y, z of B [rad]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Measures position and attitude at a rate, with white noise:
+///     p = p_WB + n_p,   q = q_WB * exp(n_a / 2),
+/// with n_p and n_a normal, independent in their components and in time, and exp(n_a / 2) the rotation by
+/// |n_a| about n_a.
+///
+///     port in   platform  the true state
+///     port out  pose      sampled
+class PoseSensor final : public LeafSystem<PoseSensorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<PlatformState> platform{this, {"platform"}};
+  Random noise{this, "noise"};
+  OutputPort<PoseMeasurement> pose{
+      this, {"pose"}, Sampled{params.rate}, Uses(platform, noise), &PoseSensor::CalcPose};
+
+ private:
+  PoseMeasurement CalcPose(const PlatformState& platform, RandomStream& noise) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/signal.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace tenon {
+
+/// Three independent normal numbers with the given standard deviations.
+inline Vec<3> NormalVector(RandomStream& noise, const Vec<3>& deviation) {
+  Vec<3> n;
+  for (int i = 0; i < 3; ++i) n[i] = deviation[i] * noise.Normal();
+  return n;
+}
+
+/// What is wrong with a sensor: a constant, and white noise with a part that grows with the signal. A signal
+/// x is measured as
+///     x + bias + (absolute + relative |x|) n,   n normal with deviation 1, anew at each sample.
+struct SensorError {
+  double absolute = 0;  ///< standard deviation [unit of the signal]
+  double relative = 0;  ///< standard deviation over signal: 0.1 is 10 %
+  double bias = 0;      ///< [unit of the signal]
+
+  double Measure(double x, RandomStream& noise) const {
+    return x + bias + (absolute + relative * std::abs(x)) * noise.Normal();
+  }
+  /// Every element by itself.
+  template <int N>
+  Vec<N> Measure(const Vec<N>& x, RandomStream& noise) const {
+    Vec<N> y;
+    for (int i = 0; i < N; ++i) y[i] = Measure(x[i], noise);
+    return y;
+  }
+  /// Throws ParameterError, naming the measured signal.
+  void Validate(const char* signal) const;
+};
+
+/// Throws ParameterError unless `deviation` can be one.
+inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
+  if (deviation.allFinite() && deviation.minCoeff() >= 0) return;
+  std::ostringstream text;
+  text << name << " is (" << deviation[0] << ", " << deviation[1] << ", " << deviation[2]
+       << "); a standard deviation is finite and not negative";
+  throw ParameterError(text.str());
+}
+
+inline void SensorError::Validate(const char* signal) const {
+  if (!(std::isfinite(absolute) && absolute >= 0 && std::isfinite(relative) && relative >= 0)) {
+    std::ostringstream text;
+    text << "the noise of " << signal << " is " << absolute << " absolute and " << relative
+         << " relative; give standard deviations, finite and not negative";
+    throw ParameterError(text.str());
+  }
+  if (!std::isfinite(bias)) {
+    std::ostringstream text;
+    text << "the bias of " << signal << " is " << bias << "; give a finite number, 0 for none";
+    throw ParameterError(text.str());
+  }
+}
+
+}  // namespace tenon

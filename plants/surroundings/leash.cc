@@ -1,0 +1,58 @@
+#include <tenon/plants/surroundings/leash.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kDrawnRadius = 0.01;  // [m]
+
+}  // namespace
+
+void LeashParams::Validate() const {
+  Demand(nominal_length > 0 && std::isfinite(nominal_length),
+         fmt::format("the leash's nominal_length of {} m must be positive", nominal_length));
+  Demand(stiffness > 0 && std::isfinite(stiffness),
+         fmt::format("the leash's stiffness of {} N/m must be positive", stiffness));
+  Demand(dissipation >= 0 && std::isfinite(dissipation),
+         fmt::format("the leash's dissipation of {} s/m must not be negative: give 0 for none", dissipation));
+  Demand(attachment_B.allFinite(), "the leash's attachment to the trunk must be finite: give metres");
+}
+
+LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person) const {
+  const Eigen::Vector3d arm = robot.R_WB() * params.attachment_B;
+  const Eigen::Vector3d along = robot.p_WB + arm - person.hand_W;
+  LeashState leash;
+  leash.length = along.norm();
+  if (leash.length > 0) leash.direction_W = along / leash.length;
+  const double elongation = leash.length - params.nominal_length;
+  if (elongation > 0) {
+    const Eigen::Vector3d velocity = robot.v_W + robot.w_W.cross(arm) - person.v_W;
+    const double rate = leash.direction_W.dot(velocity);
+    leash.tension = params.stiffness * elongation * std::max(0.0, 1 + params.dissipation * rate);
+  }
+  return leash;
+}
+
+ExternalForce Leash::CalcForce(const LeashState& leash) const {
+  ExternalForce force;
+  force.p_B = params.attachment_B;
+  force.force_W = -leash.tension * leash.direction_W;
+  return force;
+}
+
+Geometry Leash::MakeGeometry() {
+  return {Shape::Segment(ShapeRole::kCable, "leash", kDrawnRadius, "N")};
+}
+
+void Leash::CalcGeometry(const PersonState& person, const LeashState& leash, Geometry* geometry) const {
+  Shape& rod = (*geometry)[0];
+  rod.p_W = person.hand_W;
+  rod.vector_W = leash.length * leash.direction_W;
+  rod.value = leash.tension;
+}
+
+}  // namespace tenon

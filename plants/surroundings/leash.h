@@ -1,0 +1,58 @@
+#pragma once
+
+#include <tenon/plants/model/leash_signals.h>
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/geometry.h>
+
+#include <tuple>
+
+namespace tenon {
+
+/// Defaults: a light elastic leash in a hanging arm, see docs/guide_dog.md.
+struct LeashParams {
+  double nominal_length = 1.5;         ///< above it the leash pulls [m]
+  double stiffness = 200;              ///< of leash and arm in series [N/m]
+  double dissipation = 0.33;           ///< [s/m]
+  Vec<3> attachment_B{-0.25, 0, 0.1};  ///< to the trunk, in its frame [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"nominal_length_m", &LeashParams::nominal_length},
+                      Field{"stiffness_N_per_m", &LeashParams::stiffness},
+                      Field{"dissipation_s_per_m", &LeashParams::dissipation},
+                      Field{"attachment_m", &LeashParams::attachment_B}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A leash between the hand of a person and the trunk of a robot: Morlando 2023, eq. (2.48), a spring that
+/// pulls only, with some damping. With e = l - l0 the elongation beyond the nominal length,
+///     T = k e max(0, 1 + d e')   if e > 0, else 0.
+/// The damping k e d grows with the tension, so that T does not jump when the leash becomes taut; the leash
+/// has no mass and does not sag. What is between hand and shoulder gives way as the leash does: k is that of
+/// both in series.
+///
+///     ports in   robot     its trunk holds the other end
+///                person
+///     ports out  leash     length, tension, direction from the hand to the robot
+///                force     on the trunk: -T direction at the attachment
+///                geometry  a rod coloured by tension
+class Leash final : public LeafSystem<LeashParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> robot{this, {"robot"}};
+  InputPort<PersonState> person{this, {"person"}};
+  OutputPort<LeashState> leash{this, {"leash"}, Uses(robot, person), &Leash::CalcLeash};
+  OutputPort<ExternalForce> force{this, {"force"}, Uses(leash), &Leash::CalcForce};
+  OutputPort<Geometry> geometry{
+      this, {"geometry"}, MakeGeometry(), Uses(person, leash), &Leash::CalcGeometry};
+
+ private:
+  LeashState CalcLeash(const LeggedState& robot, const PersonState& person) const;
+  ExternalForce CalcForce(const LeashState& leash) const;
+  void CalcGeometry(const PersonState& person, const LeashState& leash, Geometry* geometry) const;
+  static Geometry MakeGeometry();
+};
+
+}  // namespace tenon

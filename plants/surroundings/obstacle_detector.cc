@@ -1,0 +1,51 @@
+#include <tenon/plants/surroundings/obstacle_detector.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <string>
+
+namespace tenon {
+namespace {
+
+constexpr double kDrawnHeight = 0.8;  // [m]
+
+}  // namespace
+
+void ObstacleDetectorParams::Validate() const {
+  Demand(range > 0 && std::isfinite(range), fmt::format("the range of {} m must be positive", range));
+  Demand(half_width >= 0 && std::isfinite(half_width),
+         fmt::format("the half_width of {} m must not be negative", half_width));
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const Obstacle& obstacle = obstacles[i];
+    Demand(obstacle.centre.allFinite() && obstacle.radius > 0 && std::isfinite(obstacle.radius),
+           fmt::format("obstacle {} has a radius of {} m about ({}, {}): give a finite place and a positive "
+                       "radius",
+                       i, obstacle.radius, obstacle.centre[0], obstacle.centre[1]));
+  }
+}
+
+bool ObstacleDetector::CalcObstacle(const LeggedState& state) const {
+  const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
+  for (const Obstacle& obstacle : params.obstacles) {
+    const Eigen::Vector2d to = obstacle.centre - state.p_WB.head<2>();
+    const double ahead = heading.dot(to), aside = heading[0] * to[1] - heading[1] * to[0];
+    if (ahead > 0 && ahead - obstacle.radius < params.range &&
+        std::abs(aside) < params.half_width + obstacle.radius)
+      return true;
+  }
+  return false;
+}
+
+Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {
+  Geometry shapes;
+  for (std::size_t i = 0; i < params.obstacles.size(); ++i) {
+    const Obstacle& obstacle = params.obstacles[i];
+    shapes.push_back(
+        Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius, kDrawnHeight));
+    shapes.back().p_W << obstacle.centre, kDrawnHeight / 2;
+  }
+  return shapes;
+}
+
+}  // namespace tenon

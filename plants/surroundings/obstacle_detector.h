@@ -1,0 +1,55 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/geometry.h>
+
+#include <tuple>
+#include <vector>
+
+namespace tenon {
+
+/// A pillar.
+struct Obstacle {
+  Vec<2> centre = Vec<2>::Zero();  ///< in W [m]
+  double radius = 0;               ///< [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
+  }
+};
+
+struct ObstacleDetectorParams {
+  std::vector<Obstacle> obstacles;
+  double range = 1.2;       ///< ahead of B's origin [m]
+  double half_width = 0.4;  ///< of the robot's way [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"obstacles", &ObstacleDetectorParams::obstacles},
+                      Field{"range_m", &ObstacleDetectorParams::range},
+                      Field{"half_width_m", &ObstacleDetectorParams::half_width}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Tells whether an obstacle is on a robot's way: whether a pillar's nearest point is less than `range` ahead
+/// of B's origin and the pillar reaches into the strip of half_width to both sides of the heading. It stands
+/// for whatever sees; nothing collides with the pillars.
+///
+///     port in    state
+///     ports out  obstacle
+///                geometry  the pillars
+class ObstacleDetector final : public LeafSystem<ObstacleDetectorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  OutputPort<bool> obstacle{this, {"obstacle"}, Uses(state), &ObstacleDetector::CalcObstacle};
+  OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(params), Uses(), [](Geometry*) {}};
+
+ private:
+  bool CalcObstacle(const LeggedState& state) const;
+  static Geometry MakeGeometry(const ObstacleDetectorParams& params);
+};
+
+}  // namespace tenon

@@ -1,0 +1,112 @@
+#include <tenon/plants/surroundings/person.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+// What a person looks like [m].
+constexpr double kBodyRadius = 0.15, kBodyHeight = 1.5;
+constexpr double kHeadRadius = 0.12, kHeadHeight = 1.6;
+enum Index { kBody, kHead, kPath };
+
+void CheckPhase(std::size_t i, const PersonPhase& phase) {
+  Demand(phase.duration > 0,
+         fmt::format("phase {} of the person lasts {} s: it must be positive", i, phase.duration));
+  Demand(
+      std::isfinite(phase.speed) && phase.speed >= std::abs(phase.speed_amplitude),
+      fmt::format("phase {} of the person has a speed of {} +- {} m/s, which must not become negative: give "
+                  "another direction_rad to walk backwards",
+                  i, phase.speed, phase.speed_amplitude));
+  Demand(std::isfinite(phase.angular_frequency) && std::isfinite(phase.direction),
+         fmt::format("phase {} of the person: angular_frequency and direction must be finite", i));
+  Demand(std::isfinite(phase.force) && phase.force >= 0,
+         fmt::format("phase {} of the person pulls with {} N, which must not be negative: give another "
+                     "direction_rad",
+                     i, phase.force));
+  const bool pulls = phase.activity == Activity::kPull;
+  Demand(!pulls || phase.speed == 0,
+         fmt::format("phase {} of the person pulls and has a speed: give its force_N alone", i));
+  Demand(pulls || phase.force == 0,
+         fmt::format("phase {} of the person walks and has a force: give its speed_m_per_s alone", i));
+}
+
+}  // namespace
+
+void PersonParams::Validate() const {
+  Demand(mass > 0 && std::isfinite(mass), fmt::format("the person's mass of {} kg must be positive", mass));
+  Demand(damping > 0 && std::isfinite(damping),
+         fmt::format("the person's damping of {} N s/m must be positive", damping));
+  Demand(stiffness >= 0 && std::isfinite(stiffness),
+         fmt::format("the person's stiffness of {} N/m must not be negative", stiffness));
+  Demand(felt_tension > 0 && std::isfinite(felt_tension),
+         fmt::format("the person's felt_tension of {} N must be positive", felt_tension));
+  Demand(hand_height >= 0 && std::isfinite(hand_height),
+         fmt::format("the person's hand_height of {} m must not be below the ground", hand_height));
+  Demand(start.allFinite(), "the person's start must be finite: give metres");
+  for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
+}
+
+PersonIntent Person::CalcIntent(const double& time) const {
+  // Ticks are exact multiples of the period, sums of decimal numbers are not.
+  double since = time + 1e-6 * params.rate.period();
+  for (const PersonPhase& phase : params.phases) {
+    if (since < phase.duration) {
+      PersonIntent intent;
+      intent.activity = phase.activity;
+      intent.speed = phase.speed + phase.speed_amplitude * std::sin(phase.angular_frequency * since);
+      if (phase.activity != Activity::kFollow)
+        intent.direction_W = {std::cos(phase.direction), std::sin(phase.direction)};
+      intent.force = phase.force;
+      return intent;
+    }
+    since -= phase.duration;
+  }
+  return {};
+}
+
+PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,
+                                    const LeashState& leash) const {
+  const Eigen::Vector2d led = leash.direction_W.head<2>();
+  const Eigen::Vector2d lean = motion.wanted - motion.x;
+  Eigen::Vector2d force = leash.tension * led - params.damping * motion.v;
+  PersonMotion rate;
+  rate.x = motion.v;
+  if (intent.activity == Activity::kPull) {
+    force += intent.force * intent.direction_W;
+    rate.wanted = motion.v - params.stiffness / params.damping * lean;
+  } else {
+    rate.wanted = intent.speed * intent.direction_W;
+    const double length = led.norm();
+    if (intent.activity == Activity::kFollow && length > 0)
+      rate.wanted = intent.speed * std::min(1.0, leash.tension / params.felt_tension) / length * led;
+    force += params.damping * rate.wanted + params.stiffness * lean;
+  }
+  rate.v = force / params.mass;
+  return rate;
+}
+
+PersonState Person::CalcPerson(const PersonMotion& motion) const {
+  PersonState person;
+  person.p_W.head<2>() = motion.x;
+  person.v_W.head<2>() = motion.v;
+  person.hand_W << motion.x, params.hand_height;
+  return person;
+}
+
+Geometry Person::MakeGeometry() {
+  return {Shape::Capsule(ShapeRole::kPerson, "person", kBodyRadius, kBodyHeight - 2 * kBodyRadius),
+          Shape::Sphere(ShapeRole::kPerson, "head", kHeadRadius),
+          Shape::Trace(ShapeRole::kPerson, "path of the person")};
+}
+
+void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const {
+  (*geometry)[kBody].p_W << motion.x, kBodyHeight / 2;
+  (*geometry)[kHead].p_W << motion.x, kHeadHeight;
+  (*geometry)[kPath].p_W << motion.x, 0;
+}
+
+}  // namespace tenon

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <tenon/plants/model/leash_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/geometry.h>
+
+#include <array>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace tenon {
+
+enum class Activity {
+  kFollow,  ///< walks with a speed where the leash leads, if it is taut
+  kWalk,    ///< walks with a speed in a direction; with none stands
+  kPull,    ///< leans with a force in a direction
+};
+constexpr auto EnumNames(Activity) {
+  return std::array{std::pair{Activity::kFollow, "follow"}, std::pair{Activity::kWalk, "walk"},
+                    std::pair{Activity::kPull, "pull"}};
+}
+
+/// What a person does for a while. The speed is speed + speed_amplitude sin(angular_frequency t), t counting
+/// from the beginning of the phase.
+struct PersonPhase {
+  Activity activity = Activity::kWalk;
+  double duration = 0;           ///< [s]
+  double speed = 0;              ///< [m/s]
+  double speed_amplitude = 0;    ///< at most speed [m/s]
+  double angular_frequency = 0;  ///< [rad/s]
+  double direction = 0;          ///< in W, from x towards y; nothing to kFollow [rad]
+  double force = 0;              ///< of kPull [N]
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("activity", &PersonPhase::activity),
+                      Required("duration_s", &PersonPhase::duration),
+                      Field{"speed_m_per_s", &PersonPhase::speed},
+                      Field{"speed_amplitude_m_per_s", &PersonPhase::speed_amplitude},
+                      Field{"angular_frequency_rad_per_s", &PersonPhase::angular_frequency},
+                      Field{"direction_rad", &PersonPhase::direction},
+                      Field{"force_N", &PersonPhase::force}};
+  }
+};
+
+/// Defaults: an adult who walks slowly and gives way by 5 cm to 30 N, see docs/guide_dog.md.
+struct PersonParams {
+  double mass = 70;                 ///< m [kg]
+  double damping = 420;             ///< C [N s/m]
+  double stiffness = 630;           ///< K [N/m]
+  double felt_tension = 5;          ///< of the leash, from which the person follows at full speed [N]
+  double hand_height = 0.75;        ///< [m]
+  Vec<2> start = Vec<2>::Zero();    ///< [m]
+  std::vector<PersonPhase> phases;  ///< one after the other, from t = 0 on; then stands
+  Rate rate = Hz(100);              ///< at which the person changes intent
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"mass_kg", &PersonParams::mass},
+                      Field{"damping_N_s_per_m", &PersonParams::damping},
+                      Field{"stiffness_N_per_m", &PersonParams::stiffness},
+                      Field{"felt_tension_N", &PersonParams::felt_tension},
+                      Field{"hand_height_m", &PersonParams::hand_height},
+                      Field{"start_m", &PersonParams::start},
+                      Required("phases", &PersonParams::phases)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What the person is about at present.
+struct PersonIntent {
+  Activity activity = Activity::kWalk;
+  double speed = 0;                     ///< [m/s]
+  Vec<2> direction_W = Vec<2>::Zero();  ///< unit vector, unless following
+  double force = 0;                     ///< [N]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"activity", &PersonIntent::activity}, Field{"speed", &PersonIntent::speed, "m/s"},
+                      Field{"direction_W", &PersonIntent::direction_W},
+                      Field{"force", &PersonIntent::force, "N"}};
+  }
+};
+
+/// Where the person is and wants to be.
+struct PersonMotion {
+  Vec<2> x = Vec<2>::Zero();       ///< [m]
+  Vec<2> v = Vec<2>::Zero();       ///< [m/s]
+  Vec<2> wanted = Vec<2>::Zero();  ///< w [m]
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"x", &PersonMotion::x, "m"}, Field{"v", &PersonMotion::v, "m/s"},
+                      Field{"wanted", &PersonMotion::wanted, "m"}};
+  }
+};
+
+/// A person on a leash: a point that moves over ground, Morlando 2023, eq. (2.47) in the plane,
+///     m v' + C v = f_ext + f,
+/// f being the horizontal part of the leash's pull; the ground carries the rest and the weight.
+/// The force f_ext with which the person pushes off the ground makes of it a mass, spring and damper about
+/// the place w where the person wants to be:
+///     f_ext = C u + K (w - x),   w' = u,                 when walking with the wanted velocity u,
+///     f_ext = F d,               w' = v + K/C (x - w),   when pulling with the force F in direction d.
+/// So a person who is led gives way to the leash, K^-1 f, but keeps the wanted speed in the mean; and who
+/// pulls forgets about the place. Following, u points where the leash leads over ground and has the wanted
+/// speed, less below felt_tension, |u| = speed min(1, T / felt_tension): nobody follows a slack leash.
+///
+///     ports in   leash     pulls the hand by tension * direction
+///     ports out  person    position, velocity, hand
+///                intent    sampled
+///                geometry  a body, its path over ground
+///
+/// The person has no width and walks through the robot.
+class Person final : public LeafSystem<PersonParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  InputPort<LeashState> leash{this, {"leash"}};
+  ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
+  OutputPort<PersonIntent> intent{this, {"intent"}, Sampled{params.rate}, Uses(time), &Person::CalcIntent};
+  TimeDerivative<PersonMotion> dmotion{motion, Uses(motion, intent, leash), &Person::CalcDerivative};
+  OutputPort<PersonState> person{this, {"person"}, Uses(motion), &Person::CalcPerson};
+  OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(), Uses(motion), &Person::CalcGeometry};
+
+ private:
+  PersonIntent CalcIntent(const double& time) const;
+  PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,
+                              const LeashState& leash) const;
+  PersonState CalcPerson(const PersonMotion& motion) const;
+  void CalcGeometry(const PersonMotion& motion, Geometry* geometry) const;
+  static Geometry MakeGeometry();
+};
+
+}  // namespace tenon

@@ -1,0 +1,196 @@
+#include <tenon/plants/surroundings/terrain.h>
+
+#include <fmt/format.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kMaxCells = 1e6;
+
+void CheckFriction(double friction) {
+  if (!(std::isfinite(friction) && friction >= 0))
+    throw ParameterError(
+        fmt::format("friction is {} but must not be negative; give the coefficient", friction));
+}
+
+void CheckHeight(double height) {
+  if (!(std::isfinite(height) && height > 0))
+    throw ParameterError(
+        fmt::format("height_m is {} m but must be positive; boxes stand on the plane", height));
+}
+
+void CheckSize(const Vec<2>& size) {
+  if (!(size.allFinite() && size.minCoeff() > 0))
+    throw ParameterError(
+        fmt::format("size_m is ({}, {}) m; both sides of a box must be positive", size[0], size[1]));
+}
+
+/// The nearest point of a box to p, and the depth of a sphere there; p may be inside.
+bool TouchBox(const TerrainBox& box, const Vec<3>& p, double radius, Vec<3>* normal, double* depth) {
+  const Vec<2> half = box.size / 2;
+  const double dx = p[0] - box.centre[0], dy = p[1] - box.centre[1], dz = p[2] - box.height;
+  const double ox = std::max(0.0, std::abs(dx) - half[0]), oy = std::max(0.0, std::abs(dy) - half[1]);
+  const double oz = std::max(0.0, dz);
+  const double distance = std::sqrt(ox * ox + oy * oy + oz * oz);
+  if (distance >= radius) return false;
+  if (distance > 0) {
+    *normal = Vec<3>(std::copysign(ox, dx), std::copysign(oy, dy), oz) / distance;
+    *depth = radius - distance;
+    return true;
+  }
+  // Inside: out by the nearest face.
+  const double to_x = half[0] - std::abs(dx), to_y = half[1] - std::abs(dy), to_top = -dz;
+  const double out = std::min({to_x, to_y, to_top});
+  *normal = out == to_top ? Vec<3>(0, 0, 1)
+            : out == to_x ? Vec<3>(std::copysign(1, dx), 0, 0)
+                          : Vec<3>(0, std::copysign(1, dy), 0);
+  *depth = radius + out;
+  return true;
+}
+
+void Insert(const Terrain::Contact& contact, Terrain::Contacts* contacts) {
+  if (contacts->count < Terrain::kMaxContacts) {
+    contacts->at[static_cast<std::size_t>(contacts->count++)] = contact;
+    return;
+  }
+  auto* shallowest = std::min_element(contacts->at.begin(), contacts->at.end(),
+                                      [](const auto& a, const auto& b) { return a.depth < b.depth; });
+  if (shallowest->depth < contact.depth) *shallowest = contact;
+}
+
+}  // namespace
+
+void TerrainBox::Validate() const {
+  CheckSize(size);
+  CheckHeight(height);
+  CheckFriction(friction);
+}
+
+void BoxField::Validate() const {
+  CheckSize(size);
+  if (!(lower.allFinite() && upper.allFinite() && (upper - lower).minCoeff() > 0))
+    throw ParameterError(
+        fmt::format("the field from ({}, {}) to ({}, {}) m has no area; upper_m must exceed lower_m",
+                    lower[0], lower[1], upper[0], upper[1]));
+  if (!(std::isfinite(gap) && gap >= 0))
+    throw ParameterError(fmt::format("gap_m is {} m but must not be negative; boxes cannot overlap", gap));
+  if (!(coverage >= 0 && coverage <= 1))
+    throw ParameterError(
+        fmt::format("coverage is {} but must be from 0 to 1; it is a probability", coverage));
+  if (kinds.empty())
+    throw ParameterError("the field has no kinds of boxes; list height_m and friction under kinds");
+  for (const BoxKind& kind : kinds) {
+    CheckHeight(kind.height);
+    CheckFriction(kind.friction);
+  }
+}
+
+std::vector<TerrainBox> BoxField::Boxes() const {
+  RandomStream random(seed);
+  std::vector<TerrainBox> boxes;
+  const Vec<2> pitch = size.array() + gap;
+  const Vec<2> first =
+      lower + size / 2 - Vec<2>(random.Uniform(0, 1) * pitch[0], random.Uniform(0, 1) * pitch[1]);
+  for (Vec<2> centre = first; centre[0] + size[0] / 2 <= upper[0]; centre[0] += pitch[0]) {
+    for (centre[1] = first[1]; centre[1] + size[1] / 2 <= upper[1]; centre[1] += pitch[1]) {
+      // Two numbers for every place, used or not, so that one place does not depend on another.
+      const bool taken = random.Uniform(0, 1) < coverage;
+      const double which = random.Uniform(0, static_cast<double>(kinds.size()));
+      if (!taken || (centre - size / 2 - lower).minCoeff() < 0) continue;
+      const BoxKind& kind = kinds[std::min(static_cast<std::size_t>(which), kinds.size() - 1)];
+      boxes.push_back({centre, size, kind.height, kind.friction});
+    }
+  }
+  return boxes;
+}
+
+void TerrainParams::Validate() const {
+  if (!grade.allFinite())
+    throw ParameterError(
+        fmt::format("grade is ({}, {}); give two finite slopes dz/dx, dz/dy", grade[0], grade[1]));
+  CheckFriction(friction);
+  for (const TerrainBox& box : boxes) box.Validate();
+  if (field) field->Validate();
+}
+
+Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxes_(params.boxes) {
+  params.Validate();
+  const Vec<3> normal = Vec<3>(-params.grade[0], -params.grade[1], 1).normalized();
+  R_WS_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+  if (params.field) {
+    const std::vector<TerrainBox> more = params.field->Boxes();
+    boxes_.insert(boxes_.end(), more.begin(), more.end());
+  }
+  if (boxes_.empty()) return;
+
+  corner_ = boxes_[0].centre;
+  Vec<2> far = corner_;
+  for (const TerrainBox& box : boxes_) {
+    const Vec<2> half = (box.size / 2).array() + kMaxRadius;
+    corner_ = corner_.cwiseMin(box.centre - half);
+    far = far.cwiseMax(box.centre + half);
+    cell_ = &box == &boxes_[0] ? box.size.maxCoeff() : std::min(cell_, box.size.maxCoeff());
+  }
+  const Vec<2> extent = far - corner_;
+  cell_ = std::max({cell_, kMaxRadius, std::sqrt(extent[0] * extent[1] / kMaxCells)});
+  nx_ = static_cast<int>(extent[0] / cell_) + 1;
+  ny_ = static_cast<int>(extent[1] / cell_) + 1;
+  std::vector<std::vector<int>> cells(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    const Vec<2> half = (boxes_[b].size / 2).array() + kMaxRadius;
+    const Vec<2> from = (boxes_[b].centre - half - corner_) / cell_,
+                 to = (boxes_[b].centre + half - corner_) / cell_;
+    for (int j = static_cast<int>(from[1]); j <= std::min(ny_ - 1, static_cast<int>(to[1])); ++j)
+      for (int i = static_cast<int>(from[0]); i <= std::min(nx_ - 1, static_cast<int>(to[0])); ++i)
+        cells[static_cast<std::size_t>(i + nx_ * j)].push_back(static_cast<int>(b));
+  }
+  for (const std::vector<int>& cell : cells) {
+    starts_.push_back(static_cast<int>(members_.size()));
+    members_.insert(members_.end(), cell.begin(), cell.end());
+  }
+  starts_.push_back(static_cast<int>(members_.size()));
+}
+
+Terrain::Range Terrain::Near(const Vec<3>& p_S) const {
+  const double i = std::floor((p_S[0] - corner_[0]) / cell_), j = std::floor((p_S[1] - corner_[1]) / cell_);
+  if (!(i >= 0 && i < nx_ && j >= 0 && j < ny_)) return {nullptr, nullptr};
+  const auto cell = static_cast<std::size_t>(static_cast<int>(i) + nx_ * static_cast<int>(j));
+  return {members_.data() + starts_[cell], members_.data() + starts_[cell + 1]};
+}
+
+Terrain::Surface Terrain::At(double x, double y) const {
+  const Vec<3> normal = R_WS_.col(2);
+  const double plane = -(normal[0] * x + normal[1] * y) / normal[2];
+  Surface surface{plane, normal, friction_};
+  const Vec<3> foot_S = R_WS_.transpose() * Vec<3>(x, y, plane), up_S = R_WS_.row(2) / normal[2];
+  for (const int b : Near(foot_S)) {
+    const TerrainBox& box = boxes_[static_cast<std::size_t>(b)];
+    const Vec<3> top_S = foot_S + box.height * up_S;
+    const bool above = ((top_S.head<2>() - box.centre).cwiseAbs() - box.size / 2).maxCoeff() <= 0;
+    const double height = plane + box.height / normal[2];
+    if (above && height > surface.height) surface = {height, normal, box.friction};
+  }
+  return surface;
+}
+
+Terrain::Contacts Terrain::Touch(const Vec<3>& centre_W, double radius) const {
+  Contacts contacts;
+  const Vec<3> p_S = R_WS_.transpose() * centre_W;
+  if (p_S[2] < radius) Insert({R_WS_.col(2), radius - p_S[2], friction_}, &contacts);
+  for (const int b : Near(p_S)) {
+    const TerrainBox& box = boxes_[static_cast<std::size_t>(b)];
+    Vec<3> normal_S;
+    double depth = 0;
+    if (TouchBox(box, p_S, radius, &normal_S, &depth))
+      Insert({R_WS_ * normal_S, depth, box.friction}, &contacts);
+  }
+  return contacts;
+}
+
+}  // namespace tenon

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/signal.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+namespace tenon {
+
+/// A box on the ground, sides along x and y.
+struct TerrainBox {
+  Vec<2> centre = Vec<2>::Zero();  ///< of its footprint [m]
+  Vec<2> size = Vec<2>::Zero();    ///< of its footprint [m]
+  double height = 0;               ///< of its top above the plane [m]
+  double friction = 0;             ///< coefficient of its faces
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
+                      Required("height_m", &TerrainBox::height), Required("friction", &TerrainBox::friction)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What a field of boxes is made of.
+struct BoxKind {
+  double height = 0;    ///< [m]
+  double friction = 0;  ///< coefficient
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
+  }
+};
+
+/// Boxes of one size on a grid: each place is taken with the probability `coverage`, by any kind alike, and
+/// the grid as a whole lies anywhere. The same seed gives the same boxes.
+struct BoxField {
+  Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the area that is filled [m]
+  Vec<2> size{0.3, 0.3};                                  ///< of a box [m]
+  double gap = 0.1;  ///< between neighbours [m]; narrower than a foot it is a trap
+  double coverage = 0.5;
+  std::vector<BoxKind> kinds;
+  std::uint64_t seed = 1;
+
+  static constexpr auto Fields() {
+    return std::tuple{Required("lower_m", &BoxField::lower),  Required("upper_m", &BoxField::upper),
+                      Field{"size_m", &BoxField::size},       Field{"gap_m", &BoxField::gap},
+                      Field{"coverage", &BoxField::coverage}, Required("kinds", &BoxField::kinds),
+                      Field{"seed", &BoxField::seed}};
+  }
+  void Validate() const;  ///< throws ParameterError
+  std::vector<TerrainBox> Boxes() const;
+};
+
+/// A plane through the origin of W, with boxes on it. Defaults: level, without boxes.
+struct TerrainParams {
+  Vec<2> grade = Vec<2>::Zero();  ///< slope of the plane, dz/dx and dz/dy
+  double friction = 1;            ///< coefficient of the plane
+  std::vector<TerrainBox>
+      boxes;  ///< in coordinates of the plane: x up its slope seen from above, z its normal
+  std::optional<BoxField> field;  ///< further boxes
+
+  static constexpr auto Fields() {
+    return std::tuple{Field{"grade", &TerrainParams::grade}, Field{"friction", &TerrainParams::friction},
+                      Field{"boxes", &TerrainParams::boxes}, Field{"field", &TerrainParams::field}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The ground under feet: a plane and boxes on it, all solid downwards without end.
+///
+/// A foot is a sphere. It may touch several faces and edges at once (the plane and the side of a box, say),
+/// each at the nearest point of the plane or of a box, so that it rolls over edges without a jump; boxes that
+/// adjoin, or overlap, count each, so that the seam between them is stiffer than a single box. Boxes are kept
+/// in a grid: a query takes the same time however many there are.
+class Terrain {
+ public:
+  /// Where a sphere touches a solid.
+  struct Contact {
+    Vec<3> normal_W;  ///< of the surface, from it to the sphere's centre
+    double depth;     ///< of the sphere in the surface [m]
+    double friction;
+  };
+  static constexpr int kMaxContacts = 4;
+  /// The deepest contacts of one sphere.
+  struct Contacts {
+    int count = 0;
+    std::array<Contact, kMaxContacts> at;
+  };
+  /// The surface straight below or above a point.
+  struct Surface {
+    double height;    ///< [m]
+    Vec<3> normal_W;  ///< of the face; edges have none of their own here
+    double friction;
+  };
+
+  explicit Terrain(const TerrainParams& params = {});
+
+  Surface At(double x, double y) const;
+  /// For spheres of up to kMaxRadius.
+  Contacts Touch(const Vec<3>& centre_W, double radius) const;
+  const std::vector<TerrainBox>& boxes() const { return boxes_; }
+  /// The plane's axes, in which boxes are given: its normal is the last.
+  const Eigen::Matrix3d& R_WS() const { return R_WS_; }
+
+  static constexpr double kMaxRadius = 0.1;  ///< [m]
+
+ private:
+  /// The boxes that may matter at a place of the plane.
+  struct Range {
+    const int* begin_;
+    const int* end_;
+    const int* begin() const { return begin_; }
+    const int* end() const { return end_; }
+  };
+  Range Near(const Vec<3>& p_S) const;
+
+  Eigen::Matrix3d R_WS_;  // S: the plane's frame, origin and z on it
+  double friction_;
+  std::vector<TerrainBox> boxes_;
+  // Grid over the boxes: cell (i, j) holds members_[starts_[i + nx_ j]] to members_[starts_[i + nx_ j + 1]].
+  Vec<2> corner_ = Vec<2>::Zero();
+  double cell_ = 1;
+  int nx_ = 0, ny_ = 0;
+  std::vector<int> starts_, members_;
+};
+
+}  // namespace tenon

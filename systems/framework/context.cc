@@ -1,0 +1,324 @@
+#include <tenon/systems/framework/context.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/program.h>
+
+namespace tenon {
+
+using internal::CalculationInfo;
+using internal::Cell;
+using internal::Finiteness;
+using internal::Op;
+
+Context::Context(const Diagram& diagram, std::uint64_t seed) : diagram_(diagram), seed_(seed) {
+  const internal::Program& program = diagram.program();
+  memory_.reset(static_cast<std::byte*>(::operator new(program.memory_size, std::align_val_t(64))));
+  std::memset(memory_.get(), 0, program.memory_size);
+  for (const Cell& cell : program.cells) {
+    const Source& source = *cell.source;
+    source.type_->copy_construct(memory_.get() + cell.offset, source.model_);
+    if (source.kind() == SourceKind::kRandom) {
+      new (memory_.get() + cell.offset) RandomStream(seed, source.path());
+    }
+  }
+  stamps_.assign(program.calculations.size(), 0);
+  fixed_.assign(program.open_inputs.size(), false);
+  MarkAllStale();
+}
+
+Context::~Context() {
+  if (!memory_) return;
+  for (const Cell& cell : diagram_.program().objects)
+    cell.source->type_->destroy(memory_.get() + cell.offset);
+}
+
+std::unique_ptr<Context> Context::Clone() const {
+  const internal::Program& program = diagram_.program();
+  // Not through the public constructor, which makes initial values only to have them overwritten.
+  std::unique_ptr<Context> clone(new Context(*this, program));
+  return clone;
+}
+
+Context::Context(const Context& other, const internal::Program& program)
+    : diagram_(other.diagram_),
+      memory_(static_cast<std::byte*>(::operator new(program.memory_size, std::align_val_t(64)))),
+      seed_(other.seed_),
+      stamps_(other.stamps_),
+      instant_(other.instant_),
+      fixed_(other.fixed_),
+      started_(other.started_),
+      next_step_(other.next_step_),
+      last_error_(other.last_error_) {
+  std::memcpy(memory_.get(), other.memory_.get(), program.bitwise_end);
+  for (const Cell& cell : program.objects) {
+    const Source& source = *cell.source;
+    const bool own = source.kind() == SourceKind::kWorkspace;
+    source.type_->copy_construct(memory_.get() + cell.offset,
+                                 own ? source.model_ : other.memory_.get() + cell.offset);
+  }
+}
+
+void Context::CheckOwned(const Source& source) const {
+  const System* top = &source.owner();
+  while (top->parent() != nullptr) top = top->parent();
+  for (const auto& block : diagram_.blocks()) {
+    if (block.get() == top) return;
+  }
+  throw RunError(
+      fmt::format("'{}' is not part of this context's diagram: use ports of the blocks that were "
+                  "added to its builder",
+                  source.path()));
+}
+
+const std::byte* Context::Address(const Source& source) const {
+  return memory_.get() + source.offset_;
+}
+
+const void* Context::EvalAddress(const Source& source) {
+  CheckOwned(source);
+  if (source.calculation_ >= 0) {
+    EnsureFresh(source.calculation_);
+  } else {
+    CheckFixed(source.Resolve());
+  }
+  return Address(source);
+}
+
+std::vector<double> Context::EvalDoubles(const Source& source) {
+  const void* value = EvalAddress(source);
+  std::vector<Element> elements;
+  source.type_->list_elements(value, source.spec(), elements);
+  std::vector<double> doubles(elements.size());
+  source.type_->to_doubles(value, doubles.data());
+  return doubles;
+}
+
+void Context::CheckSettable(const Source& source) const {
+  CheckOwned(source);
+  const Source& origin = source.Resolve();
+  if (origin.calculation_ >= 0 && !diagram_.program().calculations[origin.calculation_].sampled) {
+    throw RunError(
+        fmt::format("'{}' is computed: set the states and inputs that it depends on instead", source.path()));
+  }
+}
+
+void* Context::MutableAddress(const Source& source) {
+  CheckSettable(source);
+  const Source& origin = source.Resolve();
+  MarkAllStale();
+  if (origin.calculation_ >= 0) stamps_[origin.calculation_] = 1;
+  const auto& open = diagram_.program().open_inputs;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (open[i] == &origin) fixed_[i] = true;
+  }
+  return memory_.get() + origin.offset_;
+}
+
+void Context::SetDoubles(const Source& source, std::span<const double> values) {
+  CheckSettable(source);
+  std::vector<Element> elements;
+  source.type_->list_elements(Address(source), source.spec(), elements);
+  if (elements.size() != values.size()) {
+    throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(),
+                               elements.size(), values.size()));
+  }
+  source.type_->from_doubles(MutableAddress(source), values.data());
+}
+
+void Context::CheckFixed(const Source& origin) const {
+  const auto& open = diagram_.program().open_inputs;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (open[i] != &origin || fixed_[i]) continue;
+    throw RunError(fmt::format("input '{}' is open and has no value: fix it before the first evaluation",
+                               origin.path()));
+  }
+}
+
+void Context::CheckAllFixed() const {
+  for (const Source* input : diagram_.program().open_inputs) CheckFixed(*input);
+}
+
+void Context::CheckSample(const CalculationInfo& sampled) const {
+  if (stamps_[sampled.op.calculation] != 0) return;
+  throw RunError(
+      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator or "
+                  "step the block, "
+                  "or declare an initial value",
+                  sampled.source->path(), time()));
+}
+
+void Context::CheckSamplesFor(const internal::OpList& ops) const {
+  const auto& calculations = diagram_.program().calculations;
+  for (const Op& op : ops) {
+    for (const int used : calculations[op.calculation].uses) {
+      if (calculations[used].sampled) CheckSample(calculations[used]);
+    }
+  }
+}
+
+void Context::EnsureFresh(int calculation) {
+  const CalculationInfo& info = diagram_.program().calculations[calculation];
+  if (IsFresh(info.op)) return;
+  if (info.sampled) CheckSample(info);
+  for (const Source::Slot& slot : info.source->arguments_) {
+    if (slot.source != nullptr && slot.source->calculation_ < 0) CheckFixed(slot.source->Resolve());
+  }
+  for (const int used : info.uses) EnsureFresh(used);
+  Op op = info.op;
+  op.always = true;
+  RunStale({op});
+}
+
+bool Context::IsFresh(const Op& op) const {
+  return op.varies ? stamps_[op.calculation] == instant_ : stamps_[op.calculation] != 0;
+}
+
+void Context::MarkAllStale() {
+  const auto& calculations = diagram_.program().calculations;
+  for (std::size_t i = 0; i < calculations.size(); ++i) {
+    const Source& source = *calculations[i].source;
+    const bool held = calculations[i].sampled && (stamps_[i] != 0 || source.has_initial_value_);
+    stamps_[i] = held ? 1 : 0;
+  }
+  ++instant_;
+}
+
+void Context::SetTime(double time) {
+  SetRunTime(time);
+  MarkAllStale();
+}
+
+void Context::SetRunTime(double time) {
+  *reinterpret_cast<double*>(memory_.get()) = time;
+  ++instant_;
+}
+
+double* Context::continuous_data() {
+  return reinterpret_cast<double*>(memory_.get() + diagram_.program().continuous_begin);
+}
+double* Context::derivative_data() {
+  return reinterpret_cast<double*>(memory_.get() + diagram_.program().derivative_begin);
+}
+
+Eigen::Map<const Eigen::VectorXd> Context::continuous_state() const {
+  const internal::Program& program = diagram_.program();
+  return {reinterpret_cast<const double*>(memory_.get() + program.continuous_begin), program.num_continuous};
+}
+
+void Context::SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state) {
+  if (state.size() != diagram_.num_continuous_states()) {
+    throw RunError(fmt::format("the diagram has {} continuous states, but {} values are given",
+                               diagram_.num_continuous_states(), state.size()));
+  }
+  std::copy(state.data(), state.data() + state.size(), continuous_data());
+  MarkAllStale();
+}
+
+Eigen::VectorXd Context::EvalTimeDerivatives() {
+  const internal::Program& program = diagram_.program();
+  CheckAllFixed();
+  CheckSamplesFor(program.held);
+  CheckSamplesFor(program.derivatives);
+  RunStale(program.held);
+  RunStale(program.derivatives);
+  return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_.num_continuous_states());
+}
+
+void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
+  const internal::Program& program = diagram_.program();
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+  double* states = continuous_data();
+  if (states != x) std::memcpy(states, x, bytes);
+  SetRunTime(t);
+  RunAll(program.derivatives);
+  ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
+  std::memcpy(xdot, derivative_data(), bytes);
+}
+
+void Context::RunAll(const internal::OpList& ops) {
+  const Op* op = ops.data();
+  const Op* const end = op + ops.size();
+  try {
+    for (; op != end; ++op) op->run(op->closure, memory_.get(), op->args);
+  } catch (...) {
+    RethrowFrom(*op);
+  }
+}
+
+void Context::RunStale(const internal::OpList& ops) {
+  const Op* op = ops.data();
+  const Op* const end = op + ops.size();
+  try {
+    for (; op != end; ++op) {
+      if (!op->always && IsFresh(*op)) continue;
+      op->run(op->closure, memory_.get(), op->args);
+      stamps_[op->calculation] = instant_;
+    }
+  } catch (...) {
+    RethrowFrom(*op);
+  }
+}
+
+void Context::RethrowFrom(const Op& op) const {
+  const Source& source = *diagram_.program().calculations[op.calculation].source;
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    throw RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what()));
+  } catch (...) {
+    throw RunError(fmt::format("'{}' failed at t = {} s: it threw something that is no std::exception",
+                               source.path(), time()));
+  }
+}
+
+void Context::Invalidate(const std::vector<std::uint32_t>& calculations) {
+  for (const std::uint32_t i : calculations) stamps_[i] = 0;
+}
+
+void Context::Apply(const internal::UpdatePlan& plan) {
+  if (plan.empty()) return;
+  RunStale(plan.ops);
+  for (const internal::Commit& commit : plan.commits) {
+    commit.state->type_->assign(memory_.get() + commit.state->offset_, memory_.get() + commit.next->offset_);
+  }
+  Invalidate(plan.invalidates);
+  if (plan.changes_continuous) ++instant_;
+}
+
+std::string Context::DescribeNonFinite() const {
+  const internal::Program& program = diagram_.program();
+  const auto describe = [&](const Source& source) {
+    const void* value = Address(source);
+    std::vector<Element> elements;
+    source.type_->list_elements(value, source.spec(), elements);
+    std::vector<double> doubles(elements.size());
+    source.type_->to_doubles(value, doubles.data());
+    for (std::size_t i = 0; i < doubles.size(); ++i) {
+      if (std::isfinite(doubles[i])) continue;
+      const std::string element = elements[i].name.empty() ? "" : "." + elements[i].name;
+      return fmt::format("'{}{}' is {}", source.path(), element, doubles[i]);
+    }
+    return std::string();
+  };
+  // A NaN before an infinity: infinite bounds are legitimate.
+  for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
+    for (const Source* state : program.continuous) {
+      if (state->type_->finiteness(Address(*state)) == sought) return describe(*state);
+    }
+    for (const Source* input : program.open_inputs) {
+      if (input->type_->finiteness(Address(*input)) == sought) return describe(*input);
+    }
+    for (const CalculationInfo& info : program.calculations) {
+      const Source& source = *info.source;
+      if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor) continue;
+      if (source.type_->finiteness(Address(source)) == sought) return describe(source);
+    }
+  }
+  return "";
+}
+
+}  // namespace tenon

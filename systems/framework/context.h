@@ -1,0 +1,132 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+
+namespace tenon {
+
+class Diagram;
+
+namespace internal {
+struct Op;
+struct CalculationInfo;
+struct UpdatePlan;
+struct TickPlan;
+struct Program;
+}  // namespace internal
+
+/// Everything of a run that changes: time, states, held samples, scratch, random streams, and the memory of
+/// the step size control. Clone it to branch a run, save it to continue a run later, bit for bit.
+class Context {
+ public:
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const Diagram& diagram() const { return diagram_; }
+  double time() const { return *reinterpret_cast<const double*>(memory_.get()); }
+  std::uint64_t seed() const { return seed_; }
+
+  /// The value of a port, state, shared value or witness, computed if need be. Throws RunError if that needs
+  /// a sampled output that has not run yet or an open input that was never fixed.
+  template <class S>
+  const typename S::Value& Eval(const S& source) {
+    return *static_cast<const typename S::Value*>(EvalAddress(source));
+  }
+  /// The same for a source known by path only: all its elements as doubles.
+  std::vector<double> EvalDoubles(const Source& source);
+
+  /// Sets a state, fixes an open input, or (for tests) overwrites a held sample.
+  template <class S>
+  void Set(const S& source, const typename S::Value& value) {
+    *static_cast<typename S::Value*>(MutableAddress(source)) = value;
+  }
+  /// The same for a source known by path only; throws RunError if the number of values is wrong.
+  void SetDoubles(const Source& source, std::span<const double> values);
+  void SetTime(double time);
+
+  /// All continuous states [SI units], in the order of Diagram::ContinuousStateNames().
+  Eigen::Map<const Eigen::VectorXd> continuous_state() const;
+  void SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state);
+  /// Their time derivatives at the present values. Throws RunError if they need a sampled output that has not
+  /// run yet or an open input that was never fixed.
+  Eigen::VectorXd EvalTimeDerivatives();
+  /// What an integrator calls at every stage: moves to time `t` [s] and states `x`, and writes ẋ. Samples,
+  /// modes and what depends on them alone stay as they are. Allocates nothing.
+  void CalcTimeDerivatives(double t, const double* x, double* xdot);
+
+  std::unique_ptr<Context> Clone() const;
+  /// The whole context as bytes; throws RunError that names a held value whose type cannot be stored.
+  std::vector<std::byte> Save() const;
+  /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if
+  /// it is another or cut short.
+  void Restore(std::span<const std::byte> bytes);
+  /// The same with a file; throws RunError that names the file if it cannot be written or read.
+  void SaveFile(const std::filesystem::path& file) const;
+  void RestoreFile(const std::filesystem::path& file);
+
+ private:
+  friend class Diagram;
+  friend class Simulator;
+  friend class SundialsIntegrator;
+  friend class SignalLog;
+  friend class internal::Compiler;
+
+  struct Free {
+    void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t(64)); }
+  };
+
+  Context(const Diagram& diagram, std::uint64_t seed);
+  Context(const Context& other, const internal::Program& program);
+
+  const void* EvalAddress(const Source& source);
+  void* MutableAddress(const Source& source);
+  const std::byte* Address(const Source& source) const;
+  void CheckOwned(const Source& source) const;
+  void CheckSettable(const Source& source) const;
+  void CheckFixed(const Source& origin) const;
+  void CheckAllFixed() const;
+  void CheckSample(const internal::CalculationInfo& sampled) const;
+  void CheckSamplesFor(const std::vector<internal::Op>& ops) const;
+  void EnsureFresh(int calculation);
+  void Load(std::span<const std::byte> bytes);
+  bool IsFresh(const internal::Op& op) const;
+  void MarkAllStale();
+  double* continuous_data();
+  double* derivative_data();
+
+  // Used by a run. Each runs a list; what throws is reported with its path and the time.
+  void RunAll(const std::vector<internal::Op>& ops);
+  void RunStale(const std::vector<internal::Op>& ops);
+  void Apply(const internal::UpdatePlan& plan);
+  void SetRunTime(double time);
+  void Invalidate(const std::vector<std::uint32_t>& calculations);
+  [[noreturn]] void RethrowFrom(const internal::Op& op) const;
+  /// The first value in dataflow order that is not finite, as "pd.u[1] is nan", or nothing.
+  std::string DescribeNonFinite() const;
+
+  const Diagram& diagram_;
+  std::unique_ptr<std::byte, Free> memory_;
+  std::uint64_t seed_;
+  /// A varying calculation is fresh if its stamp is `instant_`; any other if its stamp is not 0.
+  std::vector<std::uint64_t> stamps_;
+  std::uint64_t instant_ = 1;
+  std::vector<bool> fixed_;  ///< which open inputs have been set
+
+  // Progress of a run, and what the step size control remembers.
+  bool started_ = false;
+  double next_step_ = 0;
+  double last_error_ = 0;
+};
+
+}  // namespace tenon

@@ -1,0 +1,319 @@
+#include <tenon/systems/framework/internal/compiler.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <unordered_map>
+
+#include <tenon/systems/framework/diagram_builder.h>
+
+namespace tenon::internal {
+namespace {
+
+constexpr int kUnvisited = -1;
+constexpr int kOnTrail = -2;
+
+bool GivesValue(const Source& source) {
+  return source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared;
+}
+
+std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
+  return (offset + alignment - 1) / alignment * alignment;
+}
+
+}  // namespace
+
+Program Compiler::Compile(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs) {
+  return std::move(Compiler(blocks, open_inputs).program_);
+}
+
+Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs)
+    : open_inputs_(open_inputs) {
+  Collect(blocks);
+  ResolveInputs();
+  CheckDeclarations();
+  Order();
+  LayOut();
+  FillArguments();
+  FindGroups();
+  MakePlans();
+}
+
+void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
+  for (const auto& block : blocks) {
+    if (auto* subdiagram = dynamic_cast<Subdiagram*>(block.get())) {
+      ports_.insert(ports_.end(), block->sources().begin(), block->sources().end());
+      Collect(subdiagram->blocks_);
+    } else {
+      sources_.insert(sources_.end(), block->sources().begin(), block->sources().end());
+    }
+  }
+}
+
+void Compiler::ResolveInputs() {
+  std::vector<const Source*>& open = program_.open_inputs;
+  // Ports of subdiagrams too: nobody may read them, but they can be set, evaluated and logged.
+  std::vector<const Source*> ports(sources_.begin(), sources_.end());
+  ports.insert(ports.end(), ports_.begin(), ports_.end());
+  for (const Source* source : ports) {
+    const Source& origin = source->Resolve();
+    if (origin.kind() == SourceKind::kOutput && origin.run_ == nullptr) {
+      throw BuildError(fmt::format(
+          "output '{}' of a nested diagram has nothing connected to it inside: connect an inner output to it",
+          origin.path()));
+    }
+    if (origin.kind() != SourceKind::kInput) continue;
+    if (origin.has_initial_value_) {
+      // Several inner inputs may share the port of a subdiagram.
+      if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
+        default_inputs_.push_back(&origin);
+      }
+      continue;
+    }
+    if (!open_inputs_) {
+      const std::string through =
+          &origin == source ? "" : fmt::format(" (it is meant to feed '{}')", source->path());
+      throw BuildError(fmt::format(
+          "input '{}' is not connected{}: connect an output to it, or give the port a default value",
+          origin.path(), through));
+    }
+    if (std::find(open.begin(), open.end(), &origin) == open.end()) open.push_back(&origin);
+  }
+}
+
+void Compiler::CheckDeclarations() {
+  std::unordered_map<const Source*, const Source*> derivatives, sampled_updates, scratch_users;
+  std::set<std::tuple<const Source*, Trigger::When, const Witness*>> triggers;
+  for (const Source* source : sources_) {
+    if (source->run_ != nullptr) CheckArguments(*source);
+    if (source->kind() == SourceKind::kDerivative && !derivatives.emplace(source->target_, source).second) {
+      throw BuildError(
+          fmt::format("state '{}' has two time derivatives: remove one", source->target_->path()));
+    }
+    if (source->kind() == SourceKind::kUpdate && source->is_sampled() &&
+        !sampled_updates.emplace(source->target_, source).second) {
+      throw BuildError(
+          fmt::format("state '{}' has two sampled updates: merge them into one", source->target_->path()));
+    }
+    if (source->kind() == SourceKind::kUpdate &&
+        !triggers.emplace(source->target_, source->trigger().when, source->trigger().witness).second) {
+      throw BuildError(fmt::format("state '{}' has two updates with the same trigger: merge them into one",
+                                   source->target_->path()));
+    }
+    if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && source->is_sampled() &&
+        source->trigger().sampled.offset > 0 && !source->has_initial_value_) {
+      throw BuildError(fmt::format(
+          "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
+          source->path(), source->trigger().sampled.offset));
+    }
+    for (const Source::Slot& slot : source->arguments_) {
+      if (slot.source == nullptr) continue;
+      const SourceKind kind = slot.source->kind();
+      if ((kind == SourceKind::kScratch || kind == SourceKind::kWorkspace) &&
+          !scratch_users.emplace(slot.source, source).second) {
+        throw BuildError(
+            fmt::format("scratch '{}' is used by both '{}' and '{}': it belongs to one calculation",
+                        slot.source->path(), scratch_users[slot.source]->name(), source->name()));
+      }
+    }
+  }
+  for (const Source* source : sources_) {
+    if (source->kind() != SourceKind::kContinuous) continue;
+    if (!derivatives.contains(source)) {
+      throw BuildError(fmt::format("continuous state '{}' has no time derivative: declare a TimeDerivative",
+                                   source->path()));
+    }
+    if (source->elements().size() * sizeof(double) != source->type_->size) {
+      throw BuildError(fmt::format(
+          "continuous state '{}' holds more than its declared doubles: list all members in Fields()",
+          source->path()));
+    }
+  }
+}
+
+void Compiler::CheckArguments(const Source& calculation) {
+  for (const Source::Slot& slot : calculation.arguments_) {
+    if (slot.source == nullptr) continue;
+    if (&slot.source->owner() != &calculation.owner()) {
+      throw BuildError(
+          fmt::format("'{}' uses '{}', which belongs to another block: declare an input and connect it",
+                      calculation.path(), slot.source->path()));
+    }
+    if (slot.source->kind() == SourceKind::kRandom && !calculation.is_sampled() &&
+        calculation.kind() != SourceKind::kUpdate) {
+      throw BuildError(
+          fmt::format("'{}' uses the random stream '{}' but is no sampled output or update: the integrator "
+                      "evaluates it as "
+                      "often as it likes; declare it Sampled",
+                      calculation.path(), slot.source->name()));
+    }
+  }
+}
+
+/// Numbers the calculations in dataflow order, first those that give values, then the others.
+void Compiler::Order() {
+  std::vector<const Source*> trail;
+  for (Source* source : sources_) source->calculation_ = kUnvisited;
+  program_.calculations.reserve(sources_.size());
+  for (Source* source : sources_) {
+    if (source->run_ != nullptr && GivesValue(*source)) Visit(*source, trail);
+  }
+  for (Source* source : sources_) {
+    if (source->run_ != nullptr && !GivesValue(*source)) AddCalculation(*source);
+  }
+  affects_.resize(program_.calculations.size());
+  for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
+    for (const int used : program_.calculations[i].uses) affects_[used].push_back(static_cast<int>(i));
+  }
+}
+
+void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
+  if (source.calculation_ >= 0) return;
+  trail.push_back(&source);
+  source.calculation_ = kOnTrail;
+  for (const Source::Slot& slot : source.arguments_) {
+    if (slot.source == nullptr) continue;
+    auto& origin = const_cast<Source&>(slot.source->Resolve());
+    if (origin.run_ == nullptr) continue;
+    if (origin.calculation_ == kOnTrail) ThrowLoop(trail, origin);
+    Visit(origin, trail);
+  }
+  trail.pop_back();
+  AddCalculation(source);
+}
+
+void Compiler::AddCalculation(Source& source) {
+  CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source), 0};
+  for (const Source::Slot& slot : source.arguments_) {
+    if (slot.what == Source::Slot::What::kTime) info.varies = true;
+    if (slot.source == nullptr) continue;
+    const Source& origin = slot.source->Resolve();
+    if (origin.kind() == SourceKind::kContinuous) info.varies = true;
+    if (origin.run_ == nullptr) continue;
+    info.uses.push_back(origin.calculation_);
+    info.varies |= program_.calculations[origin.calculation_].varies;
+  }
+  if (info.sampled) info.varies = false;
+  source.calculation_ = static_cast<int>(program_.calculations.size());
+  for (const Source::Slot& slot : source.arguments_) {
+    if (slot.source == nullptr || info.sampled) continue;
+    const Source& origin = slot.source->Resolve();
+    if (origin.kind() == SourceKind::kDiscrete) readers_[&origin].push_back(source.calculation_);
+  }
+  program_.calculations.push_back(std::move(info));
+}
+
+void Compiler::ThrowLoop(const std::vector<const Source*>& trail, const Source& again) const {
+  std::string hops;
+  bool in_loop = false, sampled = false;
+  for (const Source* source : trail) {
+    in_loop |= source == &again;
+    if (!in_loop) continue;
+    sampled |= source->is_sampled();
+    hops += fmt::format("'{}' uses ", source->path());
+  }
+  throw BuildError(fmt::format(
+      "algebraic loop: {}'{}'. Every hop needs the value of the next at the same instant. Break it {}", hops,
+      again.path(),
+      sampled
+          ? "with a UnitDelay in front of one of the sampled inputs."
+          : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind a "
+            "UnitDelay."));
+}
+
+void Compiler::Place(Source& source, std::size_t& end) {
+  end = AlignUp(end, source.type_->alignment);
+  source.offset_ = static_cast<Offset>(end);
+  program_.cells.push_back({&source, source.offset_});
+  end += source.type_->size;
+}
+
+void Compiler::LayOut() {
+  std::size_t end = sizeof(double);  // time
+  program_.continuous_begin = static_cast<Offset>(end);
+  for (Source* source : sources_) {
+    if (source->kind() != SourceKind::kContinuous) continue;
+    Place(*source, end);
+    program_.continuous.push_back(source);
+  }
+  const std::size_t continuous_size = end - program_.continuous_begin;
+  program_.num_continuous = static_cast<int>(continuous_size / sizeof(double));
+  program_.derivative_begin = static_cast<Offset>(end);
+  end += continuous_size;
+  for (Source* source : sources_) {
+    if (source->kind() != SourceKind::kDerivative) continue;
+    source->offset_ = static_cast<Offset>(source->target_->offset_ + continuous_size);
+  }
+  // Everything else that is stored: first what is copied as bytes.
+  std::vector<Source*> stored;
+  for (Source* source : sources_) {
+    const bool passes_on = source->kind() == SourceKind::kInput ||
+                           (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
+    if (source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative || passes_on) {
+      continue;
+    }
+    stored.push_back(source);
+  }
+  for (const Source* input : default_inputs_) stored.push_back(const_cast<Source*>(input));
+  for (const Source* input : program_.open_inputs) stored.push_back(const_cast<Source*>(input));
+  for (const bool bitwise : {true, false}) {
+    for (Source* source : stored) {
+      if (source->type_->bitwise != bitwise) continue;
+      Place(*source, end);
+      if (!bitwise) program_.objects.push_back(program_.cells.back());
+    }
+    if (bitwise) program_.bitwise_end = end;
+  }
+  program_.memory_size = end;
+  if (end > UINT32_MAX) throw BuildError("the diagram's signals take more than 4 GiB: split the diagram");
+
+  // Ports that only pass a value on lie where their origin lies.
+  for (const auto* list : {&sources_, &ports_}) {
+    for (Source* source : *list) {
+      const Source& origin = source->Resolve();
+      source->offset_ = origin.offset_;
+      source->calculation_ = origin.calculation_;
+    }
+  }
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
+  for (const Cell& cell : program_.cells) {
+    const Source& source = *cell.source;
+    mix(cell.offset);
+    mix(source.type_->size);
+    for (const char c : source.name()) mix(static_cast<unsigned char>(c));
+    const bool held = source.kind() == SourceKind::kOutput && source.is_sampled();
+    const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
+                      source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
+                      source.kind() == SourceKind::kRandom;
+    // Computed once more after a restore, what has a warm start would find another result.
+    const bool warm =
+        GivesValue(source) &&
+        std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Source::Slot& slot) {
+          return slot.source != nullptr && slot.source->kind() == SourceKind::kScratch;
+        });
+    if (held || kept || warm) program_.saved.push_back(cell);
+  }
+  program_.signature = hash;
+}
+
+void Compiler::FillArguments() {
+  std::size_t size = 0;
+  for (const CalculationInfo& info : program_.calculations) size += 1 + info.source->arguments_.size();
+  program_.arguments.reserve(size);  // the ops point into it
+  for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
+    CalculationInfo& info = program_.calculations[i];
+    const Source& source = *info.source;
+    const Offset* args = program_.arguments.data() + program_.arguments.size();
+    program_.arguments.push_back(source.offset_);
+    for (const Source::Slot& slot : source.arguments_) {
+      if (slot.what == Source::Slot::What::kSource) program_.arguments.push_back(slot.source->offset_);
+      if (slot.what == Source::Slot::What::kCount) program_.arguments.push_back(slot.count);
+    }
+    info.op = {source.run_, source.closure_.get(), args, static_cast<std::uint32_t>(i), info.varies, false};
+  }
+}
+
+}  // namespace tenon::internal

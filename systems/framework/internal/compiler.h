@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon::internal {
+
+class Assembly;
+
+/// Turns blocks and connections into a Program. The order of the steps is the order of the functions.
+class Compiler {
+ public:
+  /// Throws BuildError: unconnected inputs (unless they may stay open), algebraic loops, states without
+  /// derivative, offsets without initial value, uses of other blocks' ports.
+  static Program Compile(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
+
+ private:
+  Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
+
+  // compiler.cc: what there is, and whether it makes sense
+  void Collect(const std::vector<std::unique_ptr<System>>& blocks);
+  void ResolveInputs();
+  void CheckDeclarations();
+  void CheckArguments(const Source& calculation);
+  void Order();
+  void Visit(Source& source, std::vector<const Source*>& trail);
+  void AddCalculation(Source& source);
+  [[noreturn]] void ThrowLoop(const std::vector<const Source*>& trail, const Source& again) const;
+  void LayOut();
+  void Place(Source& source, std::size_t& end);
+  void FillArguments();
+
+  // compiler_plans.cc: what runs when
+  void FindGroups();
+  void MakePlans();
+  void MakeTicks();
+  TickPlan MakeTick(std::uint64_t groups) const;
+  UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
+  void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
+  std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
+  std::uint64_t GroupMask(const Source& source) const;
+
+  bool open_inputs_;
+  Program program_;
+  std::vector<Source*> sources_;               ///< of all leaves, in order
+  std::vector<Source*> ports_;                 ///< of subdiagrams
+  std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default
+  /// Discrete state -> calculations, other than samples, that read it.
+  std::unordered_map<const Source*, std::vector<int>> readers_;
+  std::vector<std::vector<int>> affects_;  ///< calculation -> calculations that read its result
+};
+
+}  // namespace tenon::internal

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/internal/rational.h>
+#include <tenon/systems/framework/source.h>
+
+namespace tenon::internal {
+
+/// One entry of a flat list that a running diagram works through.
+struct Op {
+  Thunk run;
+  const void* closure;
+  const Offset* args;
+  std::uint32_t calculation;  ///< index in Program::calculations
+  bool varies;                ///< depends on time or continuous states other than through samples
+  bool always;                ///< run even if its stamp is fresh: due samples, updates
+};
+using OpList = std::vector<Op>;
+
+/// A calculation in its place in the program; they are numbered in dataflow order.
+struct CalculationInfo {
+  const Source* source;
+  Op op;
+  std::vector<int> uses;  ///< calculations whose results it reads
+  bool varies;            ///< as in `op`
+  bool sampled;           ///< a sampled output, held between its ticks
+  std::uint64_t group;    ///< bit of the sample group; 0 if not sampled
+};
+
+/// Calculations that share a sample time.
+struct SampleGroup {
+  Rational period;
+  Rational offset;
+  std::string example;  ///< the path of one member, for messages
+};
+
+/// An update that has been computed takes effect: state = next.
+struct Commit {
+  const Source* state;
+  const Source* next;
+};
+
+/// Updates that fire together.
+struct UpdatePlan {
+  OpList ops;  ///< what they need, then the updates themselves
+  std::vector<Commit> commits;
+  std::vector<std::uint32_t> invalidates;  ///< held calculations that the new values make stale
+  bool changes_continuous = false;
+  bool empty() const { return commits.empty(); }
+};
+
+/// Everything that happens at a tick, for one combination of due sample groups.
+struct TickPlan {
+  std::uint64_t groups;                    ///< bit mask
+  std::vector<std::uint32_t> invalidates;  ///< calculations downstream of the due outputs
+  OpList outputs;                          ///< due sampled outputs and what they need, in dataflow order
+  std::vector<const Source*> due;          ///< the sampled outputs, for the check for NaN
+  OpList monitors;                         ///< due monitors and what they need
+  std::vector<const Source*> verdicts;
+  UpdatePlan updates;
+};
+
+struct WitnessPlan {
+  const Source* witness;
+  UpdatePlan updates;
+};
+
+/// What is stored where in a context's memory.
+struct Cell {
+  const Source* source;
+  Offset offset;
+};
+
+enum class Which { kVarying, kHeld, kAll };
+
+/// A compiled diagram: flat lists, and the layout of a context's memory:
+/// time | continuous states | their derivatives | values that are copied as bytes | other values.
+struct Program {
+  /// What `sinks` depend on (themselves included if they are sampled outputs), in dataflow order. Sampled
+  /// outputs count only if they are in the `due` groups: the others are held.
+  OpList Needed(const std::vector<const Source*>& sinks, Which which, std::uint64_t due = 0) const;
+  /// What the values of `sources` take to compute: what they depend on, and they themselves.
+  OpList Evaluation(const std::vector<const Source*>& sources) const;
+
+  std::vector<CalculationInfo> calculations;
+  std::vector<Offset> arguments;  ///< all argument lists, one after the other
+
+  Offset continuous_begin = 0;
+  Offset derivative_begin = 0;
+  int num_continuous = 0;
+  std::size_t bitwise_end = 0;  ///< bytes up to here are copied by memcpy
+  std::size_t memory_size = 0;
+  std::vector<Cell> cells;    ///< every stored value
+  std::vector<Cell> objects;  ///< those of them that have to be copied by their type
+  std::vector<Cell> saved;    ///< those of them that a snapshot holds
+
+  OpList derivatives;  ///< what varies and derivatives need, then the derivatives
+  OpList held;         ///< what does not vary and derivatives or witnesses need
+  OpList witnesses;    ///< what varies and witnesses need, then the witnesses
+  std::vector<WitnessPlan> witness_plans;
+
+  std::vector<SampleGroup> groups;
+  std::vector<TickPlan> ticks;  ///< ordered by mask
+  UpdatePlan at_start;
+  UpdatePlan each_step;
+  OpList each_step_monitors;
+  std::vector<const Source*> each_step_verdicts;
+
+  std::vector<const Source*> continuous;  ///< states in the order of the vector
+  std::vector<const Source*> open_inputs;
+  std::uint64_t signature = 0;  ///< of names, types and layout; snapshots carry it
+};
+
+}  // namespace tenon::internal

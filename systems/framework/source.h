@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/rate.h>
+#include <tenon/systems/framework/signal.h>
+
+namespace tenon {
+
+class System;
+class Diagram;
+class Context;
+
+namespace internal {
+
+class Assembly;
+class Compiler;
+struct Program;
+
+/// Where a value lies in a context's memory.
+using Offset = std::uint32_t;
+
+/// Runs a calculation: reads its arguments at args[1…], writes its result at args[0].
+using Thunk = void (*)(const void* closure, std::byte* memory, const Offset* args);
+
+}  // namespace internal
+
+/// What a Source is; decides where its value is kept and when it is computed.
+enum class SourceKind {
+  kTime,
+  kInput,       ///< an input port; its driver provides the value
+  kOutput,      ///< an output port with a calculation, or with a driver (a state, an inner port)
+  kContinuous,  ///< a continuous state
+  kDerivative,  ///< the time derivative of a continuous state
+  kDiscrete,    ///< a discrete state or mode
+  kUpdate,      ///< the next value of a state, before it takes effect
+  kShared,      ///< a value that several calculations of a block use
+  kScratch,     ///< memory of one calculation, saved and cloned
+  kWorkspace,   ///< memory of one calculation, made anew for every context
+  kRandom,      ///< a stream of random numbers
+  kWitness,     ///< a function whose zero crossing is an event
+  kMonitor,     ///< a check that can end a run
+};
+
+class Witness;
+
+/// When an Update or a Monitor runs.
+struct Trigger {
+  enum class When { kAlways, kSampled, kEachStep, kAtStart, kWitness };
+  When when = When::kAlways;
+  Sampled sampled{Rate(1, 1)};
+  const Witness* witness = nullptr;
+};
+
+/// A value inside a block: a port, a state, a shared value, a next value. Sources register with their block
+/// and are never copied or moved. Users meet the typed classes derived from this one; this is what they
+/// share.
+class Source {
+ public:
+  /// One entry of a calculation's declared arguments.
+  struct Slot {
+    enum class What { kSource, kCount, kTime } what;
+    const Source* source = nullptr;
+    std::uint32_t count = 0;  ///< length of the list of sources that follows
+  };
+
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+
+  SourceKind kind() const { return kind_; }
+  const Spec& spec() const { return spec_; }
+  const std::string& name() const { return spec_.name; }
+  const System& owner() const { return *owner_; }
+  /// "robot.pd.u": the path of the block, and the name.
+  std::string path() const;
+  /// Names and units of the elements of the value; sizes known at run time are those of the model value.
+  std::vector<Element> elements() const;
+  const Trigger& trigger() const { return trigger_; }
+  bool is_sampled() const { return trigger_.when == Trigger::When::kSampled; }
+  /// What this port is connected to, one hop up; null if nothing.
+  const Source* driver() const { return driver_; }
+  /// What provides this port's value: through connections up to a state, a calculation or an open input.
+  const Source& Resolve() const;
+
+ protected:
+  Source(System* owner, SourceKind kind, Spec spec, const internal::TypeInfo& type, const void* model);
+  ~Source() = default;
+
+  void SetCalculation(internal::Thunk run, std::shared_ptr<const void> closure, std::vector<Slot> arguments);
+  void SetDriver(const Source& driver) { driver_ = &driver; }
+  void SetTarget(const Source& target) { target_ = &target; }
+  void SetTrigger(Trigger trigger) { trigger_ = trigger; }
+  void SetHasInitialValue() { has_initial_value_ = true; }
+  System* mutable_owner() const { return owner_; }
+
+ private:
+  friend class Context;
+  friend class Diagram;
+  friend class Simulator;
+  friend class internal::Assembly;
+  friend class internal::Compiler;
+  friend struct internal::Program;
+  friend class SignalLog;
+
+  System* owner_;
+  SourceKind kind_;
+  Spec spec_;
+  const internal::TypeInfo* type_;
+  const void* model_;  ///< lies in the derived class
+  const Source* driver_ = nullptr;
+  const Source* target_ = nullptr;  ///< of an update or a derivative: the state
+  Trigger trigger_;
+  bool has_initial_value_ = false;  ///< of a sampled output: readable before its first tick
+
+  internal::Thunk run_ = nullptr;
+  std::shared_ptr<const void> closure_;
+  std::vector<Slot> arguments_;
+
+  // Set when the diagram is built.
+  internal::Offset offset_ = 0;
+  int calculation_ = -1;  ///< index among the diagram's calculations
+};
+
+}  // namespace tenon

@@ -1,0 +1,205 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/random_stream.h>
+
+namespace tenon {
+
+/// A state that is integrated. `T` is double, Vec<N>, or a struct of those with Fields(). All continuous
+/// states of a diagram form one contiguous vector, in the order of the blocks.
+template <class T>
+class ContinuousState : public Source {
+  static_assert(alignof(T) <= alignof(double) && internal::kBitwise<T>,
+                "A continuous state is made of plain doubles: use double, Vec<N>, or a struct of them.");
+
+ public:
+  using Value = T;
+  using Argument = const T&;
+  ContinuousState(Leaf* owner, Spec spec, T initial = internal::Zeroed<T>())
+      : Source(owner, SourceKind::kContinuous, std::move(spec), internal::kTypeInfo<T>, &initial_),
+        initial_(std::move(initial)) {}
+
+ private:
+  T initial_;
+};
+
+/// The time derivative of a continuous state; every continuous state has exactly one.
+template <class T>
+class TimeDerivative : public Calculated<T> {
+ public:
+  using Value = T;
+  template <class... H, class F>
+  TimeDerivative(const ContinuousState<T>& state, UsesList<H...> uses, F function)
+      : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kDerivative,
+                      Spec{"d/dt " + state.name(), state.spec().units, state.spec().elements}) {
+    this->SetTarget(state);
+    this->Calculate(std::move(uses), std::move(function));
+  }
+};
+
+/// A state that changes only by Update. Any copyable type.
+template <class T>
+class DiscreteState : public Source {
+ public:
+  using Value = T;
+  using Argument = const T&;
+  DiscreteState(Leaf* owner, Spec spec, T initial = internal::Zeroed<T>())
+      : Source(owner, SourceKind::kDiscrete, std::move(spec), internal::kTypeInfo<T>, &initial_),
+        initial_(std::move(initial)) {}
+
+ private:
+  T initial_;
+};
+
+/// A discrete state with few values, by name: an enumeration.
+template <class E>
+requires std::is_enum_v<E>
+using Mode = DiscreteState<E>;
+
+/// Trigger of an Update: after every accepted step of the integrator.
+struct EachStep {};
+/// Trigger of an Update: once, before the first tick of a run.
+struct AtStart {};
+
+enum class Crossing { kRising, kFalling, kBoth };
+
+/// A function w(t, x, …) whose zero crossing is an event; give it to an Update as trigger. Crossings are
+/// located by the integrator's root finding inside steps, and by a comparison of signs around each tick.
+class Witness : public Calculated<double> {
+ public:
+  using Value = double;
+  using Argument = const double&;
+  template <class... H, class F>
+  Witness(Leaf* owner, std::string name, Crossing crossing, UsesList<H...> uses, F function)
+      : Calculated<double>(owner, SourceKind::kWitness, Spec{std::move(name)}), crossing_(crossing) {
+    Calculate(std::move(uses), std::move(function));
+  }
+  Crossing crossing() const { return crossing_; }
+
+ private:
+  Crossing crossing_;
+};
+
+/// The next value of a state, discrete or continuous, when its trigger fires. All updates of one instant read
+/// the old values, then take effect together.
+template <class T>
+class Update : public Calculated<T> {
+ public:
+  using Value = T;
+  template <class State, class... H, class F>
+  Update(const State& state, Sampled sampled, UsesList<H...> uses, F function)
+      : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
+               std::move(function)) {}
+  template <class State, class... H, class F>
+  Update(const State& state, EachStep, UsesList<H...> uses, F function)
+      : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function)) {}
+  template <class State, class... H, class F>
+  Update(const State& state, AtStart, UsesList<H...> uses, F function)
+      : Update(state, Trigger{.when = Trigger::When::kAtStart}, std::move(uses), std::move(function)) {}
+  template <class State, class... H, class F>
+  Update(const State& state, const Witness& witness, UsesList<H...> uses, F function)
+      : Update(state, Trigger{.when = Trigger::When::kWitness, .witness = &witness}, std::move(uses),
+               std::move(function)) {}
+
+ private:
+  template <class State, class... H, class F>
+  Update(const State& state, Trigger trigger, UsesList<H...> uses, F function)
+      : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kUpdate,
+                      Spec{"next " + state.name(), state.spec().units, state.spec().elements}) {
+    static_assert(std::is_same_v<typename State::Value, T>, "An Update has the type of its state.");
+    this->SetTarget(state);
+    this->SetTrigger(trigger);
+    this->Calculate(std::move(uses), std::move(function));
+  }
+};
+
+/// A value that several calculations of a block use (kinematics, say), computed once per evaluation. It
+/// carries nothing from one evaluation to the next. `model` gives the object that in-place functions fill.
+template <class T>
+class Shared : public Calculated<T> {
+ public:
+  using Value = T;
+  using Argument = const T&;
+  template <class... H, class F>
+  Shared(Leaf* owner, std::string name, UsesList<H...> uses, F function)
+      : Calculated<T>(owner, SourceKind::kShared, Spec{std::move(name)}) {
+    this->Calculate(std::move(uses), std::move(function));
+  }
+  template <class... H, class F>
+  Shared(Leaf* owner, std::string name, T model, UsesList<H...> uses, F function)
+      : Shared(owner, std::move(name), std::move(uses), std::move(function)) {
+    this->model_ = std::move(model);
+  }
+};
+
+/// Memory that one calculation keeps from call to call and that belongs to the run: a warm start, say. It is
+/// saved and cloned with the context. The function receives it by reference.
+template <class T>
+class Scratch : public Source {
+ public:
+  using Value = T;
+  using Argument = T&;
+  Scratch(Leaf* owner, std::string name, T initial = internal::Zeroed<T>())
+      : Source(owner, SourceKind::kScratch, Spec{std::move(name)}, internal::kTypeInfo<T>, &initial_),
+        initial_(std::move(initial)) {}
+
+ private:
+  T initial_;
+};
+
+/// Memory that one calculation needs but that holds nothing of the run: a solver's work space. Every context
+/// gets its own copy of `model`.
+template <class T>
+class Workspace : public Source {
+ public:
+  using Value = T;
+  using Argument = T&;
+  Workspace(Leaf* owner, std::string name, T model = T())
+      : Source(owner, SourceKind::kWorkspace, Spec{std::move(name)}, internal::kTypeInfo<T>, &model_),
+        model_(std::move(model)) {}
+
+ private:
+  T model_;
+};
+
+/// The block's own stream of random numbers, seeded by the run's seed and the block's path. Only sampled
+/// outputs and updates may use it: anything else is evaluated as often as the integrator pleases.
+class Random : public Source {
+ public:
+  using Value = RandomStream;
+  using Argument = RandomStream&;
+  Random(Leaf* owner, std::string name)
+      : Source(owner, SourceKind::kRandom, Spec{std::move(name)}, internal::kTypeInfo<RandomStream>,
+               &initial_) {}
+
+ private:
+  RandomStream initial_;
+};
+
+/// What a Monitor says: nothing, or the reason for which the run ends here.
+using Verdict = std::optional<std::string>;
+
+/// A check that can end a run with a reason, at its sample times or after every step.
+class Monitor : public Calculated<Verdict> {
+ public:
+  using Value = Verdict;
+  template <class... H, class F>
+  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<H...> uses, F function)
+      : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
+    SetTrigger({Trigger::When::kSampled, sampled, nullptr});
+    Calculate(std::move(uses), std::move(function));
+  }
+  template <class... H, class F>
+  Monitor(Leaf* owner, std::string name, EachStep, UsesList<H...> uses, F function)
+      : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
+    SetTrigger({.when = Trigger::When::kEachStep});
+    Calculate(std::move(uses), std::move(function));
+  }
+};
+
+}  // namespace tenon

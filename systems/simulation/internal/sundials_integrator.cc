@@ -1,0 +1,346 @@
+#include <tenon/systems/simulation/internal/sundials_integrator.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/simulation/internal/sundials_solver.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kSafety = 0.9;  // of our step size, see ChooseStep
+constexpr double kMaxGrowth = 5;
+constexpr double kMinShrink = 0.2;
+constexpr int kMaxRefused = 50;
+
+void CheckOptions(const SimulatorOptions& options) {
+  const auto demand = [](bool holds, const std::string& text) {
+    if (!holds) throw ParameterError("SimulatorOptions: " + text);
+  };
+  const bool multistep = options.method == Method::kBdf || options.method == Method::kAdams;
+  const int lowest = multistep ? 1 : 2;
+  const int highest = options.method == Method::kAdams ? 12 : 5;
+  demand(options.order >= lowest && options.order <= highest,
+         fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest,
+                     highest));
+  demand(options.rtol > 0, fmt::format("rtol = {} must be positive", options.rtol));
+  demand(options.atol > 0, fmt::format("atol = {} must be positive", options.atol));
+  for (const StateTolerance& own : options.state_atol) {
+    demand(own.atol > 0, fmt::format("atol = {} of '{}' must be positive", own.atol, own.prefix));
+  }
+  demand(options.fixed_step >= 0, fmt::format("fixed_step = {} s must not be negative", options.fixed_step));
+  demand(options.max_step >= 0, fmt::format("max_step = {} s must not be negative", options.max_step));
+  demand(options.fixed_step == 0 || !multistep,
+         "fixed_step is for Runge-Kutta methods: CVODE chooses its steps");
+}
+
+/// One per state; a diagram without states, but with witnesses of time, gets one that stays 0.
+std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Diagram& diagram) {
+  const std::vector<std::string> names = diagram.ContinuousStateNames();
+  std::vector<double> tolerances(std::max<std::size_t>(1, names.size()), options.atol);
+  for (const StateTolerance& own : options.state_atol) {
+    bool found = false;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!names[i].starts_with(own.prefix)) continue;
+      tolerances[i] = own.atol;
+      found = true;
+    }
+    if (!found) {
+      throw ParameterError(
+          fmt::format("state_atol: no continuous state's path begins with '{}'", own.prefix));
+    }
+  }
+  return tolerances;
+}
+
+std::vector<int> RootDirections(const internal::Program& program) {
+  std::vector<int> directions;
+  for (const internal::WitnessPlan& plan : program.witness_plans) {
+    const Crossing crossing = static_cast<const Witness*>(plan.witness)->crossing();
+    directions.push_back(crossing == Crossing::kRising ? 1 : crossing == Crossing::kFalling ? -1 : 0);
+  }
+  return directions;
+}
+
+/// Divides what is left of the interval evenly into steps no larger than `wanted`: no sliver at the end.
+double EvenStep(double remaining, double wanted) {
+  const double count = std::ceil(remaining / wanted * (1 - 1e-9));
+  return remaining / std::max(1.0, count);
+}
+
+}  // namespace
+
+struct SundialsIntegrator::Run {
+  Run(Context& c, const SimulatorOptions& o)
+      : context(c),
+        program(c.diagram().program()),
+        options((CheckOptions(o), o)),
+        roots(program.witness_plans.size(), 0),
+        solver(options, c.time(), AbsoluteTolerances(options, c.diagram()), RootDirections(program),
+               {Derivatives, Roots, ChooseStep, this}) {}
+
+  void Restart(double to);
+  Stop Advance(bool one_step);
+  void StoreState(double t);
+  double FirstStep() const;
+  void Count(double step);
+  [[noreturn]] void ThrowFailure(int flag);
+  std::string DescribeWorstState(int flag, double h);
+  void FindWorstState();
+
+  static int Derivatives(double t, N_Vector y, N_Vector ydot, void* self);
+  static int Roots(double t, N_Vector y, double* g, void* self);
+  static int ChooseStep(N_Vector y, double t, double h1, double h2, double h3, double e1, double e2,
+                        double e3, int q, int p, double* next, void* self);
+
+  Context& context;
+  const internal::Program& program;
+  SimulatorOptions options;
+  std::vector<int> roots;
+  internal::SundialsSolver solver;
+
+  double end = 0;
+  double step = 0;                // the first one after the restart; if fixed, all
+  int refused = 0;                // evaluations since the restart that were not finite
+  bool first_evaluation = false;  // after the restart
+  bool at_end = false;            // the last evaluation was for the end of the interval
+  // The midpoint rule has no stage at the end of a step. SUNDIALS evaluates there all the same, to find roots
+  // by interpolation and to start the next step: without roots, and with a restart to come, for nothing.
+  const bool needs_end = options.method != Method::kErk || options.order != 2 || !roots.empty();
+  struct {
+    int index = 0;
+    double error = 0;
+  } worst;
+  bool seeks_worst = false;
+  std::exception_ptr thrown;
+  std::string not_finite;
+  long evaluations = 0;
+  double last_step = 0, smallest_step = 0, largest_step = 0;
+};
+
+double SundialsIntegrator::Run::FirstStep() const {
+  const double remaining = end - context.time();
+  double wanted = options.fixed_step > 0 ? options.fixed_step : context.next_step_;
+  if (wanted <= 0) wanted = std::min(remaining, 1e-3);  // nothing known yet; the error test corrects it
+  if (options.max_step > 0) wanted = std::min(wanted, options.max_step);
+  return EvenStep(remaining, wanted);
+}
+
+void SundialsIntegrator::Run::Restart(double to) {
+  end = to;
+  step = FirstStep();
+  first_evaluation = true;
+  refused = 0;
+  std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
+  solver.Restart(context.time(), end, step);
+}
+
+SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
+  double t = context.time();
+  thrown = nullptr;
+  not_finite.clear();
+  const int flag = solver.Evolve(end, &t, one_step);
+  if (flag < 0) ThrowFailure(flag);
+  const bool root = solver.IsRoot(flag);
+  const bool arrived = !root && (solver.IsStopTime(flag) || t >= end);
+  StoreState(arrived ? end : t);
+  if (solver.multistep()) {
+    Count(solver.last_step());
+  } else if (options.fixed_step > 0) {
+    Count(step);
+  }
+  if (!root) return arrived ? Stop::kArrived : Stop::kStep;
+  solver.GetRoots(&roots);
+  return Stop::kRoot;
+}
+
+/// Moves the context to `t` and the solver's states. If that is where the last derivatives were evaluated, as
+/// it is with most Runge-Kutta methods at the end of an interval, then what they took to compute stays fresh
+/// for the tick.
+void SundialsIntegrator::Run::StoreState(double t) {
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+  const bool there =
+      at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
+  if (there) return;
+  std::copy_n(solver.states(), program.num_continuous, context.continuous_data());
+  context.SetRunTime(t);
+}
+
+void SundialsIntegrator::Run::Count(double step) {
+  last_step = step;
+  largest_step = std::max(largest_step, step);
+  smallest_step = smallest_step == 0 ? step : std::min(smallest_step, step);
+}
+
+int SundialsIntegrator::Run::Derivatives(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
+  auto& self = *static_cast<Run*>(self_pointer);
+  Context& context = self.context;
+  const int size = self.program.num_continuous;
+  double* derivatives = N_VGetArrayPointer(ydot);
+  if (size == 0) {
+    derivatives[0] = 0;
+    return 0;
+  }
+  // At the start of an interval, what the tick has just computed is not computed again; what is computed at
+  // its end is kept for the next tick. Sums of steps miss the end by their rounding.
+  const bool first = self.first_evaluation && t == context.time();
+  self.first_evaluation = false;
+  self.at_end = !first && std::abs(t - self.end) <= 1e-14 * (1 + std::abs(self.end));
+  if (self.at_end && !self.needs_end) {
+    self.at_end = false;
+    std::fill_n(derivatives, size, 0.0);
+    return 0;
+  }
+  ++self.evaluations;
+  try {
+    if (first || self.at_end) {
+      std::copy_n(N_VGetArrayPointer(y), size, context.continuous_data());
+      if (self.at_end) context.SetRunTime(self.end);
+      context.RunStale(self.program.derivatives);
+      std::copy_n(context.derivative_data(), size, derivatives);
+    } else {
+      context.CalcTimeDerivatives(t, N_VGetArrayPointer(y), derivatives);
+    }
+  } catch (...) {
+    self.thrown = std::current_exception();
+    return -1;
+  }
+  double sum = 0;
+  for (int i = 0; i < size; ++i) sum += derivatives[i] * 0;
+  if (sum == 0) {
+    self.not_finite.clear();
+    return 0;
+  }
+  self.not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
+  // A smaller step may help, but not for ever: step sizes have no lower bound.
+  return first || ++self.refused > kMaxRefused ? -1 : 1;
+}
+
+int SundialsIntegrator::Run::Roots(double t, N_Vector y, double* g, void* self_pointer) {
+  auto& self = *static_cast<Run*>(self_pointer);
+  Context& context = self.context;
+  try {
+    std::copy_n(N_VGetArrayPointer(y), self.program.num_continuous, context.continuous_data());
+    const double now = context.time();
+    *reinterpret_cast<double*>(context.memory_.get()) = t;
+    context.RunAll(self.program.witnesses);
+    ++context.instant_;  // what was computed here is not for the time of the tick
+    *reinterpret_cast<double*>(context.memory_.get()) = now;
+  } catch (...) {
+    self.thrown = std::current_exception();
+    return -1;
+  }
+  for (std::size_t i = 0; i < self.roots.size(); ++i) {
+    g[i] = *reinterpret_cast<const double*>(context.Address(*self.program.witness_plans[i].witness));
+  }
+  return 0;
+}
+
+/// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
+/// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
+int SundialsIntegrator::Run::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double,
+                                        double, int q, int p, double* next, void* self_pointer) {
+  auto& self = *static_cast<Run*>(self_pointer);
+  Context& context = self.context;
+  const double order = std::min(p, q) + 1;
+  // A step cut short by the end of its interval says little of the next one.
+  const bool cut = t >= self.end - 1e-12 * (1 + std::abs(t)) && h1 < 0.5 * context.next_step_;
+  const double error = std::max(e1, 1e-10);
+  double factor = kSafety * std::pow(error, -0.7 / order);
+  const bool accepted = e1 <= 1;
+  if (accepted) {
+    if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
+    if (!cut) context.last_error_ = error;
+    if (self.seeks_worst) self.FindWorstState();
+    self.Count(h1);
+  } else {
+    factor = std::min(kSafety, kSafety * std::pow(error, -1 / order));
+  }
+  double wanted = h1 * std::clamp(factor, kMinShrink, kMaxGrowth);
+  if (accepted && cut) wanted = std::max(wanted, context.next_step_);
+  if (self.options.max_step > 0) wanted = std::min(wanted, self.options.max_step);
+  context.next_step_ = wanted;
+  const double remaining = self.end - t;
+  const double step = remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
+  *next = step / internal::SundialsSolver::kSafetyFactor;
+  return 0;
+}
+
+/// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one
+/// that changes most in a step of `h`.
+std::string SundialsIntegrator::Run::DescribeWorstState(int flag, double h) {
+  if (program.num_continuous == 0) return "none";
+  worst = {};
+  if (solver.multistep() || solver.IsErrorTestFailure(flag)) {
+    FindWorstState();
+  } else if (solver.IsTooMuchWork(flag) && options.fixed_step == 0) {
+    // ARKODE keeps no estimate from step to step: ChooseStep looks at that of one step more.
+    double t = 0;
+    seeks_worst = true;
+    solver.Evolve(end, &t, true);
+    seeks_worst = false;
+  }
+  const std::vector<std::string> names = context.diagram().ContinuousStateNames();
+  if (worst.error > 0)
+    return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
+  const double* derivatives = context.derivative_data();
+  for (int i = 0; i < program.num_continuous; ++i) {
+    const double tolerance =
+        options.rtol * std::abs(context.continuous_data()[i]) + solver.absolute_tolerances()[i];
+    const double change = std::abs(h * derivatives[i]) / tolerance;
+    if (change > worst.error) worst = {i, change};
+  }
+  return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst.index],
+                     worst.error);
+}
+
+void SundialsIntegrator::Run::FindWorstState() {
+  const std::vector<double> errors = solver.WeightedErrors();
+  for (int i = 0; i < program.num_continuous; ++i) {
+    if (errors[static_cast<std::size_t>(i)] > worst.error) worst = {i, errors[static_cast<std::size_t>(i)]};
+  }
+}
+
+void SundialsIntegrator::Run::ThrowFailure(int flag) {
+  ++context.instant_;  // the context holds values of different times
+  if (thrown) std::rethrow_exception(thrown);
+  if (!not_finite.empty()) {
+    throw RunError(fmt::format("{}: the run cannot go on; check that block and what feeds it", not_finite));
+  }
+  const std::string flag_text = solver.Describe(flag);
+  const double t = solver.current_time(), h = solver.current_step();
+  throw RunError(fmt::format(
+      "the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: worst state {} [{}]. Loosen the "
+      "tolerance, or use Method::kBdf or kDirk if the system is stiff",
+      t, h, options.rtol, DescribeWorstState(flag, h), flag_text));
+}
+
+SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
+    : run_(std::make_unique<Run>(context, options)) {}
+SundialsIntegrator::~SundialsIntegrator() = default;
+void SundialsIntegrator::Restart(double end) {
+  run_->Restart(end);
+}
+SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) {
+  return run_->Advance(one_step);
+}
+const std::vector<int>& SundialsIntegrator::roots() const {
+  return run_->roots;
+}
+
+IntegratorStatistics SundialsIntegrator::statistics() const {
+  return {.steps = run_->solver.steps(),
+          .failed_steps = run_->solver.failed_steps(),
+          .evaluations = run_->evaluations,
+          .last_step = run_->last_step,
+          .smallest_step = run_->smallest_step,
+          .largest_step = run_->largest_step,
+          .last_order = run_->solver.last_order()};
+}
+
+}  // namespace tenon

@@ -1,0 +1,318 @@
+#include <tenon/systems/simulation/internal/sundials_solver.h>
+
+#include <arkode/arkode_arkstep.h>
+#include <arkode/arkode_erkstep.h>
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace tenon::internal {
+
+/// The functions of one solver. The same things have the same signatures in all of them; null is what CVODE
+/// does not have.
+struct SundialsSolver::Api {
+  int (*evolve)(void*, double, N_Vector, double*, int);
+  int (*set_stop_time)(void*, double);
+  int (*get_roots)(void*, int*);
+  int (*get_errors)(void*, N_Vector);
+  int (*get_weights)(void*, N_Vector);
+  int (*get_time)(void*, double*);
+  int (*get_current_step)(void*, double*);
+  int (*get_last_step)(void*, double*);
+  int (*get_steps)(void*, long*);
+  int (*get_failed_steps)(void*, long*);
+  char* (*flag_name)(long);
+  void (*free)(void**);
+  int (*set_client)(void*, void*);
+  int (*set_error_handler)(void*, ARKErrHandlerFn, void*);
+  int (*set_tolerances)(void*, double, N_Vector);
+  int (*set_max_steps)(void*, long);
+  int (*set_roots)(void*, int, ARKRootFn);
+  int (*set_root_directions)(void*, int*);
+  int (*reset)(void*, double, N_Vector);
+  int (*set_fixed_step)(void*, double);
+  int (*set_first_step)(void*, double);
+  int (*set_step_chooser)(void*, ARKAdaptFn, void*);
+  int (*set_fixed_step_bounds)(void*, double, double);
+  int (*set_safety_factor)(void*, double);
+  int (*set_error_bias)(void*, double);
+  int (*set_max_growth)(void*, double);
+  int (*set_max_first_growth)(void*, double);
+
+  static const Api kErk, kArk, kCvode;
+  static const Api& Of(Method method) {
+    return method == Method::kErk ? kErk : method == Method::kDirk ? kArk : kCvode;
+  }
+};
+
+const SundialsSolver::Api SundialsSolver::Api::kErk{ERKStepEvolve,
+                                                    ERKStepSetStopTime,
+                                                    ERKStepGetRootInfo,
+                                                    ERKStepGetEstLocalErrors,
+                                                    ERKStepGetErrWeights,
+                                                    ERKStepGetCurrentTime,
+                                                    ERKStepGetCurrentStep,
+                                                    ERKStepGetLastStep,
+                                                    ERKStepGetNumSteps,
+                                                    ERKStepGetNumErrTestFails,
+                                                    ERKStepGetReturnFlagName,
+                                                    ERKStepFree,
+                                                    ERKStepSetUserData,
+                                                    ERKStepSetErrHandlerFn,
+                                                    ERKStepSVtolerances,
+                                                    ERKStepSetMaxNumSteps,
+                                                    ERKStepRootInit,
+                                                    ERKStepSetRootDirection,
+                                                    ERKStepReset,
+                                                    ERKStepSetFixedStep,
+                                                    ERKStepSetInitStep,
+                                                    ERKStepSetAdaptivityFn,
+                                                    ERKStepSetFixedStepBounds,
+                                                    ERKStepSetSafetyFactor,
+                                                    ERKStepSetErrorBias,
+                                                    ERKStepSetMaxGrowth,
+                                                    ERKStepSetMaxFirstGrowth};
+const SundialsSolver::Api SundialsSolver::Api::kArk{ARKStepEvolve,
+                                                    ARKStepSetStopTime,
+                                                    ARKStepGetRootInfo,
+                                                    ARKStepGetEstLocalErrors,
+                                                    ARKStepGetErrWeights,
+                                                    ARKStepGetCurrentTime,
+                                                    ARKStepGetCurrentStep,
+                                                    ARKStepGetLastStep,
+                                                    ARKStepGetNumSteps,
+                                                    ARKStepGetNumErrTestFails,
+                                                    ARKStepGetReturnFlagName,
+                                                    ARKStepFree,
+                                                    ARKStepSetUserData,
+                                                    ARKStepSetErrHandlerFn,
+                                                    ARKStepSVtolerances,
+                                                    ARKStepSetMaxNumSteps,
+                                                    ARKStepRootInit,
+                                                    ARKStepSetRootDirection,
+                                                    ARKStepReset,
+                                                    ARKStepSetFixedStep,
+                                                    ARKStepSetInitStep,
+                                                    ARKStepSetAdaptivityFn,
+                                                    ARKStepSetFixedStepBounds,
+                                                    ARKStepSetSafetyFactor,
+                                                    ARKStepSetErrorBias,
+                                                    ARKStepSetMaxGrowth,
+                                                    ARKStepSetMaxFirstGrowth};
+const SundialsSolver::Api SundialsSolver::Api::kCvode{CVode,
+                                                      CVodeSetStopTime,
+                                                      CVodeGetRootInfo,
+                                                      CVodeGetEstLocalErrors,
+                                                      CVodeGetErrWeights,
+                                                      CVodeGetCurrentTime,
+                                                      CVodeGetCurrentStep,
+                                                      CVodeGetLastStep,
+                                                      CVodeGetNumSteps,
+                                                      CVodeGetNumErrTestFails,
+                                                      CVodeGetReturnFlagName,
+                                                      CVodeFree,
+                                                      CVodeSetUserData,
+                                                      CVodeSetErrHandlerFn,
+                                                      CVodeSVtolerances,
+                                                      CVodeSetMaxNumSteps,
+                                                      CVodeRootInit,
+                                                      CVodeSetRootDirection,
+                                                      CVodeReInit,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr,
+                                                      nullptr};
+
+namespace {
+
+/// Explicit midpoint with Euler embedded. SUNDIALS's own table of order 2 (Heun-Euler) ends at abscissa 1,
+/// and ERKStep 6.4 then takes the last stage for the next step's first, which it is not.
+ARKodeButcherTable MidpointTable() {
+  ARKodeButcherTable table = ARKodeButcherTable_Alloc(2, SUNTRUE);
+  table->q = 2;
+  table->p = 1;
+  table->c[1] = 0.5;
+  table->A[1][0] = 0.5;
+  table->b[1] = 1;
+  table->d[0] = 1;
+  return table;
+}
+
+void KeepMessage(int, const char*, const char*, char* message, void* to) {
+  *static_cast<std::string*>(to) = message;
+}
+
+}  // namespace
+
+SundialsSolver::SundialsSolver(const SimulatorOptions& options, double time,
+                               const std::vector<double>& absolute_tolerances,
+                               const std::vector<int>& directions, const SundialsCallbacks& callbacks)
+    : api_(Api::Of(options.method)), options_(options), directions_(directions) {
+  const auto size = static_cast<sunindextype>(absolute_tolerances.size());
+  SUNContext_Create(nullptr, &sun_);
+  y_ = N_VNew_Serial(size, sun_);
+  N_VEnableFusedOps_Serial(y_, SUNTRUE);  // vectors cloned from it inherit them
+  N_VConst(0, y_);
+  atol_ = N_VNew_Serial(size, sun_);
+  std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol_));
+  multistep() ? CreateMultistep(time, callbacks) : CreateRungeKutta(time, callbacks);
+  api_.set_client(memory_, callbacks.client);
+  api_.set_error_handler(memory_, KeepMessage, &message_);
+  api_.set_tolerances(memory_, options.rtol, atol_);
+  api_.set_max_steps(memory_, options.max_steps);
+  if (!directions_.empty()) {
+    api_.set_roots(memory_, static_cast<int>(directions_.size()), callbacks.roots);
+    api_.set_root_directions(memory_, directions_.data());
+  }
+}
+
+SundialsSolver::~SundialsSolver() {
+  if (memory_ != nullptr) api_.free(&memory_);
+  if (table_ != nullptr) ARKodeButcherTable_Free(table_);
+  if (linear_solver_ != nullptr) SUNLinSolFree(linear_solver_);
+  if (matrix_ != nullptr) SUNMatDestroy(matrix_);
+  N_VDestroy(atol_);
+  N_VDestroy(y_);
+  SUNContext_Free(&sun_);
+}
+
+void SundialsSolver::CreateRungeKutta(double time, const SundialsCallbacks& callbacks) {
+  if (options_.method == Method::kErk) {
+    memory_ = ERKStepCreate(callbacks.derivatives, time, y_, sun_);
+    if (options_.order == 2) {
+      table_ = MidpointTable();
+      ERKStepSetTable(memory_, table_);
+    } else {
+      constexpr ARKODE_ERKTableID kTables[] = {ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ZONNEVELD_5_3_4,
+                                               ARKODE_DORMAND_PRINCE_7_4_5};
+      ERKStepSetTableNum(memory_, kTables[options_.order - 3]);
+    }
+  } else {
+    memory_ = ARKStepCreate(nullptr, callbacks.derivatives, time, y_, sun_);
+    ARKStepSetOrder(memory_, options_.order);
+    matrix_ = SUNDenseMatrix(N_VGetLength(y_), N_VGetLength(y_), sun_);
+    linear_solver_ = SUNLinSol_Dense(y_, matrix_, sun_);
+    ARKStepSetLinearSolver(memory_, linear_solver_, matrix_);
+    // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off,
+    // on the strength of how well earlier stages converged, and errs by a hundred tolerances.
+    ARKStepSetDeltaGammaMax(memory_, 1e-3);
+    if (options_.fixed_step > 0) ARKStepSetMaxNonlinIters(memory_, 10);  // a smaller step is no remedy here
+  }
+  if (options_.fixed_step > 0) return;
+  api_.set_step_chooser(memory_, callbacks.choose_step, callbacks.client);
+  api_.set_fixed_step_bounds(memory_, 1, 1);
+  api_.set_safety_factor(memory_, kSafetyFactor);
+  api_.set_error_bias(memory_, 1);
+  api_.set_max_growth(memory_, 1e6);
+  api_.set_max_first_growth(memory_, 1e6);
+}
+
+void SundialsSolver::CreateMultistep(double time, const SundialsCallbacks& callbacks) {
+  memory_ = CVodeCreate(options_.method == Method::kBdf ? CV_BDF : CV_ADAMS, sun_);
+  CVodeInit(memory_, callbacks.derivatives, time, y_);
+  CVodeSetMaxOrd(memory_, options_.order);
+  if (options_.max_step > 0) CVodeSetMaxStep(memory_, options_.max_step);
+  matrix_ = SUNDenseMatrix(N_VGetLength(y_), N_VGetLength(y_), sun_);
+  linear_solver_ = SUNLinSol_Dense(y_, matrix_, sun_);
+  CVodeSetLinearSolver(memory_, linear_solver_, matrix_);
+}
+
+void SundialsSolver::Restart(double time, double end, double step) {
+  if (multistep()) {
+    earlier_steps_ = steps();
+    earlier_failures_ = failed_steps();
+  }
+  api_.reset(memory_, time, y_);
+  api_.set_stop_time(memory_, end);
+  if (multistep()) return;
+  options_.fixed_step > 0 ? api_.set_fixed_step(memory_, step) : api_.set_first_step(memory_, step);
+}
+
+int SundialsSolver::Evolve(double end, double* time, bool one_step) {
+  static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_NORMAL == CV_NORMAL);
+  return api_.evolve(memory_, end, y_, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
+}
+
+bool SundialsSolver::IsRoot(int flag) {
+  static_assert(ARK_ROOT_RETURN == CV_ROOT_RETURN);
+  return flag == ARK_ROOT_RETURN;
+}
+bool SundialsSolver::IsStopTime(int flag) {
+  static_assert(ARK_TSTOP_RETURN == CV_TSTOP_RETURN);
+  return flag == ARK_TSTOP_RETURN;
+}
+bool SundialsSolver::IsErrorTestFailure(int flag) {
+  static_assert(ARK_ERR_FAILURE == CV_ERR_FAILURE);
+  return flag == ARK_ERR_FAILURE;
+}
+bool SundialsSolver::IsTooMuchWork(int flag) {
+  static_assert(ARK_TOO_MUCH_WORK == CV_TOO_MUCH_WORK);
+  return flag == ARK_TOO_MUCH_WORK;
+}
+
+void SundialsSolver::GetRoots(std::vector<int>* roots) const {
+  api_.get_roots(memory_, roots->data());
+}
+
+std::vector<double> SundialsSolver::WeightedErrors() const {
+  N_Vector errors = N_VClone(y_), weights = N_VClone(y_);
+  api_.get_errors(memory_, errors);
+  api_.get_weights(memory_, weights);
+  std::vector<double> weighted(static_cast<std::size_t>(N_VGetLength(y_)));
+  for (std::size_t i = 0; i < weighted.size(); ++i) {
+    weighted[i] = std::abs(N_VGetArrayPointer(errors)[i] * N_VGetArrayPointer(weights)[i]);
+  }
+  N_VDestroy(errors);
+  N_VDestroy(weights);
+  return weighted;
+}
+
+double SundialsSolver::current_time() const {
+  double t = 0;
+  api_.get_time(memory_, &t);
+  return t;
+}
+double SundialsSolver::current_step() const {
+  double h = 0;
+  api_.get_current_step(memory_, &h);
+  return h;
+}
+double SundialsSolver::last_step() const {
+  double h = 0;
+  api_.get_last_step(memory_, &h);
+  return h;
+}
+int SundialsSolver::last_order() const {
+  int order = options_.order;
+  if (multistep()) CVodeGetLastOrder(memory_, &order);
+  return order;
+}
+long SundialsSolver::steps() const {
+  long count = 0;
+  api_.get_steps(memory_, &count);
+  return earlier_steps_ + count;
+}
+long SundialsSolver::failed_steps() const {
+  long count = 0;
+  api_.get_failed_steps(memory_, &count);
+  return earlier_failures_ + count;
+}
+
+std::string SundialsSolver::Describe(int flag) const {
+  char* name = api_.flag_name(flag);
+  const std::string text = std::string(name) + ": " + message_;
+  std::free(name);
+  return text;
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,128 @@
+#include <tenon/systems/simulation/signal_log.h>
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/framework/internal/program.h>
+
+namespace tenon {
+
+void MemoryLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+  names_ = names;
+  units_ = units;
+  if (reserved_ > 0) Reserve(reserved_);
+}
+
+void MemoryLog::Reserve(std::size_t rows) {
+  reserved_ = rows;
+  data_.reserve(data_.size() + rows * names_.size());
+}
+
+void MemoryLog::Row(std::span<const double> row) {
+  data_.insert(data_.end(), row.begin(), row.end());
+}
+
+std::vector<double> MemoryLog::column(const std::string& name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) {
+    throw Error(fmt::format("the log has no column '{}'; did you mean '{}'?", name,
+                            internal::NearestName(name, names_)));
+  }
+  std::vector<double> values;
+  values.reserve(rows());
+  for (auto i = static_cast<std::size_t>(found - names_.begin()); i < data_.size(); i += names_.size()) {
+    values.push_back(data_[i]);
+  }
+  return values;
+}
+
+CsvLog::CsvLog(const std::filesystem::path& file) : path_(file), file_(std::fopen(file.c_str(), "w")) {
+  if (file_ == nullptr) throw RunError(fmt::format("cannot write the log '{}'", file.string()));
+}
+
+CsvLog::~CsvLog() {
+  std::fclose(file_);
+}
+
+void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+  std::string header;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    header += (i == 0 ? "" : ",") + names[i] + (units[i].empty() ? "" : " [" + units[i] + "]");
+  }
+  header += '\n';
+  line_.resize(names.size() * 32 + 2);
+  std::fwrite(header.data(), 1, header.size(), file_);
+}
+
+void CsvLog::Row(std::span<const double> row) {
+  char* end = line_.data();
+  for (const double& value : row) {
+    // Nine digits: more than any sensor has, half the file of the full seventeen. Time is exact.
+    end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
+    *end++ = ',';
+  }
+  end[-1] = '\n';
+  const auto size = static_cast<std::size_t>(end - line_.data());
+  if (std::fwrite(line_.data(), 1, size, file_) != size) {
+    throw RunError(fmt::format("cannot write on to the log '{}': is the disk full?", path_.string()));
+  }
+}
+
+void CsvLog::Flush() {
+  std::fflush(file_);
+}
+
+SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
+                     std::vector<std::shared_ptr<LogSink>> sinks)
+    : context_(context),
+      signals_(std::move(signals)),
+      sinks_(std::move(sinks)),
+      ops_(context.diagram().program().Evaluation(signals_)) {}
+
+SignalLog::~SignalLog() = default;
+
+/// Sizes known at run time only show in the values, not in the ports: so the header waits for the first row.
+void SignalLog::Begin() {
+  std::vector<std::string> names{"time"}, units{"s"};
+  for (const Source* signal : signals_) {
+    std::vector<Element> elements;
+    signal->type_->list_elements(context_.EvalAddress(*signal), signal->spec(), elements);
+    sizes_.push_back(elements.size());
+    for (const Element& element : elements) {
+      names.push_back(signal->path() + (element.name.empty() ? "" : "." + element.name));
+      units.push_back(element.unit);
+    }
+  }
+  row_.resize(names.size());
+  for (const auto& sink : sinks_) sink->Begin(names, units);
+}
+
+void SignalLog::Sample() {
+  if (row_.empty()) Begin();
+  context_.RunStale(ops_);
+  double* out = row_.data();
+  *out++ = context_.time();
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const void* value = context_.Address(*signals_[i]);
+    if (const std::size_t size = signals_[i]->type_->count(value); size != sizes_[i]) {
+      throw RunError(
+          fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals "
+                      "of constant size",
+                      signals_[i]->path(), sizes_[i], size, context_.time()));
+    }
+    out = signals_[i]->type_->to_doubles(value, out);
+  }
+  for (const auto& sink : sinks_) sink->Row(row_);
+}
+
+void SignalLog::Flush() {
+  for (const auto& sink : sinks_) sink->Flush();
+}
+
+}  // namespace tenon

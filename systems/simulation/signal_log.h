@@ -1,0 +1,89 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/rate.h>
+
+namespace tenon {
+
+/// Takes the rows of a log as the run goes. Time is the first column.
+class LogSink {
+ public:
+  virtual ~LogSink() = default;
+  /// Called once, before the first row. Names are "block.port.element", units may be empty.
+  virtual void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) = 0;
+  virtual void Row(std::span<const double> row) = 0;
+  /// Called when the run pauses or ends, also after an error: make everything readable.
+  virtual void Flush() {}
+};
+
+/// Keeps a log in memory.
+class MemoryLog final : public LogSink {
+ public:
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
+  void Row(std::span<const double> row) override;
+
+  /// Makes room, so that the next `rows` rows do not allocate.
+  void Reserve(std::size_t rows);
+  std::size_t rows() const { return names_.empty() ? 0 : data_.size() / names_.size(); }
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<std::string>& units() const { return units_; }
+  std::span<const double> row(std::size_t i) const { return {&data_[i * names_.size()], names_.size()}; }
+  /// All values of one column; throws Error with the nearest name if there is none of that name.
+  std::vector<double> column(const std::string& name) const;
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::string> units_;
+  std::vector<double> data_;
+  std::size_t reserved_ = 0;  ///< rows asked for before their length was known
+};
+
+/// Writes a log as CSV with a header of "name [unit]", row by row, so that a killed run leaves what it had.
+/// Opens in PlotJuggler as it is.
+class CsvLog final : public LogSink {
+ public:
+  /// Throws RunError if the file cannot be opened.
+  explicit CsvLog(const std::filesystem::path& file);
+  ~CsvLog() override;
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
+  /// Throws RunError if the disk is full or gone.
+  void Row(std::span<const double> row) override;
+  void Flush() override;
+
+ private:
+  std::filesystem::path path_;
+  std::FILE* file_;
+  std::vector<char> line_;
+};
+
+/// Logs the values of any ports and states at a rate into sinks; the blocks know nothing of it. A row holds
+/// what the signals are at the tick after all due sampled outputs have run and before updates take effect.
+class SignalLog {
+ public:
+  SignalLog(Context& context, std::vector<const Source*> signals,
+            std::vector<std::shared_ptr<LogSink>> sinks);
+  ~SignalLog();
+  /// Computes what is stale and hands a row to the sinks. Throws RunError if a signal has another size than
+  /// in the first row.
+  void Sample();
+  void Flush();
+
+ private:
+  void Begin();
+  Context& context_;
+  std::vector<const Source*> signals_;
+  std::vector<std::shared_ptr<LogSink>> sinks_;
+  std::vector<internal::Op> ops_;
+  std::vector<double> row_;
+  std::vector<std::size_t> sizes_;  ///< of each signal
+};
+
+}  // namespace tenon

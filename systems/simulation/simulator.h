@@ -1,0 +1,104 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/simulation/internal/sundials_integrator.h>
+#include <tenon/systems/simulation/signal_log.h>
+#include <tenon/systems/simulation/simulator_options.h>
+
+namespace tenon {
+
+namespace internal {
+class Schedule;
+}
+
+/// How an advance ended.
+struct RunStatus {
+  double time = 0;     ///< [s]
+  bool ended = false;  ///< a monitor ended the run
+  std::string reason;  ///< what the monitor said, with its path in front
+};
+
+/// Runs a diagram: integrates between ticks, and at each tick computes all due sampled outputs in dataflow
+/// order, takes the logs, asks the monitors, and lets all due updates take effect at once.
+///
+///     Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
+///     simulator.AdvanceTo(5);
+///     simulator.context().Eval(cart.state);
+class Simulator {
+ public:
+  /// Makes a context of its own. Throws ParameterError for options that make no sense.
+  explicit Simulator(const Diagram& diagram, SimulatorOptions options = {});
+  /// Goes on with a context that exists: a clone, or one that was restored.
+  Simulator(std::unique_ptr<Context> context, SimulatorOptions options = {});
+  ~Simulator();
+
+  Context& context() { return *context_; }
+  const Context& context() const { return *context_; }
+
+  /// Logs ports and states at a rate. Ticks of a log end integration steps, as all ticks do.
+  void AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
+  /// The same into memory.
+  std::shared_ptr<MemoryLog> AddLog(Rate rate, std::vector<const Source*> signals);
+
+  /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
+  RunStatus Initialize();
+  /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors. A time
+  /// that is no tick cuts a step in two and so changes the last digits of what follows. Throws RunError: what
+  /// a block threw, the first value that is not finite, the integrator's failure with its worst state, or
+  /// events without end.
+  RunStatus AdvanceTo(double time);
+  /// Time of the next tick [s], infinity if there is none.
+  double next_tick_time() const;
+
+  IntegratorStatistics statistics() const;
+
+ private:
+  void Synchronize();
+  void RebuildSchedule();
+  void IntegrateTo(double end);
+  void Start();
+  void Tick(bool first = false);
+  void AfterStep();
+  void HandleRoots();
+  void HandleJumps();
+  void Fire(std::size_t witness);
+  void EvaluateWitnesses(std::vector<double>& values);
+  void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
+  void CheckSamples(const internal::TickPlan& plan) const;
+  void KeepPace();
+  void FlushLogs();
+
+  std::unique_ptr<Context> context_;
+  SimulatorOptions options_;
+  const internal::Program& program_;
+  SundialsIntegrator integrator_;
+  std::unique_ptr<internal::Schedule> schedule_;
+  double synchronized_time_ = -1;
+
+  struct RatedLog {
+    Rate rate;
+    SignalLog log;
+  };
+  std::vector<std::unique_ptr<RatedLog>> logs_;
+
+  std::vector<double> witness_values_;
+  std::vector<double> new_witness_values_;
+  struct Events {
+    double instant = -1;
+    int count = 0;  ///< at this instant
+  };
+  std::vector<Events> events_;  ///< of each witness
+
+  std::optional<std::string> end_reason_;
+  std::chrono::steady_clock::time_point pace_start_{};
+  double pace_start_time_ = 0;
+};
+
+}  // namespace tenon

@@ -1,0 +1,107 @@
+#include <tenon/systems/yaml/yaml.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include <tenon/systems/yaml/yaml_tree.h>
+
+namespace tenon {
+
+using internal::YamlTree;
+
+YamlDocument YamlDocument::Load(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path, ignored))
+    throw ParameterError(fmt::format(
+        "cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute", path.string(),
+        std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
+        std::filesystem::current_path().string()));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return Parse(text.str(), path.string());
+}
+
+YamlDocument YamlDocument::Parse(std::string text, std::string name) {
+  const auto place_of = [&](int line, int column) { return fmt::format("{}:{}:{}", name, line, column); };
+  return YamlDocument(std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)));
+}
+
+std::string YamlDocument::Text(std::string_view key) const {
+  const auto found = YamlTree::FindKey(*tree_, key);
+  return found == tree_->children.end() ? "" : found->text;
+}
+
+namespace {
+
+void AddMissingTo(YamlTree& tree, const YamlTree& base) {
+  for (const YamlTree& entry : base.children) {
+    const auto own = YamlTree::FindKey(tree, entry.key);
+    if (own == tree.children.end())
+      tree.children.push_back(entry);
+    else if (own->kind == YamlTree::Kind::kMap && entry.kind == YamlTree::Kind::kMap)
+      AddMissingTo(*own, entry);
+  }
+}
+
+}  // namespace
+
+void YamlDocument::AddMissing(const YamlDocument& base) {
+  YamlTree root = *tree_;
+  AddMissingTo(root, *base.tree_);
+  tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+void YamlDocument::Remove(std::string_view key) {
+  YamlTree root = *tree_;
+  std::erase_if(root.children, [key](const YamlTree& entry) { return entry.key == key; });
+  tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text) {
+  const std::string place = fmt::format("--set {}={}", dotted_key, value_text);
+  YamlTree root = *tree_;
+  YamlTree* node = &root;
+  for (std::size_t begin = 0; begin <= dotted_key.size();) {
+    const std::size_t end = std::min(dotted_key.find('.', begin), dotted_key.size());
+    const std::string_view key = dotted_key.substr(begin, end - begin);
+    const std::string_view parent = dotted_key.substr(0, begin == 0 ? 0 : begin - 1);
+    begin = end + 1;
+    if (key.empty()) internal::FailAt(place, "a key is empty; write the path as in a.b or a.2");
+    if (node->kind == YamlTree::Kind::kNull) node->kind = YamlTree::Kind::kMap;
+    if (node->kind == YamlTree::Kind::kMap) {
+      auto it = YamlTree::FindKey(*node, key);
+      if (it == node->children.end()) {
+        YamlTree added;
+        added.place = added.key_place = place;
+        added.overridden = true;
+        added.key = key;
+        it = node->children.insert(it, std::move(added));
+      }
+      node = &*it;
+    } else if (node->kind == YamlTree::Kind::kList) {
+      std::size_t index = 0;
+      const auto [last, error] = std::from_chars(key.data(), key.data() + key.size(), index);
+      if (error != std::errc() || last != key.data() + key.size() || index >= node->children.size())
+        internal::FailAt(place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", parent,
+                                            internal::Describe(*node), key));
+      node = &node->children[index];
+    } else {
+      internal::FailAt(place, fmt::format("'{}' is {} and has nothing inside; set '{}' itself", parent,
+                                          internal::Describe(*node), parent));
+    }
+  }
+  const auto place_of = [&](int, int) { return place; };
+  YamlTree value = internal::ParseYamlTree(std::string(value_text), place_of, true);
+  value.key = std::move(node->key);
+  value.key_place = std::move(node->key_place);
+  *node = std::move(value);
+  tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+}  // namespace tenon

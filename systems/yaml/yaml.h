@@ -1,0 +1,90 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/systems/yaml/yaml_writer.h>
+
+namespace tenon {
+
+/// A YAML file of parameters, read strictly into structs that describe themselves by a static `Fields()`:
+///
+///     struct WalkParams {
+///       double speed_m_per_s = 0.2;
+///       Eigen::Vector3d goal_m = Eigen::Vector3d::Zero();
+///       static constexpr auto Fields() {
+///         return std::tuple{Field{"speed_m_per_s", &WalkParams::speed_m_per_s},
+///                           Required("goal_m", &WalkParams::goal_m)};
+///       }
+///       void Validate() const;  // optional, called after reading; throws ParameterError
+///     };
+///     auto document = YamlDocument::Load("walk.yaml");
+///     document.Set("speed_m_per_s", "0.3");
+///     const auto params = document.Read<WalkParams>();
+///
+/// A member is a double, int, std::uint64_t, bool, std::string, an enum with EnumNames() (see NamedEnum), an
+/// Eigen vector or matrix of fixed size, another struct with Fields(), or a std::optional (null is empty),
+/// std::vector, std::array or std::map<std::string, ...> of those.
+///
+/// A key that is left out keeps its default unless it is Required. Refused are keys that the struct does not
+/// have, keys given twice, values of another type or length, numbers that are not finite, and what Validate()
+/// refuses. Every error is a ParameterError that begins with file:line:column and the path of the key, as in
+/// `robot.yaml:12:5: cables.2.anchor_m: expected a list of 3, found a list of 2`.
+class YamlDocument {
+ public:
+  /// Reads a file. Throws if it cannot be read, is not valid YAML or holds more than one document.
+  static YamlDocument Load(const std::filesystem::path& path);
+  /// The same from text; errors call it `name`.
+  static YamlDocument Parse(std::string text, std::string name);
+
+  /// Replaces one value, as `--set a.b=3` of a command line asks: `value_text` is YAML, the key a path of map
+  /// keys and list indices (`anchors.2`). A map key that is missing is added, a list does not grow.
+  /// Errors that stem from the value say `--set a.b=3` instead of a line of the file.
+  void Set(std::string_view dotted_key, std::string_view value_text);
+
+  /// Adds what `base` says and this document does not: maps key by key, while lists and scalars of this
+  /// document stand for those of the base.
+  void AddMissing(const YamlDocument& base);
+  /// Takes out a key at top level, if it is there.
+  void Remove(std::string_view key);
+
+  /// The text of a scalar at top level; empty if there is none of that key.
+  std::string Text(std::string_view key) const;
+
+  /// Reads the document into a T that holds its defaults.
+  template <HasFields T>
+  T Read() const {
+    T value{};
+    Root().Read(value);
+    return value;
+  }
+  /// Reads over `value`, whose members are the defaults; after an error it is unchanged.
+  template <HasFields T>
+  void ReadInto(T& value) const {
+    T read = value;
+    Root().Read(read);
+    value = std::move(read);
+  }
+
+ private:
+  explicit YamlDocument(std::shared_ptr<const internal::YamlTree> tree) : tree_(std::move(tree)) {}
+  internal::YamlNode Root() const { return {*tree_, ""}; }
+
+  std::shared_ptr<const internal::YamlTree> tree_;  ///< never changed, so copies may share it
+};
+
+/// YAML text with every field of `value`: YamlDocument::Parse gives back an equal value, bit for bit.
+/// Throws ParameterError for numbers that are not finite, for these could not be read again.
+template <HasFields T>
+std::string WriteYaml(const T& value) {
+  internal::YamlWriter writer;
+  writer.Write(value);
+  return writer.Text();
+}
+
+}  // namespace tenon

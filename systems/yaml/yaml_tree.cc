@@ -1,0 +1,159 @@
+#include <tenon/systems/yaml/yaml_tree.h>
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::internal {
+namespace {
+
+using Kind = YamlTree::Kind;
+
+/// Makes the tree from the parser's events. YAML::Node would hide keys that are given twice.
+class TreeBuilder final : public YAML::EventHandler {
+ public:
+  TreeBuilder(const YamlPlaceOf& place_of, bool overridden)
+      : place_of_(place_of), overridden_(overridden), root_(Make({}, Kind::kNull)) {}
+
+  YamlTree Take() {
+    if (!bad_key_.empty()) FailAt(bad_key_, "a key must be a word; quote it if it is meant so");
+    return std::move(root_);
+  }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ > 1) FailAt(PlaceOf(mark), "a second document begins here; keep one per file");
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    Add(Make(mark, Kind::kNull), anchor);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& text) override {
+    YamlTree tree = Make(mark, Kind::kScalar);
+    tree.text = text;
+    tree.quoted = tag == "!";
+    if (tag != "?") RefuseTag(mark, tag);
+    Add(std::move(tree), anchor);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto it = anchors_.find(anchor);
+    if (it == anchors_.end())
+      FailAt(PlaceOf(mark), "the alias stands inside its own anchor; repeat the value");
+    Add(it->second, 0);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
+    Open(Make(mark, Kind::kList), anchor);
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
+    Open(Make(mark, Kind::kMap), anchor);
+  }
+  void OnSequenceEnd() override { Close(); }
+  void OnMapEnd() override { Close(); }
+
+ private:
+  std::string PlaceOf(const YAML::Mark& mark) const { return place_of_(mark.line + 1, mark.column + 1); }
+  struct Level {
+    YamlTree tree;
+    YAML::anchor_t anchor;
+    std::optional<YamlTree> key = {};  // the key whose value comes next
+  };
+
+  YamlTree Make(const YAML::Mark& mark, Kind kind) const {
+    YamlTree tree;
+    tree.kind = kind;
+    tree.place = PlaceOf(mark);
+    tree.overridden = overridden_;
+    return tree;
+  }
+  void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
+    if (!tag.empty() && tag != "?" && tag != "!")
+      FailAt(PlaceOf(mark), fmt::format("the tag '{}' has no meaning here; remove it", tag));
+  }
+  bool ExpectsKey() const {
+    return !open_.empty() && open_.back().tree.kind == Kind::kMap && !open_.back().key;
+  }
+  void Open(YamlTree tree, YAML::anchor_t anchor) { open_.push_back({std::move(tree), anchor}); }
+  void Close() {
+    Level level = std::move(open_.back());
+    open_.pop_back();
+    Add(std::move(level.tree), level.anchor);
+  }
+  void Add(YamlTree tree, YAML::anchor_t anchor) {
+    if (anchor != 0) anchors_[anchor] = tree;
+    if (open_.empty()) {
+      root_ = std::move(tree);
+      return;
+    }
+    Level& level = open_.back();
+    if (ExpectsKey()) {
+      // The parser takes an unfinished list for a key before it finds the syntax error, so this must wait.
+      if (tree.kind != Kind::kScalar && bad_key_.empty()) bad_key_ = tree.place;
+      const auto first = YamlTree::FindKey(level.tree, tree.text);
+      if (tree.kind == Kind::kScalar && first != level.tree.children.end())
+        FailAt(tree.place, fmt::format("the key '{}' is given twice, first at {}; remove one of them",
+                                       tree.text, first->key_place));
+      level.key = std::move(tree);
+      return;
+    }
+    if (level.key) {
+      tree.key = level.key->text;
+      tree.key_place = level.key->place;
+      level.key.reset();
+    }
+    level.tree.children.push_back(std::move(tree));
+  }
+
+  const YamlPlaceOf& place_of_;
+  bool overridden_;
+  YamlTree root_;
+  std::string bad_key_;  // place of the first key that is no word
+  int documents_ = 0;
+  std::vector<Level> open_;
+  std::map<YAML::anchor_t, YamlTree> anchors_;
+};
+
+}  // namespace
+
+YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden) {
+  TreeBuilder builder(place_of, overridden);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (const YAML::Exception& error) {
+    FailAt(place_of(error.mark.line + 1, error.mark.column + 1),
+           fmt::format("not valid YAML: {}; mend the text here or just before", error.msg));
+  }
+  return builder.Take();
+}
+
+std::string Describe(const YamlTree& tree) {
+  switch (tree.kind) {
+    case Kind::kNull:
+      return "nothing";
+    case Kind::kScalar:
+      return (tree.quoted ? "the quoted text '" : "'") + tree.text + "'";
+    case Kind::kList:
+      return fmt::format("a list of {}", tree.children.size());
+    case Kind::kMap:
+      return "a map of keys and values";
+  }
+  return "";
+}
+
+void FailAt(std::string_view place, std::string_view what) {
+  throw ParameterError(fmt::format("{}: {}", place, what));
+}
+
+}  // namespace tenon::internal

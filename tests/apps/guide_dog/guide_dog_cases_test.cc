@@ -1,0 +1,97 @@
+// The cases of the guide dog, with DogBot and the observers in the loop.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+/// The figures of a scenario that has run.
+struct Case {
+  double operator[](const char* key) const { return summary.at(key).get<double>(); }
+  nlohmann::json summary;
+};
+
+class GuideDogCasesTest : public test::AppTest {
+ protected:
+  /// Runs a scenario, which must reach its end.
+  Case RunCase(const std::string& scenario) const {
+    const test::Result result = test::RunCommand(std::string(TENON_GUIDE_DOG) + " " + scenario + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    const Case run{nlohmann::json::parse(test::Read(out / "summary.json"))};
+    EXPECT_TRUE(run.summary.at("finished").get<bool>());
+    return run;
+  }
+};
+
+void ExpectSteady(const Case& run) {
+  EXPECT_NEAR(run["tension_mean_N"], 30, 3);
+  EXPECT_GT(run["distance_min_m"], 0.95 * run["distance_mean_m"]);
+  EXPECT_LT(run["distance_max_m"], 1.05 * run["distance_mean_m"]);
+  EXPECT_LT(run["force_estimate_error_rms_N"], 2);
+  EXPECT_EQ(run["qp_failures"], 0);
+}
+
+TEST_F(GuideDogCasesTest, C1) {
+  const Case run = RunCase("C1");
+  ExpectSteady(run);
+  EXPECT_GT(run["tension_max_N"], 50) << "the person has stopped the robot";
+  EXPECT_LT(run["tension_max_N"], 60);
+  EXPECT_LT(run["stop_delay_s"], 1);
+}
+
+TEST_F(GuideDogCasesTest, C1Sine) {
+  const Case run = RunCase("C1-sine");
+  ExpectSteady(run);
+  EXPECT_LT(run["tension_max_N"], 45);
+}
+
+TEST_F(GuideDogCasesTest, C2) {
+  const Case run = RunCase("C2");
+  ExpectSteady(run);
+  EXPECT_LT(run["tension_max_N"], 45);
+}
+
+TEST_F(GuideDogCasesTest, C3) {
+  const Case run = RunCase("C3");
+  ExpectSteady(run);
+  EXPECT_LT(run["heading_error_deg"], 5);
+  EXPECT_LT(run["stop_delay_s"], 1);
+}
+
+TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
+  for (const char* scenario : {"C3-right", "C3-diagonal", "C3-blocks"}) {
+    const Case run = RunCase(scenario);
+    EXPECT_LT(run["heading_error_deg"], 5) << scenario;
+  }
+}
+
+TEST_F(GuideDogCasesTest, APersonWhoStumblesDoesNotPullTheRobotOver) {
+  EXPECT_GT(RunCase("C1-stumble")["com_error_max_m"], 0.01) << "it was felt";
+}
+
+// Noise on all sensors, and 60 s on a slack leash after the person has stopped the robot.
+TEST_F(GuideDogCasesTest, DoesNotStartByItselfInNoise) {
+  const Case run = RunCase(
+      "C1 --duration 82 --set 'person.phases=[{activity: follow, duration_s: 15, speed_m_per_s: 0.07}]' "
+      "--set 'sensors={torque: {noise_ratio: 0.1}, foot_force: {noise_ratio: 0.1}, encoders: "
+      "{angle_noise_rad: 1.0e-4}, imu: {acceleration_noise_m_per_s2: 0.05, angular_velocity_noise_rad_per_s: "
+      "0.005}}'");
+  EXPECT_LT(run["stop_delay_s"], 1);
+  EXPECT_EQ(run["qp_failures"], 0);
+  const std::vector<double> time = test::Column(out, "time [s]");
+  const std::vector<double> mode = test::Column(out, "loop.supervisor.status.mode");
+  int standing = 0;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    if (time[row] < 22) continue;
+    EXPECT_EQ(mode[row], 2) << "not in stop at " << time[row] << " s";
+    ++standing;
+  }
+  EXPECT_GT(standing, 1000);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,98 @@
+// Runs the binary as its users do: what it writes, what it refuses.
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+using test::Read;
+using test::Result;
+using test::RunCommand;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Result RunApp(const std::string& arguments) {
+  return RunCommand(std::string(TENON_GUIDE_DOG) + " " + arguments);
+}
+
+using TenonGuideDogTest = test::AppTest;
+
+TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
+  const Result result = RunApp("C3 --duration 0.3 --seed 7" + Out() + " --graph " + out.string() + ".dot");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key : {"case",
+                          "seed",
+                          "observer",
+                          "finished",
+                          "fell",
+                          "end_reason",
+                          "simulated_s",
+                          "wall_s",
+                          "real_time_factor",
+                          "robot",
+                          "tension_mean_N",
+                          "tension_max_N",
+                          "distance_mean_m",
+                          "distance_min_m",
+                          "distance_max_m",
+                          "stop_delay_s",
+                          "heading_error_deg",
+                          "force_estimate_mean_N",
+                          "force_estimate_error_rms_N",
+                          "com_error_max_m",
+                          "foot_error_max_m",
+                          "grf_error_mean_N",
+                          "qp_failures"}) {
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
+  }
+  EXPECT_THAT(summary,
+              AllOf(HasSubstr("\"case\": \"C3\""), HasSubstr("\"seed\": 7"),
+                    HasSubstr("\"observer\": \"hybrid\""), HasSubstr("\"heading_error_deg\": null")));
+  EXPECT_THAT(Read(out / "signals.csv"),
+              AllOf(HasSubstr("loop.leash.leash.tension [N]"), HasSubstr("loop.person.person.hand_W.z [m]"),
+                    HasSubstr("loop.supervisor.status.mode"), HasSubstr("\n0.3,")));
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("felt_tension_N: 5"), HasSubstr("threshold_N: 50")));
+  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
+  EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("supervisor"), HasSubstr("admittance")));
+  std::filesystem::remove(out.string() + ".dot");
+}
+
+TEST_F(TenonGuideDogTest, WrittenScenarioRepeatsTheRun) {
+  ASSERT_EQ(RunApp("C1 --duration 0.2 --set sensors.foot_force.noise_ratio=0.1" + Out()).exit_code, 0);
+  const std::string first = Read(out / "signals.csv");
+  const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
+  ASSERT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_TRUE(Read(out / "again" / "signals.csv") == first);  // too long to print
+}
+
+TEST_F(TenonGuideDogTest, WalksByTheEstimatedState) {
+  const Result result = RunApp("C2 --duration 2 --set walk.state=estimated" + Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("loop.estimator.estimate"));
+}
+
+TEST_F(TenonGuideDogTest, ListsItsScenarios) {
+  const Result result = RunApp("--list");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* name : {"C1", "C1-sine", "C2", "C3"}) EXPECT_THAT(result.text, HasSubstr(name));
+}
+
+TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
+  const auto refuses = [&](const std::string& arguments, const char* a, const char* b) {
+    const Result result = RunApp(arguments + Out());
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_THAT(result.text, AllOf(HasSubstr(a), HasSubstr(b))) << arguments;
+  };
+  refuses("flat", "is a scenario of another app", "run tenon-quadruped flat");
+  refuses("C1 --set app=tenon-cdpr", "another app", "tenon-guide-dog");
+  refuses("C1 --set duration_s=0", "duration_s", "positive");
+  refuses("C1 --set person.phases.1.speed_m_per_s=-1", "phase 1", "negative");
+  refuses("C1 --set leash.stiffness=3", "leash", "stiffness_N_per_m");
+  refuses("C3 --set surroundings.obstacles.0.radius_m=0", "obstacle 0", "positive radius");
+  refuses("C1 --set supervisor.release_N=60", "release of 60 N", "threshold of 50 N");
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,215 @@
+// Runs the binary as its users do.
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+namespace fs = std::filesystem;
+using test::BadUsage;
+using test::Column;
+using test::Read;
+using test::Result;
+using test::RunCommand;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Result RunApp(const std::string& arguments) {
+  return RunCommand(std::string(TENON_QUADRUPED) + " " + arguments);
+}
+
+using TenonQuadrupedTest = test::AppTest;
+
+TEST_F(TenonQuadrupedTest, WritesSummarySignalsScenarioAndGraph) {
+  const Result result = RunApp("stand --duration 0.2 --seed 7" + Out() + " --graph " + out.string() + ".dot");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key : {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s",
+                          "real_time_factor", "robot", "height_min_m", "height_end_m", "drift_m",
+                          "tilt_max_rad", "torque_max_N_m", "foot_force_max_N", "evaluations"}) {
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
+  }
+  EXPECT_THAT(summary, AllOf(HasSubstr("\"seed\": 7"), HasSubstr("\"finished\": true"),
+                             HasSubstr("\"robot\": \"dogbot\""), HasSubstr("\"simulated_s\": 0.2")));
+  EXPECT_THAT(Read(out / "signals.csv"),
+              AllOf(HasSubstr("time [s],"), HasSubstr("loop.world.plant.foot_forces.front_left.z [N]"),
+                    HasSubstr("loop.world.imu.measurement.specific_force_B.z [m/s^2]"), HasSubstr("\n0.2,")));
+  EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("case: stand"), HasSubstr("atol_bristles")));
+  EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("cluster_loop"), HasSubstr("encoders")));
+  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>stand: holds its stance"));
+  fs::remove(out.string() + ".dot");
+}
+
+TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
+  const Result result = RunApp("A1 --duration 1.2" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key : {"observer", "com_error_max_m", "com_error_rms_m", "foot_error_max_m",
+                          "grf_error_mean_N", "force_estimate_mean_N", "force_estimate_error_rms_N",
+                          "qp_time_median_us", "qp_time_p99_us", "qp_failures"})
+    EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
+  EXPECT_THAT(summary, AllOf(HasSubstr("\"case\": \"A1\""), HasSubstr("\"observer\": \"hybrid\"")));
+}
+
+TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
+  EXPECT_EQ(RunApp("A2 --compare --duration 0.6" + Out()).exit_code, 0);
+  for (const char* name : {"hybrid", "focchi", "ndo_m", "ndo_inverse"})
+    EXPECT_TRUE(fs::exists(out / name / "summary.json")) << name;
+  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"focchi\": {"), HasSubstr("\"ndo_m\": {")));
+  EXPECT_EQ(RunApp("A3-sweep --duration 0.1 --set sweep.phases=2 --set sweep.directions=1" + Out()).exit_code,
+            0);
+  EXPECT_THAT(Read(out / "phase_1_direction_0" / "scenario.yaml"), HasSubstr("start_s: 3.885"));
+  EXPECT_TRUE(fs::exists(out / "report.html"));
+}
+
+TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
+  EXPECT_EQ(RunApp("flat --gait pace --speed 0.1 --observer none --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
+  const Result stands = RunApp("stand --gait trot" + Out());
+  EXPECT_EQ(stands.exit_code, 2);
+  EXPECT_THAT(stands.text, HasSubstr("'stand' does not walk: leave --gait"));
+  const Result gallops = RunApp("flat --gait canter" + Out());
+  EXPECT_EQ(gallops.exit_code, 2);
+  EXPECT_THAT(gallops.text, HasSubstr("gallop"));
+}
+
+TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
+  fs::create_directories(out);
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(out / name) << text;
+    return (out / name).string();
+  };
+  const std::string own = write("own.yaml", "extends: A4-noisy\ncase: own\nseed: 9\n");
+  EXPECT_EQ(RunApp(own + " --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("case: own"), HasSubstr("noise_ratio: 0.1"), HasSubstr("upper_N: 35")));
+  const std::string ring = write("ring.yaml", "extends: " + (out / "ring.yaml").string() + "\n");
+  const Result result = RunApp(ring + Out());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.text, HasSubstr("extends itself"));
+}
+
+TEST_F(TenonQuadrupedTest, RefusesScenariosThatNeitherStandNorWalk) {
+  fs::create_directories(out);
+  std::ofstream(out / "none.yaml") << "app: tenon-quadruped\ncase: none\n";
+  EXPECT_THAT(RunApp((out / "none.yaml").string() + Out()).text,
+              HasSubstr("give one of pd and walk, not none"));
+  std::ofstream(out / "sweep.yaml") << "extends: flat\nsweep: {period_s: 1}\n";
+  EXPECT_THAT(RunApp((out / "sweep.yaml").string() + Out()).text,
+              HasSubstr("a sweep needs a walk and a force"));
+  EXPECT_THAT(RunApp("A3-sweep --set sweep.phases=0" + Out()).text, HasSubstr("all must be positive"));
+}
+
+TEST_F(TenonQuadrupedTest, DropsBothRobots) {
+  for (const char* robot : {"dogbot", "a1"}) {
+    const Result result = RunApp("drop --duration 1 --set robot=" + std::string(robot) + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
+  }
+}
+
+TEST_F(TenonQuadrupedTest, WrittenScenarioRepeatsTheRun) {
+  ASSERT_EQ(RunApp("stand --duration 0.2 --set sensors.encoders.angle_noise_rad=1e-4 --set "
+                   "'random_forces=[{lower_N: 10, upper_N: 35, period_s: 0.1}]'" +
+                   Out())
+                .exit_code,
+            0);
+  const std::string first = Read(out / "signals.csv");
+  const Result again = RunApp((out / "scenario.yaml").string() + Out() + "/again");
+  ASSERT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
+}
+
+// In a robot at rest a sensor shows its bias, and changes as often as it samples.
+TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
+  const Result result = RunApp(
+      "stand --duration 0.2 --set 'sensors={encoders: {speed_bias_rad_per_s: 0.5}, "
+      "torque: {rate_hz: 100, noise_ratio: 0.1}, foot_force: {rate_hz: 50, noise_ratio: 0.1, bias_N: 20}, "
+      "imu: {rate_hz: 20, angular_velocity_bias_rad_per_s: [0.1, 0.2, 0.3], "
+      "angular_velocity_noise_rad_per_s: 1e-4}}'" +
+      Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const auto changes = [&](const std::string& name) {
+    std::vector<double> values = Column(out, name);
+    return std::unique(values.begin(), values.end()) - values.begin() - 1;
+  };
+  EXPECT_EQ(changes("loop.world.torque_sensor.measured.2 [N m]"), 20);
+  EXPECT_EQ(changes("loop.world.foot_sensor.measured.front_left.z [N]"), 10);
+  EXPECT_EQ(changes("loop.world.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
+  EXPECT_NEAR(Column(out, "loop.world.encoders.joints.qd.2 [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.qd.2 [rad/s]").back(),
+              0.5, 1e-6);
+  EXPECT_NEAR(Column(out, "loop.world.imu.measurement.angular_velocity_B.z [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.w_W.z [rad/s]").back(),
+              0.3, 1e-3);
+  EXPECT_NEAR(Column(out, "loop.world.foot_sensor.measured.front_left.y [N]").back(), 20, 5);
+}
+
+TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
+  const Result result =
+      RunApp("stand --duration 4 --set 'forces=[{force_N: [0, 400, 0], duration_s: 2}]'" + Out());
+  EXPECT_EQ(result.exit_code, 3) << result.text;
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"fell\": true"), HasSubstr("the robot fell: its trunk is")));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
+}
+
+TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
+  const Result result = RunApp(
+      "stand --duration 2 --set 'terrain={grade: [0.1, 0.1]}' --set payload.mass_kg=5 --set "
+      "'forces=[{on: front_left, force_N: [20, 0, 0], duration_s: 2, frequency_rad_per_s: 1}]'" +
+      Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("slope"));
+}
+
+TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
+  const Result result = RunApp("flat --duration 1 --set walk.state=estimated" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"velocity_estimate_error_rms_m_per_s\": 0.00"),
+                                                HasSubstr("\"tilt_estimate_error_max_rad\": 0.00")));
+  ASSERT_EQ(RunApp("flat --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), ::testing::Not(HasSubstr("velocity_estimate")));
+}
+
+using TenonQuadrupedUsageTest = test::UsageTest;
+
+TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
+  ExpectExitCode2WithItsMessage(TENON_QUADRUPED);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, TenonQuadrupedUsageTest,
+    ::testing::Values(BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
+                      BadUsage{"stand --set app=tenon-cdpr", "is a scenario of another app"},
+                      BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
+                      BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
+                      BadUsage{"stand --set start_height_m=-0.1",
+                               "start_height_m = -0.1 must not be negative"},
+                      BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
+                      BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
+                      BadUsage{"stand --set sensors.torque.noise_ratio=-1", "the noise of the force sensor"},
+                      BadUsage{"estimated --set walk.state=guessed", "estimated"},
+                      BadUsage{"flat --set walk.zmp.horizon_steps=9", "zmp.horizon_steps is 9"},
+                      BadUsage{"stand --set payload.mass_kg=-1", "a payload of -1 kg"},
+                      BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
+                      BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
+                               "height 2 is not on the leg"},
+                      BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
+                               "period_s = 0 must be positive"},
+                      BadUsage{"stand --set 'terrain={friction: -1}'", "friction"}));
+
+TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
+  const Result result = RunApp("--list");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.text, AllOf(HasSubstr("holds its stance"), HasSubstr("lands from 0.1 m")));
+}
+
+}  // namespace
+}  // namespace tenon

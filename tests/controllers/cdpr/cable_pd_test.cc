@@ -1,0 +1,68 @@
+#include <tenon/controllers/cdpr/cable_pd.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/plants/model/resources.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+class CablePdTest : public ::testing::Test {
+ protected:
+  CablePdTest() {
+    reference.length = CableVector::Constant(4, 6);
+    reference.length_rate = CableVector::Constant(4, 0.1);
+    reference.tension = CableVector::Constant(4, 110);
+    cables.length = reference.length;
+    cables.length_rate = reference.length_rate;
+  }
+  CableVector Command() {
+    rig.Fix(rig.system().cables, cables).Fix(rig.system().reference, reference).Tick();
+    return rig[rig.system().command];
+  }
+
+  TestRig<CablePd> rig{CablePdParams{LoadCdpr(FindResource("robots", "cdpr_4")), 1000, 50}};
+  CdprReference reference;
+  CableSignals cables = CableSignals::Zero(4);
+};
+
+TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
+  EXPECT_THAT(Command(), IsNear(CableVector::Constant(4, 110), 1e-12));
+}
+
+TEST_F(CablePdTest, PullsACableThatIsTooLongOrGrowsTooFast) {
+  cables.length[1] += 0.02;      // + 1000 N/m * 0.02 m
+  cables.length_rate[2] += 0.3;  // + 50 N s/m * 0.3 m/s
+  CableVector expected = CableVector::Constant(4, 110);
+  expected[1] = 130;
+  expected[2] = 125;
+  EXPECT_THAT(Command(), IsNear(expected, 1e-9));
+}
+
+TEST_F(CablePdTest, StaysInsideTheBounds) {
+  cables.length[0] -= 5;
+  cables.length[3] += 5;
+  const CableVector command = Command();
+  EXPECT_EQ(command[0], 0);
+  EXPECT_EQ(command[3], 800);
+}
+
+TEST(CablePdParamsTest, GainsThatMakeNoSenseAreRefused) {
+  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        CablePd(CablePdParams{robot, 0, 50});
+      },
+      "stiffness_N_per_m = 0", "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        CablePd(CablePdParams{robot, 100, -1});
+      },
+      "damping_N_s_per_m = -1", "must not be negative"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,122 @@
+#include <tenon/controllers/cdpr/cdpr_estimator.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <tenon/plants/model/euler.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// A motion in closed form: a circle in space with a swinging attitude, as a sway at 2 Hz.
+struct Motion {
+  PlatformState platform;
+  Vec<3> a_W;
+};
+Motion At(double t) {
+  const double w = 4 * M_PI, r = 0.05, tilt = 0.1;
+  Motion motion;
+  motion.platform.p_WB = {r * (1 - std::cos(w * t)), 0.3, 2};
+  motion.platform.v_W = {r * w * std::sin(w * t), 0, 0};
+  motion.a_W = {r * w * w * std::cos(w * t), 0, 0};
+  motion.platform.q_WB = QuaternionFromRotationVector({0, tilt * (1 - std::cos(w * t)), 0});
+  motion.platform.w_W = {0, tilt * w * std::sin(w * t), 0};
+  return motion;
+}
+
+PoseMeasurement Pose(const Motion& motion) {
+  return {motion.platform.p_WB, motion.platform.q_WB};
+}
+ImuMeasurement Inertial(const Motion& motion) {
+  const Eigen::Matrix3d R_BW = motion.platform.R_WB().transpose();
+  return {R_BW * motion.platform.w_W, R_BW * (motion.a_W + Vec<3>(0, 0, 9.81))};
+}
+
+double TurnBetween(const PlatformState& a, const PlatformState& b) {
+  return std::acos(std::min(1.0, std::abs(a.q_WB.normalized().dot(b.q_WB.normalized())))) * 2;
+}
+
+TEST(CdprEstimator, StartsAtThePoseMeasured) {
+  TestRig<CdprEstimator> rig;
+  const Motion motion = At(0.1);
+  rig.Fix(rig.system().pose, Pose(motion)).Fix(rig.system().inertial, Inertial(motion)).Tick();
+  const PlatformEstimate& estimate = rig[rig.system().estimate];
+  EXPECT_EQ(estimate.time, 0);
+  EXPECT_THAT(estimate.platform.p_WB, IsNear(motion.platform.p_WB, 0));
+  EXPECT_THAT(estimate.platform.v_W, IsNear(Vec<3>::Zero(), 0));
+  EXPECT_THAT(estimate.platform.w_W, IsNear(motion.platform.w_W, 1e-14));
+}
+
+TEST(CdprEstimator, FollowsPerfectSensors) {
+  TestRig<CdprEstimator> rig(CdprEstimatorParams{.position_noise = 1e-4,
+                                                 .attitude_noise = 1e-4,
+                                                 .angular_velocity_noise = 1e-3,
+                                                 .specific_force_noise = 0.1});
+  for (int k = 0; k <= 400; ++k) {
+    const Motion motion = At(0.005 * k);
+    rig.Fix(rig.system().pose, Pose(motion)).Fix(rig.system().inertial, Inertial(motion)).Tick();
+    if (k < 100) continue;
+    const PlatformEstimate& estimate = rig[rig.system().estimate];
+    ASSERT_NEAR(estimate.time, 0.005 * k, 1e-12);
+    ASSERT_LT((estimate.platform.p_WB - motion.platform.p_WB).norm(), 1e-4) << k;
+    ASSERT_LT((estimate.platform.v_W - motion.platform.v_W).norm(), 2e-3) << k;
+    ASSERT_LT(TurnBetween(estimate.platform, motion.platform), 5e-4) << k;
+  }
+}
+
+// The pose alone has 5 mm per axis; differences of it over 5 ms would have 1.4 m/s.
+TEST(CdprEstimator, FiltersNoise) {
+  TestRig<CdprEstimator> rig;
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](double deviation) {
+    return Vec<3>(deviation * normal(generator), deviation * normal(generator),
+                  deviation * normal(generator));
+  };
+  double p = 0, v = 0, turn = 0;
+  int count = 0;
+  for (int k = 0; k <= 4000; ++k) {
+    const Motion motion = At(0.005 * k);
+    PoseMeasurement pose = Pose(motion);
+    pose.p_WB += noise(0.005);
+    pose.q_WB = QuaternionProduct(pose.q_WB, QuaternionFromRotationVector(noise(0.01)));
+    ImuMeasurement inertial = Inertial(motion);
+    inertial.angular_velocity_B += noise(0.005);
+    inertial.specific_force_B += noise(0.05);
+    rig.Fix(rig.system().pose, pose).Fix(rig.system().inertial, inertial).Tick();
+    if (k < 400) continue;
+    const PlatformState& platform = rig[rig.system().estimate].platform;
+    p += (platform.p_WB - motion.platform.p_WB).squaredNorm();
+    v += (platform.v_W - motion.platform.v_W).squaredNorm();
+    turn += std::pow(TurnBetween(platform, motion.platform), 2);
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(p / count), 0.002);
+  EXPECT_LT(std::sqrt(v / count), 0.01);
+  EXPECT_LT(std::sqrt(turn / count), 0.003);
+  // What the filter believes of itself is of that size too.
+  const auto& memory = rig[rig.system().memory];
+  EXPECT_NEAR(std::sqrt(memory.covariance.diagonal().head<3>().sum()), std::sqrt(p / count), 0.001);
+}
+
+TEST(CdprEstimator, DoesNotAllocate) {
+  TestRig<CdprEstimator> rig;
+  rig.Fix(rig.system().pose, Pose(At(0))).Fix(rig.system().inertial, Inertial(At(0))).Tick();
+  const AllocationGuard guard;
+  rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(CdprEstimator, RefusesSensorsWithoutNoise) {
+  EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.attitude_noise = 0}); }, "attitude_noise = 0",
+                                     "must be positive"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,149 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+
+#include <tenon/tests/cdpr_test_robots.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+const Vector3d kPosition(0.4, -0.3, 1.7);
+const Vector3d kEuler(0.2, -0.3, 0.5);
+
+Matrix3d Turn(const Vector3d& rotation) {
+  return rotation.norm() > 0 ? AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix()
+                             : Matrix3d(Matrix3d::Identity());
+}
+
+TEST(Euler, IsYawThenPitchThenRoll) {
+  const Matrix3d expected =
+      (AngleAxisd(kEuler[2], Vector3d::UnitZ()) * AngleAxisd(kEuler[1], Vector3d::UnitY()) *
+       AngleAxisd(kEuler[0], Vector3d::UnitX()))
+          .toRotationMatrix();
+  EXPECT_LT((RotationFromEuler(kEuler) - expected).norm(), 1e-15);
+}
+
+TEST(Euler, ComesBackFromTheRotation) {
+  for (const Vector3d& euler : {kEuler, Vector3d(-3, 1.5, 2), Vector3d(1, -1.2, -3), Vector3d(0, 0, 0)}) {
+    EXPECT_LT((EulerFromRotation(RotationFromEuler(euler)) - euler).norm(), 1e-14);
+  }
+}
+
+TEST(Euler, RateMatrixGivesTheAngularVelocity) {
+  const Vector3d rate(0.7, -1.1, 0.4);
+  constexpr double kStep = 1e-6;
+  const Matrix3d derivative =
+      (RotationFromEuler(kEuler + kStep * rate) - RotationFromEuler(kEuler - kStep * rate)) / (2 * kStep);
+  const Matrix3d cross = derivative * RotationFromEuler(kEuler).transpose();
+  const Vector3d w_W(cross(2, 1), cross(0, 2), cross(1, 0));
+  EXPECT_LT((EulerRateMatrix(kEuler) * rate - w_W).norm(), 1e-9);
+}
+
+TEST(CdprKinematics, FirstCableAtTheCentreByHand) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 2}, Matrix3d::Identity());
+  const Vector3d span(3.425, 4.425, 1.907);
+  ASSERT_EQ(cables.num_cables(), 4);
+  EXPECT_NEAR(cables.length[0], span.norm(), 1e-15);
+  EXPECT_LT((cables.direction.col(0) - span.normalized()).norm(), 1e-15);
+  EXPECT_LT((cables.structure.col(0).head<3>() - span.normalized()).norm(), 1e-15);
+  EXPECT_LT((cables.structure.col(0).tail<3>() - Vector3d(.075, .075, .093).cross(span.normalized())).norm(),
+            1e-15);
+}
+
+TEST(CdprKinematics, LengthRatesAreTheDerivativeOfTheLengths) {
+  const CdprDescription robot = test::EightCableRobot();
+  const Vector3d v_W(0.3, 0.8, -0.5), w_W(-0.6, 0.2, 0.9);
+  const Matrix3d R_WB = RotationFromEuler(kEuler);
+  constexpr double kStep = 1e-6;
+  const CableVector ahead =
+      CalcCableKinematics(robot, kPosition + kStep * v_W, Turn(kStep * w_W) * R_WB).length;
+  const CableVector behind =
+      CalcCableKinematics(robot, kPosition - kStep * v_W, Turn(-kStep * w_W) * R_WB).length;
+  const CableVector rates = CalcCableLengthRates(CalcCableKinematics(robot, kPosition, R_WB), v_W, w_W);
+  EXPECT_LT((rates - (ahead - behind) / (2 * kStep)).norm(), 1e-9);
+}
+
+TEST(CdprKinematics, WrenchJacobianIsTheDerivativeOfTheWrench) {
+  const CdprDescription robot = test::FourCableRobot();
+  const Matrix3d R_WB = RotationFromEuler(kEuler);
+  CableVector tension(4);
+  tension << 120, 30, 80, 200;
+  const Matrix6d jacobian = CalcWrenchJacobian(CalcCableKinematics(robot, kPosition, R_WB), tension);
+  constexpr double kStep = 1e-6;
+  for (int j = 0; j < 6; ++j) {
+    const Vector6d x = kStep * Vector6d::Unit(j);
+    const auto wrench = [&](double sign) -> Vector6d {
+      return CalcCableKinematics(robot, kPosition + sign * x.head<3>(), Turn(sign * x.tail<3>()) * R_WB)
+                 .structure *
+             tension;
+    };
+    EXPECT_LT((jacobian.col(j) - (wrench(1) - wrench(-1)) / (2 * kStep)).norm(), 1e-7) << "column " << j;
+  }
+}
+
+TEST(CdprKinematics, GravityPullsDown) {
+  EXPECT_EQ(GravityWrench(test::FourCableRobot()), 15 * -9.81 * Vector6d::Unit(2));
+}
+
+TEST(CdprKinematics, CableAtItsRestLengthAndTensionHasItsLength) {
+  const CdprDescription robot = test::FourCableRobot();
+  CableVector length(4), tension(4);
+  length << 5, 6, 7, 8;
+  tension << 0, 100, 270, 800;
+  const CableVector rest = CalcRestLengths(robot.cable, length, tension);
+  EXPECT_DOUBLE_EQ(rest[0], 5);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(robot.cable.axial_stiffness * (length[i] - rest[i]) / rest[i], tension[i], 1e-9);
+  }
+}
+
+// Four vertical cables of length l leave three motions: sideways, with stiffness m g / l, and the turn of a
+// quadrifilar pendulum, m g r^2 / l about the vertical with r the distance of the cables from the axis.
+TEST(CdprKinematics, LockedStiffnessOfAQuadrifilarPendulum) {
+  CdprDescription robot = test::FourCableRobot();
+  for (CableDescription& cable : robot.cables) cable.anchor_W = cable.attachment_B + Vector3d(0, 0, 4);
+  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 0}, Matrix3d::Identity());
+  const CableVector tension = CableVector::Constant(4, robot.mass * 9.81 / 4);
+  const double sideways = robot.mass * 9.81 / 4, turn = sideways * 2 * 0.075 * 0.075;
+
+  robot.inertia_B(2, 2) = 0.21;
+  EXPECT_NEAR(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), tension), turn * robot.mass / 0.21,
+              1e-10);
+  robot.inertia_B(2, 2) = 0.1;
+  EXPECT_NEAR(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), tension), sideways, 1e-10);
+}
+
+TEST(CdprKinematics, NoMotionIsLeftBySixCables) {
+  const CdprDescription robot = test::SixCableRobot();
+  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 2}, Matrix3d::Identity());
+  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Constant(6, 50)),
+            std::numeric_limits<double>::infinity());
+  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Zero(6)),
+            -std::numeric_limits<double>::infinity());
+}
+
+TEST(CdprKinematics, CableWithoutLengthIsRefused) {
+  const CdprDescription robot = test::FourCableRobot();
+  const Vector3d position = robot.cables[1].anchor_W - robot.cables[1].attachment_B;
+  try {
+    CalcCableKinematics(robot, position, Matrix3d::Identity());
+    FAIL() << "nothing was thrown";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("Cable 2 of 4 of 'four' has no length"));
+    EXPECT_THAT(error.what(), HasSubstr("(3.5, -4.5, 4) m"));
+  }
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,187 @@
+#include <tenon/controllers/cdpr/cdpr_mpc.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include <tenon/plants/model/euler.h>
+#include <tenon/tests/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
+  CdprMpcParams params;
+  StaticsOptions options;
+  if (robot.num_cables() >= 6) options.attitude = Eigen::Vector3d::Zero();
+  params.path = std::make_shared<EquilibriumPath>(robot, Path::Hold(at), options);
+  params.horizon = 1.2;
+  params.num_steps = 25;
+  params.weights = {.position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  return params;
+}
+
+/// The reference itself, `offset` beside it.
+PlatformEstimate At(const CdprMpcParams& params, double time, const Eigen::Vector3d& offset) {
+  const CdprReference reference = params.path->At(time);
+  PlatformEstimate estimate;
+  estimate.time = time;
+  estimate.platform.p_WB = reference.position + offset;
+  estimate.platform.q_WB = QuaternionFromRotation(RotationFromEuler(reference.euler));
+  estimate.platform.v_W = reference.velocity;
+  return estimate;
+}
+
+TEST(CdprMpcSteps, AreUniformIfTheHorizonSaysSo) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.horizon = 0.25;
+  EXPECT_THAT(CdprMpcSolver::Steps(params), ::testing::Each(1));
+}
+
+TEST(CdprMpcSteps, GrowFromOnePeriodToTheHorizon) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.horizon = 2;
+  const std::vector<int> steps = CdprMpcSolver::Steps(params);
+  ASSERT_EQ(steps.size(), 25u);
+  EXPECT_EQ(steps.front(), 1);
+  EXPECT_GT(steps.back(), 12);
+  EXPECT_GE(*std::min_element(steps.begin(), steps.end()), 1);
+  EXPECT_EQ(std::accumulate(steps.begin(), steps.end(), 0), 200);
+}
+
+class CdprMpcOfRobots : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 8));
+
+// At the equilibrium there is nothing to do; beside it the policy pulls back.
+TEST_P(CdprMpcOfRobots, HoldsTheEquilibriumAndPullsBackToIt) {
+  CdprDescription robot = test::RobotWithCables(GetParam());
+  if (GetParam() == 7)
+    robot.cables[6] = test::SixCableRobot().cables[0], robot.cables[6].anchor_W = {0, 0, 0};
+  const CdprMpcParams params = Holding(robot, {0.1, -0.1, 1.8});
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0, 0, 0})).Tick();
+  EXPECT_THAT(rig[rig.system().command], IsNear(params.path->At(0).tension, 1e-4));
+
+  TestRig<CdprMpc> beside(params);
+  const Eigen::Vector3d offset(0.1, -0.05, 0.02);
+  beside.Fix(beside.system().estimate, At(params, 0, offset)).Tick();
+  const PlatformState platform = At(params, 0, offset).platform;
+  const CableKinematics cables = CalcCableKinematics(robot, platform.p_WB, platform.R_WB());
+  const Eigen::Vector3d force =
+      (cables.structure * beside[beside.system().command] + GravityWrench(robot)).head<3>();
+  EXPECT_LT(force.dot(offset), 0);
+}
+
+TEST(CdprMpc, CommandsStayInsideTheBounds) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.cable.tension_min = 20;
+  robot.cable.tension_max = 200;
+  const CdprMpcParams params = Holding(robot, {0, 0, 2});
+  for (const Eigen::Vector3d& offset : {Eigen::Vector3d(1, 0, 0.5), Eigen::Vector3d(-1, 1, -1)}) {
+    TestRig<CdprMpc> rig(params);
+    rig.Fix(rig.system().estimate, At(params, 0, offset));
+    double low = 1e9, high = 0;
+    for (int i = 0; i < 50; ++i) {
+      rig.Tick();
+      low = std::min(low, rig[rig.system().command].minCoeff());
+      high = std::max(high, rig[rig.system().command].maxCoeff());
+      for (const CdprPlan::Node& node : rig[rig.system().plan].nodes) {
+        ASSERT_GE(node.u.minCoeff(), 20);
+        ASSERT_LE(node.u.maxCoeff(), 200);
+      }
+    }
+    EXPECT_TRUE(low == 20 || high == 200);
+    EXPECT_GE(low, 20);
+    EXPECT_LE(high, 200);
+  }
+}
+
+TEST(CdprMpc, FeedbackActsBetweenTheSolves) {
+  const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0, 0, 0})).Tick();
+  const CableVector before = rig[rig.system().command];
+  const Eigen::Vector3d offset(0.01, 0, 0);
+  PlatformEstimate moved = At(params, 0, offset);
+  moved.time = 0.001;
+  rig.Fix(rig.system().estimate, moved).Tick();
+  EXPECT_EQ(rig[rig.system().plan].diagnostics.solves, 1);
+  CentroidalState error = CentroidalState::Zero();
+  error.segment<3>(6) = offset;
+  EXPECT_THAT(rig[rig.system().command], IsNear(before + rig[rig.system().plan].nodes[0].K * error, 1e-3));
+}
+
+TEST(CdprMpc, ZeroInputMeansLessTension) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.equilibrium_input = false;
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0, 0, 0})).Tick();
+  EXPECT_LT(rig[rig.system().command].sum(), params.path->At(0).tension.sum() - 1);
+}
+
+TEST(CdprMpc, ReferenceAccelerates) {
+  // On the path, at its speed, the nominal forces make the path's acceleration.
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.path =
+      std::make_shared<EquilibriumPath>(test::FourCableRobot(), Path::Circle({0, 0, 2}, 0.5, 10, 0.1));
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0})).AdvanceTo(3);
+  const auto& plan = rig[rig.system().plan];
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const CdprReference reference = params.path->At(3 + plan.nodes[k].time);
+    EXPECT_THAT(plan.nodes[k].x.segment<3>(6), IsNear(reference.position, 0.005)) << k;
+  }
+}
+
+TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.max_fallbacks_in_a_row = 3;
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.005);
+  const CdprPlan before = rig[rig.system().plan];
+  PlatformEstimate broken = At(params, 0, {0.1, 0, 0});
+  broken.platform.p_WB[0] = 1e200;  // its square is not finite
+  rig.Fix(rig.system().estimate, broken).AdvanceTo(0.01);
+  const CdprPlan& after = rig[rig.system().plan];
+  EXPECT_EQ(after.diagnostics.fallbacks, 1);
+  EXPECT_EQ(after.diagnostics.solves, 2);
+  EXPECT_THAT(after.nodes[0].u, IsNear(before.nodes[1].u, 1e-9));  // one period later
+  const RunStatus status = rig.simulator().AdvanceTo(1);
+  EXPECT_TRUE(status.ended);
+  EXPECT_NEAR(status.time, 0.04, 1e-9);
+  EXPECT_THAT(status.reason,
+              ::testing::HasSubstr("no better policy 4 times in a row (4 of 5 solves failed)"));
+}
+
+TEST(CdprMpc, DoesNotAllocate) {
+  const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.02);
+  const AllocationGuard guard;
+  rig.AdvanceTo(0.05);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(CdprMpc, RefusesWhatMakesNoSense) {
+  const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
+  const auto refuses = [&](const auto& change, const char* part) {
+    CdprMpcParams params = good;
+    change(params);
+    return Throws<ParameterError>([&] { CdprMpc mpc(params); }, part);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.path = nullptr; }, "no path given"));
+  EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 1; }, "num_steps = 1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "no multiple of the period"));
+  EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "do not fit into horizon"));
+  EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = 0; }, "weights.tension = 0"));
+  EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "a weight is negative"));
+}
+
+}  // namespace
+}  // namespace tenon

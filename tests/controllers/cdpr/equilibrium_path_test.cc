@@ -1,0 +1,249 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <tenon/tests/cdpr_test_robots.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kStep = 1e-4;
+
+Path TestCircle() {
+  return Path::Circle({0.2, -0.1, 2}, 1, 8, 2);
+}
+
+Path TestSpline() {
+  return Path::Spline({{0, 0, 2}, {0.5, 0.2, 2.1}, {0.7, 1, 1.9}, {-0.5, 0.6, 1.8}}, {1, 2.5, 4, 7});
+}
+
+std::string Refusal(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+// Velocity and acceleration against central differences of the position and the velocity.
+void ExpectConsistent(const Path& path, double from, double to) {
+  for (double t = from; t < to; t += 0.0371) {
+    const PathPoint before = path.At(t - kStep), now = path.At(t), after = path.At(t + kStep);
+    EXPECT_LT((now.velocity - (after.position - before.position) / (2 * kStep)).norm(), 1e-6) << "t = " << t;
+    EXPECT_LT((now.acceleration - (after.velocity - before.velocity) / (2 * kStep)).norm(), 1e-3)
+        << "t = " << t;
+    EXPECT_LT((path.PositionOf(path.ParameterAt(t).value) - now.position).norm(), 1e-14);
+  }
+}
+
+void ExpectAtRest(const Path& path, double time, const Vector3d& position) {
+  const PathPoint point = path.At(time);
+  EXPECT_LT((point.position - position).norm(), 1e-13);
+  EXPECT_LT(point.velocity.norm(), 1e-12);
+  EXPECT_LT(point.acceleration.norm(), 1e-11);
+}
+
+TEST(Path, CircleStartsAtRestAndKeepsItsPeriod) {
+  const Path path = TestCircle();
+  ExpectConsistent(path, -0.5, 12);
+  ExpectAtRest(path, -1, {1.2, -0.1, 2});
+  ExpectAtRest(path, 0, {1.2, -0.1, 2});
+  EXPECT_LT((path.At(3).position - path.At(11).position).norm(), 1e-14);
+  EXPECT_NEAR(path.At(5).velocity.norm(), 2 * std::numbers::pi / 8, 1e-14);
+  EXPECT_NEAR(path.At(5).acceleration.norm(), std::pow(2 * std::numbers::pi / 8, 2), 1e-14);
+  EXPECT_EQ(path.end_time(), kInfinity);
+}
+
+TEST(Path, CircleKnowsWhenItPasses) {
+  const Path path = TestCircle();
+  for (const double t : {0.3, 1.7, 2.0, 5.5, 20.0}) {
+    EXPECT_NEAR(path.TimeOf(path.ParameterAt(t).value), t, 1e-9);
+  }
+}
+
+TEST(Path, LineIsTheQuintic) {
+  const Vector3d from(0, 0, 2), to(1, -0.5, 1.5);
+  const Path path = Path::Line(from, to, 4);
+  ExpectConsistent(path, -0.5, 5);
+  ExpectAtRest(path, -1, from);
+  ExpectAtRest(path, 4, to);
+  ExpectAtRest(path, 9, to);
+  for (const double x : {0.1, 0.5, 0.8}) {
+    const double share = x * x * x * (10 - 15 * x + 6 * x * x);
+    EXPECT_LT((path.At(4 * x).position - (from + share * (to - from))).norm(), 1e-14);
+  }
+}
+
+TEST(Path, SplinePassesItsPointsWithFourContinuousDerivatives) {
+  const Path path = TestSpline();
+  ExpectConsistent(path, 0.5, 7.5);
+  ExpectAtRest(path, 1, {0, 0, 2});
+  ExpectAtRest(path, 7, {-0.5, 0.6, 1.8});
+  EXPECT_LT((path.At(2.5).position - Vector3d(0.5, 0.2, 2.1)).norm(), 1e-14);
+  EXPECT_LT((path.At(4).position - Vector3d(0.7, 1, 1.9)).norm(), 1e-14);
+  // The acceleration of a quintic is a cubic: its jerk and snap follow from four values on either side.
+  for (const double knot : {2.5, 4.0}) {
+    const double h = 0.1;
+    const auto a = [&](double steps) { return path.At(knot + steps * h).acceleration; };
+    for (const int order : {1, 2}) {
+      const auto derivative = [&](double side) -> Vector3d {
+        if (order == 1)
+          return side * (-11 * a(0) + 18 * a(side) - 9 * a(2 * side) + 2 * a(3 * side)) / (6 * h);
+        return (2 * a(0) - 5 * a(side) + 4 * a(2 * side) - a(3 * side)) / (h * h);
+      };
+      EXPECT_LT((derivative(1) - derivative(-1)).norm(), 1e-10) << "derivative " << order << " at " << knot;
+    }
+  }
+}
+
+TEST(Path, HoldStays) {
+  const Path path = Path::Hold({0.1, 0.2, 2});
+  ExpectAtRest(path, -1, {0.1, 0.2, 2});
+  ExpectAtRest(path, 100, {0.1, 0.2, 2});
+}
+
+TEST(Path, RefusesNonsense) {
+  const Vector3d p(0, 0, 2), bad(0, kInfinity, 2);
+  EXPECT_THAT(Refusal([&] { Path::Circle(bad, 1, 8, 2); }),
+              HasSubstr("Path::Circle: the centre is (0, inf, 2)"));
+  EXPECT_THAT(Refusal([&] { Path::Circle(p, 0, 8, 2); }),
+              HasSubstr("the radius is 0 m and must be positive"));
+  EXPECT_THAT(Refusal([&] { Path::Circle(p, 1, -8, 2); }),
+              HasSubstr("the period is -8 s and must be positive"));
+  EXPECT_THAT(Refusal([&] { Path::Circle(p, 1, 8, 0); }), HasSubstr("the ramp is 0 s and must be positive"));
+  EXPECT_THAT(Refusal([&] { Path::Line(p, bad, 1); }), HasSubstr("Path::Line: the end is (0, inf, 2)"));
+  EXPECT_THAT(Refusal([&] { Path::Line(p, p, 0); }), HasSubstr("the duration is 0 s and must be positive"));
+  EXPECT_THAT(Refusal([&] { Path::Spline({p}, {0}); }), HasSubstr("1 points, and it takes at least 2"));
+  EXPECT_THAT(Refusal([&] { Path::Spline({p, p}, {0, 1, 2}); }), HasSubstr("2 points but 3 times"));
+  EXPECT_THAT(Refusal([&] { Path::Spline({p, bad}, {0, 1}); }), HasSubstr("point 2 of 2 is (0, inf, 2)"));
+  EXPECT_THAT(Refusal([&] { Path::Spline({p, p, p}, {0, 2, 1}); }), HasSubstr("time 3 of 3 is 1 s"));
+  EXPECT_THAT(Refusal([&] { Path::Hold(bad); }), HasSubstr("Path::Hold: the position is (0, inf, 2)"));
+}
+
+// In balance between the nodes as well, and every rate the derivative of its value.
+void ExpectGoodReference(const EquilibriumPath& equilibria, double from, double to) {
+  const CdprDescription& robot = equilibria.robot();
+  for (double t = from; t < to; t += 0.0731) {
+    SCOPED_TRACE(t);
+    const CdprReference before = equilibria.At(t - kStep), now = equilibria.At(t),
+                        after = equilibria.At(t + kStep);
+    const PathPoint point = equilibria.path().At(t);
+    EXPECT_EQ(now.position, point.position);
+    EXPECT_EQ(now.velocity, point.velocity);
+    EXPECT_EQ(now.acceleration, point.acceleration);
+    const CableKinematics cables = CalcCableKinematics(robot, now.position, RotationFromEuler(now.euler));
+    EXPECT_LT((cables.structure * now.tension + GravityWrench(robot)).norm(), 1e-5);
+    EXPECT_EQ(now.length, cables.length);
+    EXPECT_LT((now.euler_rate - (after.euler - before.euler) / (2 * kStep)).norm(), 1e-6);
+    EXPECT_LT((now.length_rate - (after.length - before.length) / (2 * kStep)).norm(), 1e-6);
+    // Twice differentiable: the rate has no step.
+    EXPECT_LT((after.euler_rate - before.euler_rate).norm(), 1e-3);
+  }
+}
+
+TEST(EquilibriumPath, CircleIsInBalanceForManyTurns) {
+  const EquilibriumPath equilibria(test::FourCableRobot(), TestCircle());
+  ExpectGoodReference(equilibria, -0.3, 10);
+  ExpectGoodReference(equilibria, 7.9, 9.2);
+  const CdprReference first = equilibria.At(3), later = equilibria.At(3 + 8 * 1000);
+  EXPECT_LT((first.euler - later.euler).norm(), 1e-11);
+  EXPECT_LT((first.tension - later.tension).norm(), 1e-8);
+}
+
+TEST(EquilibriumPath, LineAndSplineAreInBalanceAndStartAtRest) {
+  const CdprDescription robot = test::FourCableRobot();
+  ExpectGoodReference(EquilibriumPath(robot, Path::Line({0, 0, 2}, {1.5, 1, 1.5}, 3)), -0.2, 3.2);
+  const EquilibriumPath spline(robot, TestSpline());
+  ExpectGoodReference(spline, 0.8, 7.2);
+  for (const double t : {-1.0, 1.0, 7.0, 8.0}) {
+    EXPECT_LT(spline.At(t).euler_rate.norm(), 1e-12);
+    EXPECT_LT(spline.At(t).length_rate.norm(), 1e-12);
+  }
+}
+
+TEST(EquilibriumPath, IsTheSolutionOfTheInverseGeometricoStaticProblem) {
+  const CdprDescription robot = test::FourCableRobot();
+  const EquilibriumPath equilibria(robot, Path::Circle({0, 0, 2}, 2, 20, 3));
+  for (const double t : {0.0, 2.22, 7.77, 15.3}) {
+    const CdprReference reference = equilibria.At(t);
+    const StaticEquilibrium direct = SolveInverseGeometricoStatic(robot, reference.position);
+    EXPECT_LT((reference.euler - direct.euler).norm(), 1e-8);
+    EXPECT_LT((reference.tension - direct.tension).norm(), 1e-5);
+  }
+}
+
+TEST(EquilibriumPath, HoldIsOneEquilibrium) {
+  const CdprDescription robot = test::FourCableRobot();
+  const EquilibriumPath equilibria(robot, Path::Hold({0.5, 0, 2}));
+  const StaticEquilibrium expected = SolveInverseGeometricoStatic(robot, {0.5, 0, 2});
+  const CdprReference reference = equilibria.At(12);
+  EXPECT_EQ(equilibria.num_nodes(), 1);
+  EXPECT_EQ(reference.euler, expected.euler);
+  EXPECT_EQ(reference.tension, expected.tension);
+  EXPECT_EQ(reference.length, expected.length);
+  EXPECT_EQ(reference.length_rate.norm(), 0);
+}
+
+TEST(EquilibriumPath, PrescribedAttitudeIsKept) {
+  StaticsOptions options;
+  options.attitude = Vector3d(0.02, 0, 0.1);
+  const EquilibriumPath equilibria(test::EightCableRobot(), Path::Circle({0, 0, 2}, 0.5, 6, 1), options);
+  ExpectGoodReference(equilibria, 0, 3);
+  EXPECT_LT((equilibria.At(2.7).euler - *options.attitude).norm(), 1e-14);
+}
+
+TEST(EquilibriumPath, KeepsTensionsWithinTheBoundsWhereACableReachesOne) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.cable.tension_min = 15;
+  const EquilibriumPath equilibria(robot, Path::Line({2, 0.8, 2}, {3, 0.8, 2}, 4));
+  for (double t = 0; t < 4; t += 0.01) EXPECT_GE(equilibria.At(t).tension.minCoeff(), 15);
+  EXPECT_EQ(equilibria.At(4).tension.minCoeff(), 15);
+}
+
+TEST(EquilibriumPath, PathOutOfTheWorkspaceIsRefusedWithTimeAndPlace) {
+  const CdprDescription robot = test::FourCableRobot();
+  const std::string line = Refusal([&] { EquilibriumPath(robot, Path::Line({0, 0, 2}, {0, 0, 5}, 10)); });
+  EXPECT_THAT(line, HasSubstr("The path leaves the workspace at t = "));
+  EXPECT_THAT(line,
+              HasSubstr("Robot 'four' cannot rest with its CoM at (0, 0, 3.657) m: cable 1 of 4 would need"));
+
+  const std::string circle = Refusal([&] { EquilibriumPath(robot, Path::Circle({-3, 0, 2}, 2, 10, 2)); });
+  EXPECT_THAT(circle, HasSubstr("The path leaves the workspace at t = "));
+  EXPECT_THAT(circle, HasSubstr("Robot 'four' cannot rest with its CoM at (-3."));
+}
+
+// A platform that hangs far below its attachments also rests turned about by 180 deg, with its cables
+// crossed, until they get too steep. That is followed if it is asked for, but not left for the other branch.
+TEST(EquilibriumPath, EndOfTheBranchIsRefused) {
+  CdprDescription robot = test::FourCableRobot();
+  for (CableDescription& cable : robot.cables) cable.attachment_B.z() = 0.6;
+  StaticsOptions options;
+  options.warm_start = SolveInverseGeometricoStatic(robot, {0, 0.14, 2});
+  options.warm_start->euler = {0, 0, std::numbers::pi};
+  const EquilibriumPath turned(robot, Path::Line({0, 0.14, 2}, {0, 0.14, 2.1}, 2), options);
+  EXPECT_NEAR(turned.At(1).euler[2], std::numbers::pi, 0.1);
+
+  const std::string refusal = Refusal([&] {
+    EquilibriumPath(robot, Path::Line({0, 0.14, 2}, {0, 0.14, 3.2}, 10), options);
+  });
+  EXPECT_THAT(refusal,
+              HasSubstr("The stable equilibria of robot 'four' that it follows end before (0, 0.14, "));
+  EXPECT_THAT(refusal, HasSubstr("the attitude would jump by 180 deg"));
+}
+
+}  // namespace
+}  // namespace tenon

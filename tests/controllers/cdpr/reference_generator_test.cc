@@ -1,0 +1,42 @@
+#include <tenon/controllers/cdpr/reference_generator.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/plants/model/resources.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
+  const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
+                                                      Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));
+  TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path, Hz(100)});
+  rig.AdvanceTo(1.005);
+  EXPECT_THAT(rig[rig.system().reference].position, IsNear(Eigen::Vector3d(0.2, 0, 2), 1e-12));
+  EXPECT_THAT(rig[rig.system().reference].tension, IsNear(path->At(1).tension, 1e-12));
+  rig.Tick();
+  EXPECT_THAT(rig[rig.system().reference].position, IsNear(path->At(1.01).position, 1e-12));
+}
+
+TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
+  const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
+                                                      Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));
+  TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path, Hz(100)});
+  rig.AdvanceTo(1);
+  const Geometry& geometry = rig[rig.system().geometry];
+  ASSERT_EQ(geometry.size(), 1);
+  EXPECT_EQ(geometry[0].kind, ShapeKind::kTrace);
+  EXPECT_EQ(geometry[0].role, ShapeRole::kReference);
+  EXPECT_THAT(geometry[0].p_W, IsNear(Vec<3>(0.2, 0, 2), 1e-12));
+}
+
+TEST(ReferenceGeneratorTest, NeedsAPath) {
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "no path given", "EquilibriumPath"));
+}
+
+}  // namespace
+}  // namespace tenon

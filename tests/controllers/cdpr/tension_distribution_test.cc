@@ -1,0 +1,175 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/plants/model/euler.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <nlopt.hpp>
+#include <random>
+#include <vector>
+
+#include <tenon/tests/cdpr_test_robots.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using ::testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+CableMatrix6 Structure(const CdprDescription& robot, const Vector3d& p,
+                       const Vector3d& euler = Vector3d::Zero()) {
+  return CalcCableKinematics(robot, p, RotationFromEuler(euler)).structure;
+}
+
+// Stationarity: u + W^T mu is zero where u is free, and pushes outwards where it is at a bound.
+void ExpectKkt(const CableMatrix6& W, const Vector6d& b, const CableVector& u, double lower, double upper) {
+  EXPECT_LT((W * u - b).norm(), 1e-9 * b.norm());
+  std::vector<int> free;
+  for (int i = 0; i < u.size(); ++i) {
+    EXPECT_GE(u[i], lower);
+    EXPECT_LE(u[i], upper);
+    if (u[i] > lower + 1e-8 && u[i] < upper - 1e-8) free.push_back(i);
+  }
+  const MatrixXd columns = MatrixXd(W)(Eigen::all, free).transpose();
+  const VectorXd mu = columns.completeOrthogonalDecomposition().solve(-VectorXd(u)(free));
+  const VectorXd gradient = VectorXd(u) + MatrixXd(W).transpose() * mu;
+  for (const int i : free) EXPECT_NEAR(gradient[i], 0, 1e-8);
+  // With fewer free tensions than equations mu is not unique, and its sign says nothing.
+  if (free.size() < 6) return;
+  for (int i = 0; i < u.size(); ++i) {
+    if (u[i] <= lower + 1e-8) {
+      EXPECT_GE(gradient[i], -1e-8);
+    }
+    if (u[i] >= upper - 1e-8) {
+      EXPECT_LE(gradient[i], 1e-8);
+    }
+  }
+}
+
+VectorXd SolveWithNlopt(const CableMatrix6& W, const Vector6d& b, double lower, double upper) {
+  struct Problem {
+    const CableMatrix6& W;
+    const Vector6d& b;
+  } problem{W, b};
+  const int n = static_cast<int>(W.cols());
+  nlopt::opt optimizer(nlopt::LD_SLSQP, n);
+  optimizer.set_lower_bounds(lower);
+  optimizer.set_upper_bounds(upper);
+  optimizer.set_min_objective(
+      [](const std::vector<double>& x, std::vector<double>& gradient, void*) {
+        double sum = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          sum += x[i] * x[i] / 2;
+          if (!gradient.empty()) gradient[i] = x[i];
+        }
+        return sum;
+      },
+      nullptr);
+  optimizer.add_equality_mconstraint(
+      [](unsigned, double* result, unsigned size, const double* x, double* gradient, void* data) {
+        const auto* p = static_cast<const Problem*>(data);
+        Eigen::Map<Vector6d> out(result);
+        out = p->W * Eigen::Map<const VectorXd>(x, size) - p->b;
+        if (!gradient) return;
+        Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>>(gradient, 6, size) = p->W;
+      },
+      &problem, std::vector<double>(6, 1e-9));
+  optimizer.set_xtol_rel(1e-12);
+  optimizer.set_maxeval(500);
+  std::vector<double> x(n, (lower + upper) / 2);
+  double value = 0;
+  try {
+    optimizer.optimize(x, value);
+  } catch (const nlopt::roundoff_limited&) {
+  }
+  return Eigen::Map<VectorXd>(x.data(), n);
+}
+
+TEST(TensionDistribution, FourCablesAtTheCentreShareTheWeight) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CableMatrix6 W = Structure(robot, {0, 0, 2});
+  const TensionDistribution found = DistributeTension(W, -GravityWrench(robot), 0, 800);
+  ASSERT_TRUE(found.feasible) << found.reason;
+  EXPECT_LT((found.tension.array() - 15 * 9.81 / (4 * W(2, 0))).abs().maxCoeff(), 1e-10);
+  EXPECT_TRUE(found.reason.empty());
+}
+
+TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
+  const CdprDescription robot = test::EightCableRobot();
+  const CableMatrix6 W = Structure(robot, {0.5, -0.4, 2}, {0.02, 0.05, -0.03});
+  const Vector6d b = -GravityWrench(robot);
+  const TensionDistribution found = DistributeTension(W, b, -kInfinity, kInfinity);
+  ASSERT_TRUE(found.feasible) << found.reason;
+  const VectorXd expected = MatrixXd(W).completeOrthogonalDecomposition().solve(b);
+  EXPECT_LT((found.tension - expected).norm(), 1e-10);
+}
+
+// Random poses and bounds: those that are solved meet the optimality conditions and agree with NLopt, and
+// NLopt cannot balance those that are refused.
+TEST(TensionDistribution, EightCablesAgreeWithNloptAtRandomPoses) {
+  const CdprDescription robot = test::EightCableRobot();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int feasible = 0, bounded = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector3d p(2.5 * uniform(random), 3.5 * uniform(random), 2 + uniform(random));
+    const Vector3d euler(0.15 * uniform(random), 0.15 * uniform(random), 0.15 * uniform(random));
+    const CableMatrix6 W = Structure(robot, p, euler);
+    Vector6d b = -GravityWrench(robot);
+    for (int i = 0; i < 6; ++i) b[i] += (i < 3 ? 30 : 2) * uniform(random);
+    const double lower = 10 + 5 * uniform(random), upper = 300 + 150 * uniform(random);
+
+    const TensionDistribution found = DistributeTension(W, b, lower, upper);
+    const VectorXd expected = SolveWithNlopt(W, b, lower, upper);
+    const double miss = (W * expected - b).norm();
+    if (found.feasible) {
+      ++feasible;
+      if (found.tension.minCoeff() < lower + 1e-8) ++bounded;
+      ExpectKkt(W, b, found.tension, lower, upper);
+      if (miss < 1e-6) {
+        EXPECT_LT((found.tension - expected).norm(), 1e-4) << "trial " << trial;
+      }
+    } else {
+      EXPECT_GT(miss, 1e-3) << "trial " << trial << ": " << found.reason;
+    }
+  }
+  EXPECT_GT(feasible, 30);
+  EXPECT_LT(feasible, 100);
+  EXPECT_GT(bounded, 10);
+}
+
+TEST(TensionDistribution, AttitudeOutOfBalanceIsRefusedWithTheResidual) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CableMatrix6 W = Structure(robot, {0.5, 0, 2}, {0, 0.2, 0});
+  const TensionDistribution found = DistributeTension(W, -GravityWrench(robot), 0, 800);
+  EXPECT_FALSE(found.feasible);
+  EXPECT_THAT(found.reason, HasSubstr("not in static balance: whatever the tensions, "));
+  EXPECT_GT(found.residual_force + found.residual_torque, 0.1);
+}
+
+TEST(TensionDistribution, CableThatWouldPushIsNamed) {
+  const CdprDescription robot = test::SixCableRobot();
+  const TensionDistribution found =
+      DistributeTension(Structure(robot, {-3, 0, 2}), -GravityWrench(robot), 0, 800);
+  EXPECT_FALSE(found.feasible);
+  EXPECT_THAT(found.reason, HasSubstr("no tensions within [0, 800] N balance the wrench: cable "));
+  EXPECT_THAT(found.reason, HasSubstr(" of 6 would need -"));
+}
+
+TEST(TensionDistribution, BoundsThatMeetNowhereAreRefused) {
+  const CdprDescription robot = test::EightCableRobot();
+  const TensionDistribution found =
+      DistributeTension(Structure(robot, {0, 0, 2}), -GravityWrench(robot), 0, 20);
+  EXPECT_FALSE(found.feasible);
+  EXPECT_THAT(found.reason, HasSubstr("no tensions within [0, 20] N"));
+  EXPECT_THAT(found.reason, HasSubstr("in the solution of least norm"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,261 @@
+#include <tenon/controllers/guide_dog/admittance_filter.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kForward = 0.12;
+const WalkCommand kTrot{.gait = Gait::kTrot, .forward = kForward, .left = 0, .yaw_rate = 0.1};
+
+AdmittanceFilterParams Unlimited() {
+  AdmittanceFilterParams params;
+  params.min_forward = 0;
+  params.max_forward = params.max_left = params.acceleration = 1e9;
+  return params;
+}
+
+class Filter {
+ public:
+  explicit Filter(const AdmittanceFilterParams& params = {}) : rig_(params) {
+    Command(kTrot);
+    Force({-30, 0, 0});
+  }
+  void Command(const WalkCommand& command) { rig_.Fix(rig_.system().command, command); }
+  /// On the robot, in the frame of the heading.
+  void Force(const Vec<3>& force, double yaw = 0) {
+    LeggedState state;
+    state.q_WB = QuaternionFromRotation(RotationFromEuler({0.02, -0.05, yaw}));
+    WrenchEstimate wrench;
+    wrench.force_W = RotationFromEuler({0, 0, yaw}) * force;
+    rig_.Fix(rig_.system().state, state).Fix(rig_.system().wrench, wrench);
+  }
+  const AdmittanceMotion& Tick() { return rig_.Tick()[rig_.system().motion]; }
+  const AdmittanceMotion& Run(int ticks) {
+    for (int i = 1; i < ticks; ++i) Tick();
+    return Tick();
+  }
+  const WalkCommand& walk() { return rig_[rig_.system().walk]; }
+
+ private:
+  TestRig<AdmittanceFilter> rig_;
+};
+
+TEST(AdmittanceFilterTest, AtTheDesiredTensionTheCommandPasses) {
+  Filter filter;
+  filter.Run(1000);
+  EXPECT_NEAR(filter.walk().forward, kForward, 1e-12);
+  EXPECT_EQ(filter.walk().left, 0);
+  EXPECT_EQ(filter.walk().yaw_rate, 0.1);
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot);
+}
+
+// M v' + D v = f_d - T from rest: v = (f_d - T) / D (1 - exp(-D t / M)).
+TEST(AdmittanceFilterTest, AlongThePathIsAMassWithDamping) {
+  const AdmittanceFilterParams params = Unlimited();
+  Filter filter(params);
+  filter.Run(2);
+  filter.Force({-32, 0, 0});
+  for (int n = 1; n <= 100; ++n) {
+    const AdmittanceMotion& motion = filter.Tick();
+    const double t = 0.01 * n;
+    const double v = (30 - 32) / params.damping * (1 - std::exp(-params.damping / params.mass * t));
+    EXPECT_NEAR(motion.tension, 32, 1e-12);
+    EXPECT_NEAR(motion.correction[0], v, 1e-12) << n;
+    EXPECT_NEAR(filter.walk().forward, kForward + v, 1e-12) << n;
+    EXPECT_NEAR(motion.correction[1], 0, 1e-12);
+  }
+}
+
+// M y'' + D y' + K y = F from rest, underdamped.
+TEST(AdmittanceFilterTest, AcrossThePathIsAMassWithDampingAndSpring) {
+  const AdmittanceFilterParams params = Unlimited();
+  Filter filter(params);
+  filter.Run(2);
+  // The leash at the angle a behind the robot to the right: |f_d h - f| is the diagonal of a rhombus.
+  const double a = 0.6, tension = 30;
+  filter.Force({-tension * std::cos(a), -tension * std::sin(a), 0});
+  const Vec<2> e(std::cos(a / 2), std::sin(a / 2));
+  const double T = tension * std::cos(a / 2), force = (30 - T) * e[1];
+  const double decay = params.damping / (2 * params.mass);
+  const double w = std::sqrt(params.stiffness / params.mass - decay * decay);
+  for (int n = 1; n <= 300; ++n) {
+    const AdmittanceMotion& motion = filter.Tick();
+    const double t = 0.01 * n;
+    const double y = force / params.stiffness *
+                     (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
+    const double v = force / (params.mass * w) * std::exp(-decay * t) * std::sin(w * t);
+    EXPECT_THAT(motion.direction, IsNear(e, 1e-12));
+    EXPECT_NEAR(motion.tension, T, 1e-12);
+    EXPECT_NEAR(motion.offset, y, 1e-12) << n;
+    EXPECT_NEAR(filter.walk().left, v, 1e-12) << n;
+  }
+}
+
+TEST(AdmittanceFilterTest, TurnsWithTheRobotAndLooksOverGroundOnly) {
+  Filter straight, turned;
+  straight.Force({-45, 5, 0});
+  turned.Force({-45, 5, -60}, 2.5);
+  for (int n = 0; n < 100; ++n) {
+    const AdmittanceMotion a = straight.Tick(), b = turned.Tick();
+    EXPECT_THAT(b.velocity, IsNear(a.velocity, 1e-12));
+    EXPECT_NEAR(b.tension, a.tension, 1e-11);
+  }
+  EXPECT_LT(straight.walk().forward, kForward);
+}
+
+TEST(AdmittanceFilterTest, KeepsTheLimits) {
+  const AdmittanceFilterParams params;
+  Filter filter;
+  double last = 0, last_left = 0;
+  const auto check = [&](int ticks) {
+    for (int n = 0; n < ticks; ++n) {
+      const AdmittanceMotion& motion = filter.Tick();
+      EXPECT_LE(std::abs(motion.velocity[0] - last), params.acceleration * 0.01 + 1e-12);
+      EXPECT_LE(std::abs(motion.velocity[1] - last_left), params.acceleration * 0.01 + 1e-12);
+      EXPECT_LE(motion.velocity[0], params.max_forward);
+      EXPECT_LE(std::abs(motion.velocity[1]), params.max_left);
+      last = motion.velocity[0], last_left = motion.velocity[1];
+    }
+  };
+  check(500);
+  EXPECT_NEAR(last, kForward, 1e-9);
+  filter.Force({-200, 0, 0});  // the person stands still
+  check(1000);
+  EXPECT_EQ(last, params.min_forward);
+  filter.Force({0, 0, 0});  // the leash is slack
+  check(1000);
+  EXPECT_EQ(last, params.max_forward);
+  filter.Force({-10, -300, 0});
+  check(20);
+  EXPECT_EQ(last_left, -params.max_left);
+}
+
+TEST(AdmittanceFilterTest, CommandsOutsideTheLimitsPass) {
+  Filter filter;
+  filter.Command({.gait = Gait::kTrot, .forward = 0, .left = 0.1, .yaw_rate = 0.3});
+  filter.Run(1000);
+  EXPECT_NEAR(filter.walk().forward, 0, 1e-9);
+  EXPECT_NEAR(filter.walk().left, 0.1, 1e-9);
+  filter.Command({.gait = Gait::kTrot, .forward = 0.4});
+  filter.Run(1000);
+  EXPECT_NEAR(filter.walk().forward, 0.4, 1e-9);
+}
+
+TEST(AdmittanceFilterTest, DoesNotWindUp) {
+  Filter shortly, for_long;
+  shortly.Force({-200, 20, 0});
+  for_long.Force({-200, 20, 0});
+  shortly.Run(1000);
+  for_long.Run(30000);
+  shortly.Force({-30, 0, 0});
+  for_long.Force({-30, 0, 0});
+  for (int n = 0; n < 100; ++n)
+    EXPECT_THAT(shortly.Tick().velocity, IsNear(for_long.Tick().velocity, 1e-9)) << n;
+}
+
+// A person slower than the command is followed for ever, at f_d + D (commanded speed - speed of the person).
+TEST(AdmittanceFilterTest, HoldsTheTensionOfASlowPerson) {
+  Filter filter;
+  double tension = 0;
+  const double person = 0.05, leash = 120;
+  for (int n = 0; n < 3000; ++n) {
+    filter.Force({-tension, 0, 0});
+    filter.Tick();
+    tension = std::max(0.0, tension + leash * 0.01 * (filter.walk().forward - person));
+  }
+  EXPECT_NEAR(tension, 30 + 40 * (kForward - person), 1e-5);
+}
+
+TEST(AdmittanceFilterTest, LooksAheadWhenTheLeashIsSlack) {
+  Filter filter;
+  for (const Vec<3>& noise : {Vec<3>(0, 0, 0), Vec<3>(2, 1, 0), Vec<3>(-1, -2, 0), Vec<3>(1, 2, 0)}) {
+    filter.Force(noise);
+    EXPECT_GT(filter.Tick().direction[0], 0.99);
+  }
+}
+
+TEST(AdmittanceFilterTest, GoesTowardsAPullFromAhead) {
+  for (const double pull : {10.0, 29.9, 30.0, 30.1, 45.0, 70.0}) {
+    Filter filter;
+    filter.Run(1000);
+    filter.Force({pull, 0, 0});
+    EXPECT_GE(filter.Run(100).velocity[0], kForward - 1e-9) << pull;
+  }
+}
+
+TEST(AdmittanceFilterTest, StandsAtOnceAndStartsFromRest) {
+  Filter filter;
+  filter.Force({-35, 4, 0});
+  filter.Run(100);
+  filter.Command({});
+  EXPECT_EQ(filter.Tick().velocity, Vec<2>(0, 0));
+  EXPECT_EQ(filter.walk().gait, Gait::kStand);
+  EXPECT_EQ(filter.walk().forward, 0);
+  EXPECT_GT(filter.Tick().tension, 34) << "is still estimated";
+  filter.Command(kTrot);
+  Filter fresh;
+  fresh.Force({-35, 4, 0});
+  for (int n = 0; n < 50; ++n) {
+    const AdmittanceMotion again = filter.Tick(), first = fresh.Tick();
+    EXPECT_EQ(again.velocity, first.velocity) << n;
+    EXPECT_EQ(again.offset, first.offset) << n;
+  }
+}
+
+TEST(AdmittanceFilterTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Filter filter;
+  filter.Run(2);
+  AllocationGuard guard;
+  filter.Run(100);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(AdmittanceFilterTest, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(AdmittanceFilterParams&)>& change, const std::string& a,
+                          const std::string& b) {
+    AdmittanceFilterParams params;
+    change(params);
+    return Throws<ParameterError>([&] { AdmittanceFilter block(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension of 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass of -1 kg", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping of 0 N s/m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward of -0.1 m/s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left of nan m/s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration of 0 m/s^2", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.03 to 0.01 m/s", "give max_forward"));
+}
+
+TEST(AdmittanceFilterTest, IsReadFromYaml) {
+  const auto params = YamlDocument::Parse(
+                          "{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
+                          "min_forward_m_per_s: 0.01, max_forward_m_per_s: 0.3, max_left_m_per_s: 0.04, "
+                          "acceleration_m_per_s2: 0.2}",
+                          "filter.yaml")
+                          .Read<AdmittanceFilterParams>();
+  EXPECT_EQ(params.desired_tension, 25);
+  EXPECT_EQ(params.mass, 5);
+  EXPECT_EQ(params.damping, 50);
+  EXPECT_EQ(params.stiffness, 80);
+  EXPECT_EQ(params.min_forward, 0.01);
+  EXPECT_EQ(params.max_forward, 0.3);
+  EXPECT_EQ(params.max_left, 0.04);
+  EXPECT_EQ(params.acceleration, 0.2);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,331 @@
+#include <tenon/controllers/guide_dog/supervisor.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using enum GuideMode;
+
+const WalkCommand kTrot{.gait = Gait::kTrot, .forward = 0.12, .left = 0, .yaw_rate = 0.05};
+
+double Radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+class Dog {
+ public:
+  explicit Dog(const SupervisorParams& params = {}) : rig_(params) {
+    Command(kTrot);
+    Pull(30, Radians(180));
+    Head(0);
+  }
+  void Command(const WalkCommand& command) { rig_.Fix(rig_.system().command, command); }
+  /// A force on the robot over ground, and weight that an observer might find.
+  void Pull(double force, double yaw) {
+    force_ = force * Vec<3>(std::cos(yaw), std::sin(yaw), 0) + Vec<3>(0, 0, -60);
+    Feel(force_);
+  }
+  void Head(double yaw) {
+    LeggedState state;
+    state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
+    rig_.Fix(rig_.system().state, state);
+  }
+  void Obstacle(bool there) { rig_.Fix(rig_.system().obstacle, there); }
+  GuideMode Tick() { return rig_.Tick()[rig_.system().status].mode; }
+  GuideMode Run(double seconds) {
+    for (int n = 1; n < std::lround(100 * seconds); ++n) Tick();
+    return Tick();
+  }
+  /// The mode after it has run with noise on the force, as through an observer of 20 rad/s; counts the
+  /// changes.
+  GuideMode RunNoisy(double seconds, double deviation, RandomStream& random, int* changes) {
+    const double keep = std::exp(-0.2), gain = std::sqrt(1 - keep * keep);
+    Vec<3> noise = Vec<3>::Zero();
+    GuideMode mode = status().mode;
+    for (int n = 0; n < std::lround(100 * seconds); ++n) {
+      for (int i = 0; i < 3; ++i) noise[i] = keep * noise[i] + gain * deviation * random.Normal();
+      Feel(force_ + noise);
+      if (const GuideMode next = Tick(); next != mode) ++*changes, mode = next;
+    }
+    return mode;
+  }
+  /// Lets the robot stand, with the leash slack and the next pull free to count.
+  void StandStill() {
+    Pull(60, Radians(180));
+    Run(1.2);
+    Pull(0, 0);
+    ASSERT_EQ(Run(1), kStop);
+  }
+  const GuideStatus& status() { return rig_[rig_.system().status]; }
+  const WalkCommand& walk() { return rig_[rig_.system().walk]; }
+
+ private:
+  void Feel(const Vec<3>& force) { rig_.Fix(rig_.system().wrench, {force, Vec<3>::Zero()}); }
+  TestRig<Supervisor> rig_;
+  Vec<3> force_;
+};
+
+// All modes and all combinations of events against the table of the header, row by row.
+TEST(NextGuideModeTest, IsTheTable) {
+  struct Row {
+    GuideMode from;
+    bool GuideEvents::*event;
+    GuideMode to;
+  };
+  const Row table[] = {{kMove, &GuideEvents::pulled, kStop},  {kMove, &GuideEvents::obstacle, kStop},
+                       {kTurn, &GuideEvents::pulled, kStop},  {kTurn, &GuideEvents::new_obstacle, kStop},
+                       {kTurn, &GuideEvents::aligned, kMove}, {kStop, &GuideEvents::pulled, kTurn}};
+  for (const GuideMode from : {kMove, kTurn, kStop}) {
+    for (int bits = 0; bits < 16; ++bits) {
+      const GuideEvents events{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
+      GuideMode expected = from;
+      for (const Row& row : table) {
+        if (row.from != from || !(events.*row.event)) continue;
+        expected = row.to;
+        break;
+      }
+      EXPECT_EQ(NextGuideMode(from, events), expected) << static_cast<int>(from) << " " << bits;
+    }
+  }
+}
+
+TEST(SupervisorTest, LetsTheCommandPassBelowTheThreshold) {
+  Dog dog;
+  dog.Pull(49.9, 2);
+  EXPECT_EQ(dog.Run(30), kMove);
+  EXPECT_EQ(dog.walk().gait, Gait::kTrot);
+  EXPECT_EQ(dog.walk().forward, 0.12);
+  EXPECT_EQ(dog.walk().yaw_rate, 0.05);
+  dog.Command({});
+  dog.Tick();
+  EXPECT_EQ(dog.walk().gait, Gait::kStand);
+}
+
+TEST(SupervisorTest, StopsWhenThePersonDoes) {
+  Dog dog;
+  dog.Run(2);
+  dog.Pull(50.1, Radians(180));
+  EXPECT_EQ(dog.Run(0.09), kMove);
+  EXPECT_EQ(dog.Tick(), kStop);
+  EXPECT_EQ(dog.walk().gait, Gait::kStand);
+  EXPECT_EQ(dog.walk().forward, 0);
+  EXPECT_EQ(dog.walk().yaw_rate, 0);
+}
+
+TEST(SupervisorTest, OnePullIsOneCommand) {
+  Dog dog;
+  dog.Run(2);
+  dog.Pull(55, Radians(180));
+  EXPECT_EQ(dog.Run(60), kStop) << "the leash stays taut, but that is the pull that has stopped the robot";
+  dog.Pull(45, Radians(180));
+  EXPECT_EQ(dog.Run(10), kStop);
+  dog.Pull(55, Radians(180));
+  EXPECT_EQ(dog.Run(10), kStop) << "45 N are not below the release";
+  dog.Pull(39, Radians(180));
+  EXPECT_EQ(dog.Run(0.1), kStop);
+  dog.Pull(55, Radians(180));
+  EXPECT_EQ(dog.Run(0.29), kStop);
+  EXPECT_EQ(dog.Tick(), kTurn);
+  EXPECT_EQ(dog.Run(10), kTurn) << "nor does the pull that has started it stop it again";
+}
+
+TEST(SupervisorTest, GoesInTheDirectionOfThePull) {
+  for (int degrees = -170; degrees <= 180; degrees += 25) {
+    Dog dog;
+    dog.StandStill();
+    dog.Pull(60, Radians(degrees));
+    EXPECT_EQ(dog.Run(0.29), kStop) << degrees;
+    EXPECT_EQ(dog.Tick(), kTurn) << degrees;
+    EXPECT_NEAR(std::remainder(dog.status().yaw - Radians(degrees), 2 * std::numbers::pi), 0, 1e-9);
+    EXPECT_EQ(dog.walk().forward, 0.12);
+  }
+}
+
+TEST(SupervisorTest, TurnsTheShorterWayAndGoesOn) {
+  Dog dog;
+  dog.Head(Radians(170));
+  dog.StandStill();
+  dog.Pull(60, Radians(-100));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  EXPECT_DOUBLE_EQ(dog.walk().yaw_rate, 0.3) << "90 degrees to the left, across 180";
+  dog.Pull(20, Radians(-100));
+  dog.Head(Radians(-90));
+  dog.Tick();
+  EXPECT_NEAR(dog.walk().yaw_rate, Radians(-10), 1e-12) << "turn_gain times the error";
+  dog.Head(Radians(-100) + 0.0201);
+  EXPECT_EQ(dog.Run(10), kTurn);
+  dog.Head(Radians(-100) - 0.0199);
+  EXPECT_EQ(dog.Run(0.29), kTurn);
+  EXPECT_EQ(dog.Tick(), kMove);
+  EXPECT_EQ(dog.walk().yaw_rate, 0.05) << "as commanded";
+}
+
+// On uneven ground the trunk's yaw passes the new direction long before the path has it.
+TEST(SupervisorTest, AStumbleThroughTheNewDirectionDoesNotEndTheTurn) {
+  Dog dog;
+  dog.StandStill();
+  dog.Pull(60, Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  dog.Pull(20, Radians(90));
+  for (int n = 0; n < 10; ++n) {
+    dog.Head(Radians(90));
+    EXPECT_EQ(dog.Run(0.1), kTurn);
+    dog.Head(Radians(82));
+    EXPECT_EQ(dog.Run(0.1), kTurn);
+  }
+  dog.Head(Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kMove);
+}
+
+TEST(SupervisorTest, PullsDoNotCountBeforeTheDwellIsOver) {
+  Dog dog;
+  dog.Obstacle(true);
+  EXPECT_EQ(dog.Run(0.01), kStop) << "an obstacle counts at once";
+  dog.Pull(60, 1);
+  EXPECT_EQ(dog.Run(0.99), kStop);
+  EXPECT_EQ(dog.Tick(), kTurn);
+  EXPECT_EQ(dog.Run(0.05), kTurn);
+}
+
+TEST(SupervisorTest, WaitsAtAnObstacleForAPull) {
+  Dog dog;
+  dog.Run(2);
+  dog.Obstacle(true);
+  EXPECT_EQ(dog.Tick(), kStop);
+  dog.Obstacle(false);
+  EXPECT_EQ(dog.Run(30), kStop) << "it does not go on by itself";
+}
+
+TEST(SupervisorTest, TurnsAwayFromTheObstacleThatStoppedIt) {
+  Dog dog;
+  dog.Obstacle(true);
+  dog.Pull(10, Radians(180));
+  dog.Run(2);
+  dog.Pull(60, Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  dog.Pull(0, 0);
+  EXPECT_EQ(dog.Run(2), kTurn) << "it is still ahead";
+  dog.Obstacle(false);
+  EXPECT_EQ(dog.Run(1), kTurn);
+  dog.Obstacle(true);
+  EXPECT_EQ(dog.Tick(), kStop) << "another one";
+}
+
+TEST(SupervisorTest, DoesNotRunIntoAnObstacleOnCommand) {
+  Dog dog;
+  dog.Obstacle(true);
+  dog.Pull(10, Radians(180));
+  dog.Run(2);
+  dog.Pull(60, 0);
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  EXPECT_EQ(dog.Run(0.3), kMove);
+  EXPECT_EQ(dog.Tick(), kStop);
+}
+
+TEST(SupervisorTest, NoiseDoesNotStartIt) {
+  RandomStream random(7);
+  for (const double tension : {0.0, 30.0, 42.0}) {
+    Dog dog;
+    dog.StandStill();
+    dog.Pull(tension, Radians(180));
+    int changes = 0;
+    EXPECT_EQ(dog.RunNoisy(60, 4, random, &changes), kStop);
+    EXPECT_EQ(changes, 0) << tension;
+  }
+}
+
+TEST(SupervisorTest, NoiseDoesNotStopIt) {
+  RandomStream random(8);
+  Dog dog;
+  dog.Run(2);
+  int changes = 0;
+  EXPECT_EQ(dog.RunNoisy(60, 4, random, &changes), kMove);
+  EXPECT_EQ(changes, 0);
+}
+
+TEST(SupervisorTest, FindsTheDirectionOfAPullInNoise) {
+  RandomStream random(9);
+  for (int i = 0; i < 100; ++i) {
+    Dog dog;
+    dog.StandStill();
+    dog.Pull(60, Radians(90));
+    int changes = 0;
+    dog.RunNoisy(1, 4, random, &changes);
+    EXPECT_EQ(changes, 1);
+    EXPECT_NEAR(dog.status().yaw, Radians(90), Radians(5)) << i;
+  }
+}
+
+TEST(SupervisorTest, JerksDoNotStartIt) {
+  Dog dog;
+  dog.StandStill();
+  for (int i = 0; i < 60; ++i) {
+    dog.Pull(200, Radians(90));
+    EXPECT_EQ(dog.Run(0.2), kStop);
+    dog.Pull(20, Radians(180));
+    EXPECT_EQ(dog.Run(0.8), kStop);
+  }
+}
+
+TEST(SupervisorTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Dog dog;
+  dog.Run(2);
+  dog.Pull(60, 1);
+  dog.Tick();
+  AllocationGuard guard;
+  dog.Run(2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(SupervisorTest, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(SupervisorParams&)>& change, const std::string& a,
+                          const std::string& b) {
+    SupervisorParams params;
+    change(params);
+    return Throws<ParameterError>([&] { Supervisor block(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.threshold = 0; }, "threshold of 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.release = 51; }, "release of 51 N", "threshold of 50 N"));
+  EXPECT_TRUE(refuses([](auto& p) { p.release = 0; }, "release of 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stop_time = 0; }, "stop_time of 0 s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.start_time = NAN; }, "start_time of nan s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.dwell = -1; }, "dwell of -1 s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.turn_rate = 0; }, "turn_rate of 0 rad/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.turn_gain = -2; }, "turn_gain of -2 1/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.heading_tolerance = 0; }, "heading_tolerance of 0 rad", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.align_time = 0; }, "align_time of 0 s", "positive"));
+}
+
+TEST(SupervisorTest, IsReadFromYaml) {
+  const auto params = YamlDocument::Parse(
+                          "{threshold_N: 60, release_N: 45, stop_time_s: 0.2, start_time_s: 0.4, dwell_s: 2, "
+                          "turn_rate_rad_per_s: 0.2, turn_gain_per_s: 0.5, heading_tolerance_rad: 0.03, "
+                          "align_time_s: 0.2}",
+                          "supervisor.yaml")
+                          .Read<SupervisorParams>();
+  EXPECT_EQ(params.threshold, 60);
+  EXPECT_EQ(params.release, 45);
+  EXPECT_EQ(params.stop_time, 0.2);
+  EXPECT_EQ(params.start_time, 0.4);
+  EXPECT_EQ(params.dwell, 2);
+  EXPECT_EQ(params.turn_rate, 0.2);
+  EXPECT_EQ(params.turn_gain, 0.5);
+  EXPECT_EQ(params.heading_tolerance, 0.03);
+  EXPECT_EQ(params.align_time, 0.2);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,61 @@
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+class TrackingErrorTest : public ::testing::Test {
+ protected:
+  TrackingErrorTest() {
+    QuadrupedModel(robot_).Calc(state_, &dynamics_);
+    auto& block = rig_.system();
+    rig_.Fix(block.state, state_).Fix(block.foot_forces, FootForces()).Fix(block.schedule, ContactSchedule());
+    rig_.Fix(block.body, BodyReference()).Fix(block.feet, FeetReference()).Fix(block.plan, WholeBodyPlan());
+  }
+  QuadrupedDescription robot_ = test::DogBot();
+  LeggedState state_ = test::Standing(robot_);
+  QuadrupedDynamics dynamics_;
+  TestRig<TrackingError> rig_{TrackingErrorParams{robot_}};
+};
+
+TEST_F(TrackingErrorTest, TellsWhatIsPlannedFromWhatIs) {
+  auto& block = rig_.system();
+  BodyReference body;
+  body.com_W = dynamics_.com_W - Vec<3>(0.01, 0.02, -0.03);
+  FeetReference feet;
+  feet[kRearLeft].p_W = dynamics_.feet[kRearLeft].p_W + Vec<3>(0.003, 0, 0.004);
+  ContactSchedule schedule;
+  schedule.legs[kRearLeft].state = ContactState::kSwing;
+  schedule.legs[kRearRight].state = ContactState::kLate;
+  WholeBodyPlan plan;
+  plan.solution.force[kFrontLeft] = Vec<3>(3, 0, 50);
+  FootForces forces;
+  forces[kFrontLeft] = Vec<3>(0, 4, 50);
+  forces[kRearRight] = Vec<3>(0, 0, 50);
+  rig_.Fix(block.body, body).Fix(block.feet, feet).Fix(block.schedule, schedule).Fix(block.plan, plan);
+  const WalkingErrors errors = rig_.Fix(block.foot_forces, forces)[block.errors];
+  EXPECT_THAT(errors.com, IsNear(Vec<3>(0.01, 0.02, -0.03), 1e-14));
+  EXPECT_THAT(errors.com_position, IsNear(dynamics_.com_W, 1e-14));
+  EXPECT_THAT(errors.foot, IsNear(Vec<4>(0, 0, 0.005, 0), 1e-14));
+  EXPECT_THAT(errors.ground_force, IsNear(Vec<4>(5, 0, 0, 0), 1e-14));
+}
+
+// A force at a foot is told as itself.
+TEST_F(TrackingErrorTest, TellsDisturbancesAsForcesAtTheFeet) {
+  auto& block = rig_.system();
+  EXPECT_EQ(rig_[block.external_foot_forces][kFrontRight].norm(), 0) << "none connected";
+  const Vec<3> force(10, -20, 5);
+  Vec<12> torque = Vec<12>::Zero();
+  torque.segment<3>(3 * kFrontRight) = dynamics_.feet[kFrontRight].J_leg.transpose() * force;
+  rig_.Fix(block.external_torque, torque);
+  EXPECT_THAT(rig_[block.external_foot_forces][kFrontRight], IsNear(force, 1e-9));
+  EXPECT_EQ(rig_[block.external_foot_forces][kRearLeft].norm(), 0);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,171 @@
+#include <tenon/controllers/legged/observers/com_observer.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <tenon/tests/controllers/legged/quadruped_bench.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using test::A1;
+using test::DogBot;
+using test::QuadrupedBench;
+using Observed = test::Observed<ComObserver>;
+
+ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source = ForceSource::kImu) {
+  ComObserverParams params;
+  params.robot = robot;
+  params.gains.force_source = source;
+  return params;
+}
+
+/// A force on the trunk at p_B, and a torque.
+QuadrupedBench::External OnTrunk(const Vec<3>& p_B, const Vec<3>& force, const Vec<3>& torque) {
+  return [=](const LeggedState& state, const QuadrupedDynamics&, double) {
+    Vec<18> out = Vec<18>::Zero();
+    const Vec<3> arm = state.R_WB() * p_B;
+    out.head<6>() << force, arm.cross(force) + torque;
+    return out;
+  };
+}
+
+QuadrupedBench Standing(const QuadrupedDescription& robot) {
+  QuadrupedBench bench(robot);
+  bench.StandHere();
+  bench.joint_reference = [stance = robot.stance](double t) {  // and squats, one side more than the other
+    Vec<12> q = stance;
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      q.segment<2>(3 * leg + 1) += (0.1 + 0.02 * leg) * (1 - std::cos(8 * t)) * Vec<2>(0.5, -1);
+    return q;
+  };
+  return bench;
+}
+
+// A constant force: what the filter makes of a step, from the first tick on, in spite of all that moves.
+TEST(ComObserverTest, StepGivesTheFirstOrderResponse) {
+  const Vec<3> force(30, -20, -60), torque(3, -2, 4);
+  for (const ForceSource source : {ForceSource::kImu, ForceSource::kMomentum}) {
+    ComObserverParams params = Params(DogBot(), source);
+    params.gains.force_bandwidth = 20;
+    params.gains.torque_bandwidth = 30;
+    QuadrupedBench bench = Standing(params.robot);
+    bench.external = [=](const LeggedState& state, const QuadrupedDynamics& dynamics, double) {
+      Vec<18> out = Vec<18>::Zero();  // through the centre of mass
+      out.head<6>() << force, (dynamics.com_W - state.p_WB).cross(force) + torque;
+      return out;
+    };
+    Observed run(bench, params);
+    for (int n = 1; n <= 300; ++n) {
+      const WrenchEstimate& estimate = run.Tick();
+      ASSERT_THAT(estimate.force_W,
+                  IsNear(force * -std::expm1(-20e-3 * n), source == ForceSource::kImu ? 0.35 : 0.1))
+          << n;
+      ASSERT_THAT(estimate.torque_W, IsNear(torque * -std::expm1(-30e-3 * n), 0.02)) << n;
+    }
+  }
+}
+
+TEST(ComObserverTest, WrenchOfAForceOffTheCentreOfMass) {
+  const Vec<3> p_B(0.2, -0.1, 0.05), force(10, 25, -15);
+  QuadrupedBench bench(A1());
+  bench.StandHere();
+  bench.external = OnTrunk(p_B, force, Vec<3>::Zero());
+  Observed run(bench, Params(A1()));
+  const WrenchEstimate& estimate = run.AdvanceTo(0.6);
+  QuadrupedDynamics dynamics;
+  run.bench.model.Calc(run.bench.x, &dynamics);
+  const Vec<3> arm = run.bench.x.p_WB + run.bench.x.R_WB() * p_B - dynamics.com_W;
+  EXPECT_THAT(estimate.force_W, IsNear(force, 0.1));
+  EXPECT_THAT(estimate.torque_W, IsNear(arm.cross(force), 0.05));
+}
+
+// Nothing but known forces act, while the robot falls, spins and swings its legs: then nothing is estimated,
+// also not from the velocities that it starts with.
+TEST(ComObserverTest, StartsOnAMovingRobotWithoutTransient) {
+  for (const ForceSource source : {ForceSource::kImu, ForceSource::kMomentum}) {
+    QuadrupedBench bench(DogBot());
+    bench.x.v_W = {1, -2, 3};
+    bench.x.w_W = {1, 2, -1};
+    for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = 5 * std::cos(j);
+    bench.ground = [](const LeggedState&, const QuadrupedDynamics&, double t) {
+      FootForces forces;
+      forces.front_right = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)};
+      return forces;
+    };
+    Observed run(bench, Params(DogBot(), source));
+    for (int n = 0; n < 100; ++n) {
+      const WrenchEstimate& estimate = run.Tick();
+      ASSERT_LT(estimate.torque_W.norm(), 5e-3) << n;
+      ASSERT_LT(estimate.force_W.norm(), source == ForceSource::kImu ? 1.5 : 0.01) << n;
+    }
+  }
+}
+
+// Far from the trunk's origin the unit feels the rotation too: 2 m/s^2 here, which would be 45 N.
+TEST(ComObserverTest, CarriesTheAccelerationFromTheInertialUnit) {
+  for (const Vec<3>& place : {Vec<3>(0, 0, 0), Vec<3>(0.3, -0.1, 0.2)}) {
+    QuadrupedDescription robot = DogBot();
+    robot.imu_B = place;
+    QuadrupedBench bench(robot);
+    bench.x.w_W = {1, 2, -1};
+    bench.external = OnTrunk({0, 0.1, 0}, {20, 0, 0}, Vec<3>::Zero());
+    Observed run(bench, Params(robot));
+    for (int n = 1; n <= 200; ++n)
+      ASSERT_THAT(run.Tick().force_W, IsNear(Vec<3>(-20, 0, 0) * std::expm1(-20e-3 * n), 1)) << n;
+  }
+}
+
+// A sway of the state's velocity, as an estimator may have it, does not reach the force.
+TEST(ComObserverTest, DoesNotReadTheVelocityOfTheTrunk) {
+  Observed right(Standing(DogBot()), Params(DogBot())), wrong(Standing(DogBot()), Params(DogBot()));
+  for (int n = 0; n < 100; ++n) {
+    right.Tick();
+    const Vec<3> v = wrong.bench.x.v_W;
+    wrong.bench.Step();
+    LeggedState seen = wrong.bench.x;
+    seen.v_W += Vec<3>(0.1 * std::sin(0.3 * n), 0.2, v[0]);
+    wrong.rig.Fix(wrong.rig.system().state, seen)
+        .Fix(wrong.rig.system().foot_forces, wrong.bench.Feet())
+        .Fix(wrong.rig.system().imu, wrong.bench.Imu())
+        .Tick();
+  }
+  EXPECT_THAT(wrong.estimate().force_W, IsNear(right.estimate().force_W, 1e-9));
+  EXPECT_THAT(wrong.estimate().torque_W, IsNear(right.estimate().torque_W, 1e-9));
+}
+
+TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
+  const ComObserverGains gains = CentroidalMomentumObserver();
+  EXPECT_EQ(gains.force_bandwidth, 25);
+  EXPECT_EQ(gains.torque_bandwidth, 10);
+  EXPECT_EQ(gains.force_source, ForceSource::kMomentum);
+}
+
+TEST(ComObserverTest, DoesNotAllocate) {
+  Observed run(Standing(DogBot()), Params(DogBot()));
+  run.Tick();
+  const AllocationGuard guard;
+  run.rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(ComObserverTest, RefusesWhatMakesNoSense) {
+  const auto refuses = [](const ComObserverParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { ComObserver observer(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+  ComObserverParams params = Params(DogBot());
+  params.gains.force_bandwidth = 0;
+  EXPECT_TRUE(refuses(params, "force_bandwidth_rad_per_s = 0 must be positive"));
+  params = Params(DogBot());
+  params.gains.torque_bandwidth = NAN;
+  EXPECT_TRUE(refuses(params, "torque_bandwidth_rad_per_s = nan must be positive"));
+}
+
+}  // namespace
+}  // namespace tenon

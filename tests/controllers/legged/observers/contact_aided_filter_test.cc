@@ -1,0 +1,270 @@
+#include <tenon/controllers/legged/observers/contact_aided_filter.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/derivative_check.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using Filter = ContactAidedFilter;
+constexpr double kPeriod = 1e-3, kRadius = 0.03, kGravity = 9.81;
+constexpr std::array<bool, kNumLegs> kAll{true, true, true, true};
+
+Vec<3> Normal(RandomStream& random, double deviation) {
+  return {deviation * random.Normal(), deviation * random.Normal(), deviation * random.Normal()};
+}
+
+ContactAidedMean RandomMean(RandomStream& random) {
+  ContactAidedMean mean;
+  mean.p_WI = Normal(random, 1);
+  mean.v_WI = Normal(random, 1);
+  mean.q_WB = QuaternionFromRotationVector(Normal(random, 1));
+  mean.specific_force_bias_B = Normal(random, 0.1);
+  mean.angular_velocity_bias_B = Normal(random, 0.1);
+  for (Vec<3>& foot : mean.feet_W) foot = Normal(random, 1);
+  return mean;
+}
+
+ContactAidedInput RandomInput(RandomStream& random) {
+  ContactAidedInput input{{Normal(random, 3), Normal(random, 10)}, {}};
+  for (Vec<3>& turn : input.turn_B) turn = Normal(random, 0.01);
+  return input;
+}
+
+/// What Plus adds to `mean` to give `other`.
+Filter::Error Difference(const ContactAidedMean& other, const ContactAidedMean& mean) {
+  Filter::Error error;
+  const Eigen::AngleAxisd turn(other.R_WB() * mean.R_WB().transpose());
+  error.segment<3>(Filter::kPosition) = other.p_WI - turn * mean.p_WI;
+  error.segment<3>(Filter::kVelocity) = other.v_WI - turn * mean.v_WI;
+  error.segment<3>(Filter::kAttitude) = turn.angle() * turn.axis();
+  error.segment<3>(Filter::kForceBias) = other.specific_force_bias_B - mean.specific_force_bias_B;
+  error.segment<3>(Filter::kRateBias) = other.angular_velocity_bias_B - mean.angular_velocity_bias_B;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    error.segment<3>(Filter::kFeet + 3 * static_cast<int>(leg)) = other.feet_W[leg] - turn * mean.feet_W[leg];
+  }
+  return error;
+}
+
+/// The derivative of a foot's residual.
+Filter::FootRow FootRow(int leg) {
+  Filter::FootRow H = Filter::FootRow::Zero();
+  H.middleCols<3>(Filter::kPosition) = -Eigen::Matrix3d::Identity();
+  H.middleCols<3>(Filter::kFeet + 3 * leg).setIdentity();
+  return H;
+}
+
+Filter::Covariance RandomCovariance(RandomStream& random, double size) {
+  Filter::Covariance root;
+  for (int i = 0; i < Filter::kErrors; ++i)
+    for (int j = 0; j < Filter::kErrors; ++j) root(i, j) = size * random.Normal();
+  return root * root.transpose();
+}
+
+TEST(ContactAidedFilterTest, JacobiansAreThoseOfFiniteDifferences) {
+  RandomStream random(1);
+  for (int i = 0; i < 20; ++i) {
+    const ContactAidedMean mean = RandomMean(random);
+    const ContactAidedInput input = RandomInput(random);
+    const ContactAidedMean next = Propagate(mean, input, kAll, kPeriod, kRadius, kGravity);
+    const auto propagate = [&](const Filter::Error& error) -> Eigen::VectorXd {
+      return Difference(Propagate(Plus(mean, error), input, kAll, kPeriod, kRadius, kGravity), next);
+    };
+    const Filter::Error zero = Filter::Error::Zero();
+    EXPECT_TRUE(IsJacobian(PropagationJacobian(mean, input, kAll, kPeriod, kRadius, kGravity), propagate,
+                           zero, 1e-8));
+
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const Vec<3> place = mean.R_WB().transpose() * (mean.feet_W[static_cast<std::size_t>(leg)] - mean.p_WI);
+      const auto residual = [&](const Filter::Error& error) -> Eigen::VectorXd {
+        return FootResidual(Plus(mean, error), leg, place);
+      };
+      EXPECT_TRUE(IsJacobian(FootRow(leg), residual, zero, 1e-8));
+    }
+  }
+}
+
+// One foot after the other gives what Kalman's formula gives for all at once.
+TEST(ContactAidedFilterTest, CorrectionIsKalmans) {
+  RandomStream random(2);
+  Filter filter;
+  filter.mean = RandomMean(random);
+  filter.anchored = {true, false, true, true};
+  filter.covariance = RandomCovariance(random, 0.01);
+  filter.Release(1);
+  std::array<FootMeasurement, kNumLegs> feet;
+  Eigen::Matrix<double, 9, Filter::kErrors> H;
+  Eigen::Matrix<double, 9, 9> N = Eigen::Matrix<double, 9, 9>::Zero();
+  Vec<9> innovation;
+  int row = 0;
+  const Eigen::Matrix3d R = filter.mean.R_WB();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    FootMeasurement& foot = feet[static_cast<std::size_t>(leg)];
+    const Vec<3> arm = filter.mean.feet_W[static_cast<std::size_t>(leg)] - filter.mean.p_WI;
+    foot.p_IF_B = R.transpose() * arm + Normal(random, 0.01);
+    foot.covariance = Vec<3>(1e-4, 2e-4, 3e-4).asDiagonal();
+    if (leg == 1) continue;
+    H.middleRows<3>(row) = FootRow(leg);
+    N.block<3, 3>(row, row) = R * foot.covariance * R.transpose();
+    innovation.segment<3>(row) = -FootResidual(filter.mean, leg, foot.p_IF_B);
+    row += 3;
+  }
+  const Eigen::MatrixXd P = filter.covariance;
+  const Eigen::MatrixXd gain = P * H.transpose() * (H * P * H.transpose() + N).inverse();
+  const Filter::Error error = gain * innovation;
+  const ContactAidedMean expected = Plus(filter.mean, error);
+
+  EXPECT_EQ(filter.Correct(feet, 1e9), 0);
+  EXPECT_THAT(Difference(filter.mean, expected), IsNear(Filter::Error(Filter::Error::Zero()), 1e-11));
+  EXPECT_THAT(Eigen::MatrixXd(filter.covariance), IsNear(Eigen::MatrixXd(P - gain * H * P), 1e-12));
+}
+
+// The limit of a foot of which nothing was known.
+TEST(ContactAidedFilterTest, AnchoringIsMeasuringAFootOfUnknownPlace) {
+  RandomStream random(3);
+  Filter filter;
+  filter.mean = RandomMean(random);
+  filter.covariance = RandomCovariance(random, 0.01);
+  for (int leg = 0; leg < kNumLegs; ++leg) filter.Release(leg);
+  const FootMeasurement foot{Normal(random, 0.3), Vec<3>(1e-4, 2e-4, 3e-4).asDiagonal()};
+  Filter measured = filter;
+  measured.anchored[2] = true;
+  const int rows = Filter::kFeet + 6;
+  measured.covariance.block<3, 3>(rows, rows).diagonal().setConstant(1e4);
+  std::array<FootMeasurement, kNumLegs> feet;
+  feet[2] = foot;
+  measured.Correct(feet, 1e9);
+
+  filter.Anchor(2, foot);
+  EXPECT_THAT(Difference(filter.mean, measured.mean), IsNear(Filter::Error(Filter::Error::Zero()), 1e-6));
+  EXPECT_THAT(Eigen::MatrixXd(filter.covariance), IsNear(Eigen::MatrixXd(measured.covariance), 1e-6));
+}
+
+// A wheel that turns forwards by an angle goes by radius times angle.
+TEST(ContactAidedFilterTest, AFootRollsWithItsShank) {
+  ContactAidedMean mean;
+  ContactAidedInput input{{{0, 2, 0}, {0, 0, kGravity}}, {}};
+  input.turn_B.fill(Vec<3>(0, 0.01, 0));
+  input.turn_B[1] = {0.01, 0, 0};
+  const ContactAidedMean next = Propagate(mean, input, {true, true, false, true}, kPeriod, kRadius, kGravity);
+  EXPECT_THAT(next.feet_W[0], IsNear(Vec<3>(0.012 * kRadius, 0, 0), 1e-15));
+  EXPECT_THAT(next.feet_W[1], IsNear(Vec<3>(0.002 * kRadius, -0.01 * kRadius, 0), 1e-15));
+  EXPECT_EQ(next.feet_W[2], mean.feet_W[2]);
+}
+
+// Robots that obey the filter's model, in 60 runs with noise of all kinds: the error squared and weighted
+// with the inverse covariance has the mean of chi-square, the number of degrees of freedom. The mean over
+// runs of the velocity's has a standard deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
+TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
+  ContactAidedNoise noise;
+  noise.specific_force_bias_walk = 1e-3;
+  noise.angular_velocity_bias_walk = 1e-4;
+  constexpr int kRuns = 60, kTicks = 1500;
+  double velocity = 0, tilt = 0, bias = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    RandomStream random(static_cast<std::uint64_t>(run) + 10);
+    Filter filter;
+    Vec<5> deviation;
+    deviation << 1e-3, 0.05, 0.02, 0.1, 0.01;
+    ContactAidedMean guess;
+    guess.p_WI = {3, 2, 0.4};
+    guess.v_WI = {0.5, -0.2, 0};
+    filter.Start(guess, deviation);
+    ContactAidedMean truth = guess;
+    truth.p_WI += Normal(random, deviation[0]);
+    truth.v_WI += Normal(random, deviation[1]);
+    truth.q_WB = QuaternionFromRotationVector(Normal(random, deviation[2]));
+    truth.specific_force_bias_B += Normal(random, deviation[3]);
+    truth.angular_velocity_bias_B += Normal(random, deviation[4]);
+    const Vec<3> place[] = {{0.3, 0.2, -0.4}, {0.3, -0.2, -0.4}, {-0.3, 0.2, -0.4}, {-0.3, -0.2, -0.4}};
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg) truth.feet_W[leg] = truth.p_WI + place[leg];
+    const auto measure = [&] {
+      std::array<FootMeasurement, kNumLegs> feet;
+      for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+        feet[leg].p_IF_B =
+            truth.R_WB().transpose() * (truth.feet_W[leg] - truth.p_WI) + Normal(random, noise.foot);
+        feet[leg].covariance = noise.foot * noise.foot * Eigen::Matrix3d::Identity();
+      }
+      return feet;
+    };
+    const auto start = measure();
+    for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, start[static_cast<std::size_t>(leg)]);
+    for (int k = 0; k < kTicks; ++k) {
+      const double t = kPeriod * k;
+      const Eigen::Matrix3d R_BW = truth.R_WB().transpose();
+      ContactAidedInput input;
+      for (Vec<3>& turn : input.turn_B) turn.setZero();
+      // Sways a few centimetres and turns a few degrees.
+      input.inertial.specific_force_B =
+          R_BW * Vec<3>(std::cos(6 * t), 2 * std::cos(9 * t), kGravity) + truth.specific_force_bias_B;
+      input.inertial.angular_velocity_B =
+          Vec<3>(0.5 * std::cos(5 * t), 0.4 * std::cos(7 * t), 0.3) + truth.angular_velocity_bias_B;
+      truth = Propagate(truth, input, kAll, kPeriod, 0, kGravity);
+      for (Vec<3>& at : truth.feet_W) at += Normal(random, std::sqrt(kPeriod) * noise.foot_walk);
+      truth.specific_force_bias_B += Normal(random, std::sqrt(kPeriod) * noise.specific_force_bias_walk);
+      truth.angular_velocity_bias_B += Normal(random, std::sqrt(kPeriod) * noise.angular_velocity_bias_walk);
+      input.inertial.specific_force_B += Normal(random, noise.specific_force);
+      input.inertial.angular_velocity_B += Normal(random, noise.angular_velocity);
+      filter.Predict(input, noise, kPeriod, 0, kGravity);
+      EXPECT_EQ(filter.Correct(measure(), 40), 0);
+    }
+    EXPECT_EQ(filter.covariance.llt().info(), Eigen::Success);
+    const auto weigh = []<int N>(const Vec<N>& error, const Eigen::Matrix<double, N, N>& P) {
+      return error.dot(P.llt().solve(error)) / kRuns;
+    };
+    const Filter::Error off = Difference(truth, filter.mean);
+    velocity += weigh(Vec<3>(truth.v_WI - filter.mean.v_WI), filter.VelocityCovariance());
+    tilt += weigh(Vec<2>(off.segment<2>(Filter::kAttitude)),
+                  Eigen::Matrix2d(filter.covariance.block<2, 2>(Filter::kAttitude, Filter::kAttitude)));
+    bias += weigh(Vec<3>(off.segment<3>(Filter::kRateBias)),
+                  Eigen::Matrix3d(filter.covariance.block<3, 3>(Filter::kRateBias, Filter::kRateBias)));
+  }
+  EXPECT_NEAR(velocity, 3, 3 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(tilt, 2, 3 * std::sqrt(4.0 / kRuns));
+  EXPECT_NEAR(bias, 3, 3 * std::sqrt(6.0 / kRuns));
+}
+
+TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
+  RandomStream random(5);
+  Filter filter;
+  filter.mean = RandomMean(random);
+  filter.covariance = RandomCovariance(random, 0.01);
+  filter.anchored = kAll;
+  filter.Release(3);
+  filter.Predict(RandomInput(random), {}, kPeriod, kRadius, kGravity);
+  EXPECT_EQ(filter.covariance.bottomRows<3>().cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(filter.covariance.rightCols<3>().cwiseAbs().maxCoeff(), 0);
+  EXPECT_GT((filter.covariance.block<3, 3>(Filter::kFeet + 6, 0).norm()), 0);
+}
+
+TEST(ContactAidedFilterTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  RandomStream random(4);
+  Filter filter;
+  filter.covariance = RandomCovariance(random, 0.01);
+  std::array<FootMeasurement, kNumLegs> feet;
+  for (FootMeasurement& foot : feet) foot = {Normal(random, 0.3), Eigen::Matrix3d::Identity()};
+  AllocationGuard guard;
+  for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, feet[static_cast<std::size_t>(leg)]);
+  filter.Predict(RandomInput(random), {}, kPeriod, kRadius, kGravity);
+  filter.Correct(feet, 1e9);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
+  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.foot_walk = 0}.Validate(); },
+                                     "noise.foot_walk = 0", "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.encoder = NAN}.Validate(); },
+                                     "noise.encoder = nan", "small deviation"));
+}
+
+}  // namespace
+}  // namespace tenon

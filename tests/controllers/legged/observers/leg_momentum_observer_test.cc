@@ -1,0 +1,254 @@
+#include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <tenon/tests/controllers/legged/quadruped_bench.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::A1;
+using test::DogBot;
+using test::QuadrupedBench;
+using Observed = test::Observed<LegMomentumObserver>;
+
+/// A robot that flies, turns and moves its legs under known forces on its feet.
+QuadrupedBench Flying(const QuadrupedDescription& robot) {
+  QuadrupedBench bench(robot);
+  bench.x.v_W = {0.4, -0.2, 1};
+  bench.x.w_W = {0.5, -0.3, 0.2};
+  bench.joint_reference = test::Swinging(robot);
+  bench.ground = [](const LeggedState&, const QuadrupedDynamics&, double t) {
+    FootForces forces;
+    forces.front_left = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)};
+    forces.rear_right = {0, -8 * std::cos(12 * t), 50};
+    return forces;
+  };
+  return bench;
+}
+
+QuadrupedBench::External AtJoints(const Vec<12>& torque) {
+  return [torque](const LeggedState&, const QuadrupedDynamics&, double) {
+    Vec<18> force = Vec<18>::Zero();
+    force.tail<12>() = torque;
+    return force;
+  };
+}
+
+LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<double> gains = {100}) {
+  LegMomentumObserverParams params;
+  params.robot = robot;
+  params.gains.gains = std::move(gains);
+  return params;
+}
+
+/// Of a step through a Butterworth filter, by partial fractions.
+double StepResponse(int order, double bandwidth, double t) {
+  using Complex = std::complex<double>;
+  std::vector<Complex> poles;
+  for (int k = 0; k < order; ++k)
+    poles.push_back(std::polar(bandwidth, std::numbers::pi * (2 * k + order + 1) / (2 * order)));
+  Complex y = 1;
+  for (int k = 0; k < order; ++k) {
+    Complex residue = std::pow(bandwidth, order) / poles[k];
+    for (int j = 0; j < order; ++j)
+      if (j != k) residue /= poles[k] - poles[j];
+    y += residue * std::exp(poles[k] * t);
+  }
+  return y.real();
+}
+
+TEST(LegMomentumObserverTest, StepGivesTheTransferFunctionOfEveryOrder) {
+  RandomStream random(3);
+  const Vec<12> step = test::RandomVector<12>(random, 5);
+  for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
+    for (int order = 1; order <= 5; ++order) {
+      LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(order, 50));
+      params.gains.dynamics = form;
+      QuadrupedBench bench = Flying(params.robot);
+      bench.external = AtJoints(step);
+      Observed run(bench, params);
+      double worst = 0;
+      for (int n = 1; n <= 200; ++n) {
+        const Vec<12> estimate = run.Tick().joint_torque;
+        worst = std::max(worst, (estimate / StepResponse(order, 50, 1e-3 * n) - step).norm() *
+                                    StepResponse(order, 50, 1e-3 * n) / step.norm());
+      }
+      EXPECT_LT(worst, 1e-3) << "order " << order << ", " << static_cast<int>(form);
+    }
+  }
+}
+
+TEST(LegMomentumObserverTest, LinearCombinationsSuperpose) {
+  RandomStream random(5);
+  const Vec<12> a = test::RandomVector<12>(random, 4), b = test::RandomVector<12>(random, 4);
+  const auto run = [&](double of_a, double of_b) {
+    QuadrupedBench bench = Flying(A1());
+    bench.external = [=](const LeggedState&, const QuadrupedDynamics&, double t) {
+      Vec<18> force = Vec<18>::Zero();
+      force.tail<12>() = of_a * std::sin(30 * t) * a + of_b * std::cos(20 * t) * b;
+      return force;
+    };
+    return Observed(bench, Params(A1(), ButterworthGains(3, 40))).AdvanceTo(0.15).joint_torque;
+  };
+  const Vec<12> of_a = run(1, 0), of_b = run(0, 1);
+  EXPECT_THAT(run(2, -0.5), IsNear(2 * of_a - 0.5 * of_b, 1e-3 * of_a.norm()));
+  EXPECT_GT(of_a.norm(), 1);
+}
+
+TEST(LegMomentumObserverTest, ForceOnTheTrunkDoesNotReachTheLegs) {
+  for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
+    LegMomentumObserverParams params = Params(DogBot());
+    params.gains.dynamics = form;
+    QuadrupedBench bench(params.robot);
+    bench.StandHere();
+    bench.external = [](const LeggedState&, const QuadrupedDynamics&, double) {
+      Vec<18> force = Vec<18>::Zero();
+      force.head<6>() << 60, 50, -40, 5, 5, 5;
+      return force;
+    };
+    Observed run(bench, params);
+    double torque = 0, force = 0;
+    for (int n = 0; n < 300; ++n) {
+      const LegForceEstimate& estimate = run.Tick();
+      torque = std::max(torque, estimate.joint_torque.cwiseAbs().maxCoeff());
+      for (int leg = 0; leg < kNumLegs; ++leg) force = std::max(force, estimate.foot_force[leg].norm());
+    }
+    const double push = Vec<3>(60, 50, -40).norm();
+    if (form == LegDynamics::kExact) {
+      EXPECT_LT(force, 0.01 * push);
+      EXPECT_LT(torque, 0.01 * push * 0.3);  // at the length of a leg
+    } else {
+      EXPECT_GT(force, 0.1 * push) << "what the thesis neglects";
+    }
+  }
+}
+
+TEST(LegMomentumObserverTest, ForceOnALegAppearsThereOnly) {
+  const QuadrupedDescription robot = DogBot();
+  const Vec<3> force(20, -12, 8);
+  for (int pushed = 0; pushed < kNumLegs; ++pushed) {
+    QuadrupedBench bench = Flying(robot);
+    bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {
+      const Vec<3> centre = dynamics.feet[static_cast<std::size_t>(pushed)].p_W;
+      return QuadrupedBench::PointJacobian(dynamics, pushed, centre).transpose() * force;
+    };
+    Observed run(bench, Params(robot));
+    const LegForceEstimate& estimate = run.AdvanceTo(0.15);
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      EXPECT_THAT(estimate.foot_force[leg],
+                  IsNear(leg == pushed ? force : Vec<3>(Vec<3>::Zero()), (leg == pushed ? 0.05 : 1e-3) * 25))
+          << "leg " << leg << " of a push on " << pushed;
+    }
+  }
+}
+
+TEST(LegMomentumObserverTest, StartsOnAMovingRobotWithoutTransient) {
+  for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
+    LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(3, 100));
+    params.gains.dynamics = form;
+    QuadrupedBench bench = Flying(params.robot);
+    for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = 5 * std::cos(j);
+    Observed run(bench, params);
+    for (int n = 0; n < 50; ++n) ASSERT_LT(run.Tick().joint_torque.norm(), 5e-3) << n;
+  }
+}
+
+// A straight leg carries a force along itself without torques: that part of the force cannot be known.
+TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
+  const QuadrupedDescription robot = DogBot();
+  LeggedState x;
+  x.q = robot.stance;
+  QuadrupedDynamics dynamics;
+  const QuadrupedModel model(robot);
+  double straight = x.q[2];  // where the Jacobian of the front left leg is singular
+  double smallest = 1;
+  for (double knee = -2; knee < 2; knee += 1e-3) {
+    x.q[2] = knee;
+    model.Calc(x, &dynamics);
+    if (const double det = std::abs(dynamics.feet[0].J_leg.determinant()); det < smallest)
+      smallest = det, straight = knee;
+  }
+  ASSERT_LT(smallest, 1e-4);
+
+  LegMomentumObserverParams params = Params(robot, {1000});
+  const auto estimate = [&](double knee) {
+    LeggedState posture;
+    posture.q = robot.stance;
+    posture.q[2] = knee;
+    TestRig<LegMomentumObserver> rig(params);
+    rig.Fix(rig.system().state, posture)
+        .Fix(rig.system().torque, Vec<12>::Constant(-3))
+        .Fix(rig.system().foot_forces, FootForces());
+    for (int n = 0; n < 30; ++n) rig.Tick();
+    return rig[rig.system().estimate];
+  };
+  Vec<3> last = estimate(straight - 0.15).foot_force.front_left;
+  for (double knee = straight - 0.15; knee < straight + 0.15; knee += 2e-3) {
+    const LegForceEstimate at = estimate(knee);
+    const Vec<3> force = at.foot_force.front_left;
+    EXPECT_LT(force.norm(), at.joint_torque.head<3>().norm() / params.gains.min_singular_value);
+    EXPECT_LT((force - last).norm(),
+              0.35 * at.joint_torque.head<3>().norm() / params.gains.min_singular_value);
+    last = force;
+  }
+  // A regular leg has the exact solution.
+  model.Calc(LeggedState{.q = robot.stance}, &dynamics);
+  const LegForceEstimate regular = estimate(robot.stance[2]);
+  EXPECT_THAT(dynamics.feet[0].J_leg.transpose() * regular.foot_force.front_left,
+              IsNear(regular.joint_torque.head<3>(), 1e-9));
+}
+
+TEST(LegMomentumObserverTest, DoesNotAllocate) {
+  for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
+    LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(5, 40));
+    params.gains.dynamics = form;
+    Observed run(Flying(params.robot), params);
+    run.Tick();
+    const AllocationGuard guard;
+    run.rig.Tick();
+    EXPECT_EQ(guard.count(), 0);
+  }
+}
+
+TEST(LegMomentumObserverTest, TakesGainsADesignOrItsDefault) {
+  LegObserverGains gains;
+  EXPECT_EQ(gains.Gains(), (std::vector<double>{100, 256}));
+  gains.butterworth = ButterworthDesign{3, 40};
+  EXPECT_EQ(gains.Gains(), ButterworthGains(3, 40));
+  gains.butterworth.reset();
+  gains.gains = {7};
+  EXPECT_EQ(gains.Gains(), std::vector<double>{7});
+}
+
+TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
+  const auto refuses = [](const LegMomentumObserverParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { LegMomentumObserver observer(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+  LegMomentumObserverParams params = Params(DogBot());
+  params.gains.min_singular_value = 0;
+  EXPECT_TRUE(refuses(params, "min_singular_value_m = 0 must be positive"));
+  params = Params(DogBot());
+  params.gains.butterworth = ButterworthDesign{3, 100};
+  EXPECT_TRUE(refuses(params, "gains_per_s and butterworth are both given", "leave one away"));
+  params = Params(DogBot(), {});
+  params.gains.butterworth = ButterworthDesign{0, 100};
+  EXPECT_TRUE(refuses(params, "an estimator of order 0: give 1 to 12"));
+  // As the thesis prints its gains.
+  params = Params(DogBot(), {17.5, 6.28, 2.25});
+  EXPECT_TRUE(refuses(params, "with the gains 17.5, 6.28, 2.25 the estimate diverges", "2.01 ± 5.95i, -6.28",
+                      "in reverse order, K_1 first, have: -6.23, -5.63 ± 2.82i"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,115 @@
+#include <tenon/controllers/legged/observers/nonlinear_disturbance_observer.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+#include <tenon/tests/controllers/legged/quadruped_bench.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using test::DogBot;
+using test::QuadrupedBench;
+using Observed = test::Observed<NonlinearDisturbanceObserver>;
+
+NonlinearDisturbanceObserverParams Params(NdoReading reading) {
+  NonlinearDisturbanceObserverParams params;
+  params.robot = DogBot();
+  params.reading = reading;
+  return params;
+}
+
+/// Legs that move in flight, from a start in motion.
+QuadrupedBench Flying() {
+  QuadrupedBench bench(DogBot());
+  bench.x.w_W = {0.5, -0.3, 0.2};
+  for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = std::cos(j);
+  bench.joint_reference = test::Swinging(bench.robot);
+  return bench;
+}
+
+// The error equation F_hat' = Lambda (F - F_hat), integrated by itself with the M_q of the moving robot.
+TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
+  RandomStream random(7);
+  const Vec<12> torque = test::RandomVector<12>(random, 5);
+  for (const NdoReading reading : {NdoReading::kM, NdoReading::kInverse}) {
+    QuadrupedBench bench = Flying();
+    bench.external = [=](const LeggedState&, const QuadrupedDynamics&, double) {
+      Vec<18> force = Vec<18>::Zero();
+      force.tail<12>() = torque;
+      return force;
+    };
+    const double x = reading == NdoReading::kM ? 10 : 0.1;
+    NonlinearDisturbanceObserverParams params = Params(reading);
+    Observed run(bench, params);
+    Vec<12> expected = Vec<12>::Zero();
+    double worst = 0;
+    for (int n = 1; n <= 300; ++n) {
+      const Vec<12> estimate = run.Tick().joint_torque;
+      QuadrupedDynamics dynamics;
+      DecoupledDynamics decoupled;
+      run.bench.model.Calc(run.bench.x, &dynamics);
+      run.bench.model.CalcDecoupled(run.bench.x, dynamics, &decoupled);
+      // Exact over the interval for a constant M_q.
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> modes(decoupled.M_q);
+      const Vec<12> decay = (-x * 1e-3 * modes.eigenvalues().cwiseInverse()).array().exp();
+      const Vec<12> error = torque - expected;
+      expected =
+          torque - modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * error;
+      worst = std::max(worst, (estimate - expected).norm());
+    }
+    // The implicit rule is slower in what is fast anyway.
+    EXPECT_LT(worst, (reading == NdoReading::kM ? 0.3 : 0.02) * torque.norm());
+    EXPECT_THAT(run.Tick().joint_torque, IsNear(expected, 0.01 * torque.norm()));
+  }
+}
+
+TEST(NonlinearDisturbanceObserverTest, StartsOnAMovingRobotWithoutTransient) {
+  Observed run(Flying(), Params(NdoReading::kM));
+  // p(0) = X qd would be 24 N m.
+  for (int n = 0; n < 100; ++n) ASSERT_LT(run.Tick().joint_torque.norm(), 0.1) << n;
+}
+
+TEST(NonlinearDisturbanceObserverTest, TellsTheForceOnAFoot) {
+  const Vec<3> force(15, -10, 5);
+  QuadrupedBench bench = Flying();
+  bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {
+    return QuadrupedBench::PointJacobian(dynamics, 2, dynamics.feet[2].p_W).transpose() * force;
+  };
+  Observed run(bench, Params(NdoReading::kM));
+  for (int n = 0; n < 200; ++n) run.Tick();
+  const LegForceEstimate& estimate = run.Tick();
+  EXPECT_THAT(estimate.foot_force.rear_left, IsNear(force, 1));
+  EXPECT_LT(estimate.foot_force.front_right.norm(), 1);
+}
+
+TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
+  Observed run(Flying(), Params(NdoReading::kM));
+  run.Tick();
+  const AllocationGuard guard;
+  run.rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(NonlinearDisturbanceObserverTest, RefusesWhatMakesNoSense) {
+  const auto refuses = [](const NonlinearDisturbanceObserverParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { NonlinearDisturbanceObserver observer(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+  NonlinearDisturbanceObserverParams params = Params(NdoReading::kM);
+  params.gain = -1;
+  EXPECT_TRUE(refuses(params, "gain = -1 must be positive"));
+  params = Params(NdoReading::kM);
+  params.min_singular_value = 0;
+  EXPECT_TRUE(refuses(params, "min_singular_value = 0 must be positive"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,286 @@
+#include <tenon/controllers/legged/planning/com_planner.h>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const GaitTiming kTrot{.num_steps = 2, .step = {0, 1, 1, 0}, .stance = 0.15, .swing = 0.115};
+const GaitTiming kPace{.num_steps = 2, .step = {0, 1, 0, 1}, .stance = 0.15, .swing = 0.115};
+const GaitTiming kCrawl{.num_steps = 4, .step = {1, 3, 0, 2}, .stance = 0.05, .swing = 0.2};
+
+ComPlannerParams Params() {
+  ComPlannerParams params;
+  params.robot = test::DogBot();
+  return params;
+}
+
+/// The planner, fed with the schedule of an undisturbed walk.
+class Walk {
+ public:
+  explicit Walk(const ComPlannerParams& params = Params())
+      : rig_(params), state_(test::Standing(params.robot)) {
+    Change(Gait::kStand, {});
+  }
+  /// A new gait begins at the next tick.
+  void Change(Gait gait, const GaitTiming& timing) {
+    schedule_.gait = gait;
+    schedule_.timing = timing;
+    schedule_.step = 0;
+    if (ticks_ > 0) ++schedule_.footsteps;
+    step_ticks_ = 0;
+  }
+  void Command(double forward, double left, double yaw_rate) {
+    command_.forward = forward;
+    command_.left = left;
+    command_.yaw_rate = yaw_rate;
+  }
+  LeggedState& state() { return state_; }
+  /// The clock waits from now on, or does not.
+  void Wait(bool waits) { waits_ = waits; }
+
+  const BodyReference& Tick() {
+    const double duration = schedule_.timing.step_duration();
+    if (schedule_.timing.num_steps > 0 && step_ticks_ > 0 && step_ticks_ >= std::lround(1000 * duration) &&
+        !waits_) {
+      schedule_.step = (schedule_.step + 1) % schedule_.timing.num_steps;
+      ++schedule_.footsteps;
+      step_ticks_ = 0;
+    }
+    schedule_.step_time = std::min(duration, 1e-3 * static_cast<double>(step_ticks_++));
+    ++ticks_;
+    rig_.Fix(rig_.system().schedule, schedule_).Fix(rig_.system().command, command_);
+    rig_.Fix(rig_.system().state, state_).Tick();
+    return reference_ = rig_[rig_.system().reference];
+  }
+  void Run(double seconds) {
+    for (int n = 0; n < std::lround(1000 * seconds); ++n) Tick();
+  }
+  const BodyReference& reference() const { return reference_; }
+  const PlanarPath& path() { return rig_[rig_.system().path]; }
+  const ComPlan& plan() { return rig_[rig_.system().plan]; }
+  const ContactSchedule& schedule() const { return schedule_; }
+  const NominalStance& stance() { return rig_.system().stance; }
+  /// (2.4) and (2.5) with L' = 0.
+  Eigen::Vector2d Zmp() {
+    const double height = stance().com_height;
+    return reference_.com_W.head<2>() - height / 9.81 * reference_.com_acceleration_W.head<2>();
+  }
+
+ private:
+  TestRig<ComPlanner> rig_;
+  LeggedState state_;
+  ContactSchedule schedule_;
+  WalkCommand command_;
+  BodyReference reference_;
+  long step_ticks_ = 0, ticks_ = 0;
+  bool waits_ = false;
+};
+
+TEST(NominalStanceTest, IsTheRobotsOwn) {
+  const NominalStance stance(test::DogBot());
+  EXPECT_NEAR(stance.com_height, 0.395, 0.01);
+  EXPECT_THAT(stance.foot[kFrontLeft], IsNear(-stance.foot[kRearRight], 1e-9));
+  EXPECT_GT(stance.foot[kFrontLeft][0], 0.2);
+  EXPECT_GT(stance.foot[kFrontLeft][1], 0.1);
+  // With the foot moved outwards by the reach, the leg is stretched to 95 %.
+  const QuadrupedDescription robot = test::DogBot();
+  const auto& leg = robot.legs[kFrontLeft];
+  const Eigen::Vector3d hip = leg.joints[0].p_PJ + leg.joints[1].p_PJ;
+  const Eigen::Vector3d foot = robot.FootPosition(kFrontLeft, robot.stance) - hip;
+  const double radius = foot.head<2>().norm() + stance.reach[kFrontLeft];
+  EXPECT_NEAR(std::hypot(radius, foot[2]), 0.95 * (leg.joints[2].p_PJ.norm() + leg.foot_J.norm()), 1e-9);
+}
+
+TEST(NominalStanceTest, RefusesStraightLegs) {
+  QuadrupedDescription robot = test::DogBot();
+  robot.stance.setZero();
+  EXPECT_TRUE(Throws<ParameterError>([&] { NominalStance stance(robot); }, "front_left", "dogbot",
+                                     "bend the knees of nominal_stance"));
+}
+
+TEST(ComPlannerTest, StandsOverTheCenterOfTheFeet) {
+  ComPlannerParams params = Params();
+  params.start_position << 3, -1;
+  params.start_yaw = 0.5;
+  Walk walk(params);
+  walk.Tick();
+  const Eigen::Rotation2Dd R(0.5);
+  const NominalStance& stance = walk.stance();
+  EXPECT_THAT(walk.reference().com_W.head<2>(),
+              IsNear(params.start_position + R * stance.com_B.head<2>(), 1e-12));
+  walk.Run(0.6);
+  EXPECT_THAT(walk.reference().com_W.head<2>(), IsNear(params.start_position + R * stance.center_B, 1e-12));
+  EXPECT_NEAR(walk.reference().com_W[2], stance.com_height, 1e-6);
+  EXPECT_EQ(walk.reference().com_velocity_W.norm(), 0);
+  EXPECT_THAT(walk.reference().q_WB, IsNear(Vec<4>(std::cos(0.25), 0, 0, std::sin(0.25)), 1e-15));
+}
+
+TEST(ComPlannerTest, ZmpOfATrotIsWhereThePathIsInTheMiddleOfTheSwing) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kTrot, kTrot);
+  walk.Command(0.3, 0.05, 0.2);
+  walk.Run(15 * 0.53);
+  for (int n = 0; n < 530; ++n) {
+    walk.Tick();
+    const double t = walk.schedule().step_time;
+    if (t < 0.151 || t > 0.264) continue;
+    EXPECT_THAT(walk.Zmp(), IsNear(walk.path().At(0.2075 - t).position_W, 1e-6)) << t;
+  }
+}
+
+TEST(ComPlannerTest, ZmpOfAPaceIsBesideIt) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kPace, kPace);
+  walk.Command(0.2, 0, 0);
+  walk.Run(15 * 0.53);
+  for (int n = 0; n < 530; ++n) {
+    walk.Tick();
+    const double t = walk.schedule().step_time;
+    if (t < 0.151 || t > 0.264) continue;
+    const double y = walk.stance().foot[walk.schedule().step == 0 ? kFrontRight : kFrontLeft][1];
+    EXPECT_THAT(walk.Zmp(), IsNear(walk.path().At(0.2075 - t).position_W + Eigen::Vector2d(0, y), 1e-6)) << t;
+  }
+}
+
+TEST(ComPlannerTest, ZmpOfACrawlIsTheCenterOfThreeFeet) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kCrawl, kCrawl);
+  walk.Run(15);
+  const Eigen::Vector2d center = walk.path().position_W;
+  for (int n = 0; n < 1000; ++n) {
+    walk.Tick();
+    const double t = walk.schedule().step_time;
+    if (t < 0.051 || t > 0.249) continue;
+    const int swing[] = {kRearLeft, kFrontLeft, kRearRight, kFrontRight};
+    const auto leg = static_cast<std::size_t>(swing[walk.schedule().step]);
+    EXPECT_THAT(walk.Zmp() - center, IsNear(-walk.stance().foot[leg] / 3, 1e-6)) << t;
+  }
+}
+
+TEST(ComPlannerTest, APlanThatRepeatsTheOldOneChangesNothing) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kCrawl, kCrawl);
+  walk.Command(0.12, 0, 0.1);
+  walk.Run(1.001);
+  EXPECT_GT(walk.plan().remainder[0].norm(), 1e-4);
+  walk.Run(15);
+  EXPECT_LT(walk.plan().remainder[0].norm(), 1e-7);
+}
+
+/// Whatever is commanded, positions are integrals of velocities and these of bounded accelerations.
+TEST(ComPlannerTest, NothingJumps) {
+  Walk walk;
+  BodyReference last = walk.Tick();
+  const double dt = 1e-3;
+  double largest = 0;
+  for (int n = 1; n < 9000; ++n) {
+    if (n == 300) walk.Change(Gait::kTrot, kTrot);
+    if (n == 400) walk.Command(0.1, 0.02, 0.3);
+    if (n == 2050) walk.Change(Gait::kPace, kPace);
+    if (n == 3100) walk.Wait(true);  // for 0.3 s and more
+    if (n == 3600) walk.Wait(false);
+    if (n == 4500) walk.Change(Gait::kCrawl, kCrawl);
+    if (n == 6010) walk.state().p_WB[2] += 0.03;
+    if (n == 8000) walk.Change(Gait::kStand, {});
+    const BodyReference now = walk.Tick();
+    EXPECT_THAT(now.com_W - last.com_W, IsNear(dt / 2 * (now.com_velocity_W + last.com_velocity_W), 3e-6))
+        << n;
+    EXPECT_THAT(now.com_velocity_W - last.com_velocity_W,
+                IsNear(dt / 2 * (now.com_acceleration_W + last.com_acceleration_W), 4e-3))
+        << n;
+    largest = std::max(largest, now.com_acceleration_W.norm());
+    const double turn = 2 * (std::atan2(now.q_WB[3], now.q_WB[0]) - std::atan2(last.q_WB[3], last.q_WB[0]));
+    EXPECT_NEAR(turn, dt / 2 * (now.w_W[2] + last.w_W[2]), 1e-6) << n;
+    EXPECT_NEAR(now.w_W[2] - last.w_W[2], dt / 2 * (now.alpha_W[2] + last.alpha_W[2]), 4e-3) << n;
+    last = now;
+  }
+  EXPECT_LT(largest, 5);
+  EXPECT_EQ(last.com_velocity_W.norm(), 0);
+  EXPECT_NEAR(last.com_W[2], walk.stance().com_height + 0.03, 1e-6);
+}
+
+TEST(ComPlannerTest, IsNotRestartedAtTheActualState) {
+  Walk straight, pushed;
+  for (Walk* walk : {&straight, &pushed}) {
+    walk->Tick();
+    walk->Change(Gait::kTrot, kTrot);
+    walk->Command(0.12, 0, 0);
+    walk->Run(1);
+  }
+  pushed.state().p_WB += Vec<3>(0.05, -0.08, 0);
+  pushed.state().v_W << 0.2, 0.3, 0;
+  straight.Run(1);
+  pushed.Run(1);
+  EXPECT_EQ(straight.reference().com_W, pushed.reference().com_W);
+  EXPECT_EQ(straight.reference().com_velocity_W, pushed.reference().com_velocity_W);
+}
+
+TEST(ComPlannerTest, CommandsCountFromTheNextFootstep) {
+  Walk walk, commanded;
+  for (Walk* w : {&walk, &commanded}) {
+    w->Tick();
+    w->Change(Gait::kTrot, kTrot);
+    w->Run(0.1);
+  }
+  commanded.Command(0.3, 0, 0.4);
+  walk.Run(0.165);
+  commanded.Run(0.165);
+  EXPECT_EQ(walk.reference().com_W, commanded.reference().com_W);
+  EXPECT_EQ(commanded.path().velocity[0], 0);
+  commanded.Tick();
+  EXPECT_EQ(commanded.path().velocity[0], 0.3);
+}
+
+TEST(ComPlannerTest, PathIsTheCircleThatIsCommanded) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kTrot, kTrot);
+  walk.Command(0.12, 0, 0.05);
+  walk.Tick();
+  const Eigen::Vector2d begin = walk.path().position_W;
+  walk.Run(20);
+  const double radius = 0.12 / 0.05, angle = 0.05 * 20;
+  EXPECT_THAT(walk.path().position_W - begin,
+              IsNear(radius * Eigen::Vector2d(std::sin(angle), 1 - std::cos(angle)), 1e-9));
+  EXPECT_NEAR(walk.path().yaw, angle, 1e-12);
+  walk.Change(Gait::kStand, {});
+  walk.Tick();
+  EXPECT_EQ(walk.path().velocity.norm(), 0);
+  EXPECT_EQ(walk.path().yaw_rate, 0);
+}
+
+TEST(ComPlannerTest, DoesNotAllocate) {
+  Walk walk;
+  walk.Tick();
+  walk.Change(Gait::kTrot, kTrot);
+  walk.Tick();
+  AllocationGuard guard;
+  walk.Run(1);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(ComPlannerTest, RefusesNonsense) {
+  ComPlannerParams params = Params();
+  params.blend = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "within 0 s", "positive"));
+  params = Params();
+  params.gravity = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "gravity is 0", "positive"));
+}
+
+}  // namespace
+}  // namespace tenon

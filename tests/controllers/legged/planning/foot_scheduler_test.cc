@@ -1,0 +1,349 @@
+#include <tenon/controllers/legged/planning/foot_scheduler.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using enum ContactState;
+
+FootSchedulerParams Standard() {
+  return YamlDocument::Load(std::string(TENON_GAITS_DIR) + "/standard.yaml").Read<FootSchedulerParams>();
+}
+
+/// A scheduler with feet that carry weight whenever they are not in the air, unless a test says otherwise.
+class Walk {
+ public:
+  explicit Walk(Gait gait, FootSchedulerParams params = Standard()) : rig_(std::move(params)) {
+    Command(gait);
+  }
+  void Command(Gait gait) {
+    rig_.Fix(rig_.system().command, {.gait = gait, .forward = 0, .left = 0, .yaw_rate = 0});
+  }
+  /// Force on a leg from now on, until `Free`.
+  void Force(Leg leg, double newton) { forced_[leg] = newton; }
+  void Free(Leg leg) { forced_[leg] = -1; }
+  const ContactSchedule& Tick() {
+    FootForces forces;
+    for (int i = 0; i < kNumLegs; ++i) {
+      const auto& leg = schedule_.legs[static_cast<std::size_t>(i)];
+      const bool in_air = leg.state == kSwing && leg.time_to_touchdown > 1.5e-3;
+      const double forced = forced_[static_cast<std::size_t>(i)];
+      forces[i][2] = forced >= 0 ? forced : in_air ? 0 : 50;
+    }
+    rig_.Fix(rig_.system().foot_forces, forces).Tick();
+    return schedule_ = rig_[rig_.system().schedule];
+  }
+  /// Ticks until it holds; the number of ticks, or -1 after 3 s.
+  int Until(const std::function<bool(const ContactSchedule&)>& condition) {
+    for (int n = 1; n <= 3000; ++n) {
+      if (condition(Tick())) return n;
+    }
+    return -1;
+  }
+  const ContactSchedule& schedule() const { return schedule_; }
+  ContactState state(Leg leg) const { return schedule_.legs[leg].state; }
+  double time() const { return rig_.time(); }
+
+ private:
+  TestRig<FootScheduler> rig_;
+  ContactSchedule schedule_;
+  std::array<double, kNumLegs> forced_{-1, -1, -1, -1};
+};
+
+std::set<int> LegsIn(const ContactSchedule& schedule, ContactState state) {
+  std::set<int> legs;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    if (schedule.legs[i].state == state) legs.insert(static_cast<int>(i));
+  }
+  return legs;
+}
+
+TEST(NextContactStateTest, WholeTransitionTable) {
+  int seen = 0;
+  for (const ContactState from : {kStance, kSwing, kLate, kSearching}) {
+    for (unsigned bits = 0; bits < 64; ++bits) {
+      const auto bit = [&](unsigned i) { return ((bits >> i) & 1U) != 0; };
+      const ContactEvents e{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)};
+      // For each state the condition of being there next, as a sum of products.
+      const bool stance =
+          !e.lift_off && ((from == kStance && !e.unloaded) || (from == kSwing && e.loaded && e.may_land) ||
+                          (from == kLate && e.loaded) || (from == kSearching && e.loaded));
+      const bool swing = e.lift_off || (from == kSwing && !e.swing_over && !(e.loaded && e.may_land));
+      const bool late = !e.lift_off && ((from == kSwing && e.swing_over && !(e.loaded && e.may_land)) ||
+                                        (from == kLate && !e.loaded && !e.wait_over));
+      const bool searching =
+          !e.lift_off && ((from == kStance && e.unloaded) || (from == kLate && !e.loaded && e.wait_over) ||
+                          (from == kSearching && !e.loaded));
+      ASSERT_EQ(stance + swing + late + searching, 1);
+      const ContactState expected = stance ? kStance : swing ? kSwing : late ? kLate : kSearching;
+      EXPECT_EQ(NextContactState(from, e), expected) << EnumName(from) << ", events " << bits;
+      ++seen;
+    }
+  }
+  EXPECT_EQ(seen, 256);
+}
+
+TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
+  const std::map<Gait, std::vector<std::set<int>>> groups{
+      {Gait::kCrawl, {{kRearLeft}, {kFrontLeft}, {kRearRight}, {kFrontRight}}},
+      {Gait::kTrot, {{kFrontLeft, kRearRight}, {kFrontRight, kRearLeft}}},
+      {Gait::kPace, {{kFrontLeft, kRearLeft}, {kFrontRight, kRearRight}}},
+      {Gait::kGallop, {{kFrontLeft, kFrontRight}, {kRearLeft, kRearRight}}}};
+  for (const auto& [gait, expected] : groups) {
+    Walk walk(gait);
+    std::vector<std::set<int>> swings;
+    std::array<int, kNumLegs> stance_ticks{};
+    const double cycle = Standard().gaits[gait].Timing().cycle();
+    const int ticks = static_cast<int>(std::lround(2 * cycle * 1000));
+    for (int n = 0; n < ticks; ++n) {
+      const auto air = LegsIn(walk.Tick(), kSwing);
+      if (!air.empty() && (swings.empty() || swings.back() != air)) swings.push_back(air);
+      for (std::size_t i = 0; i < kNumLegs; ++i) stance_ticks[i] += walk.schedule().legs[i].stance();
+    }
+    const auto steps = static_cast<int>(expected.size());
+    ASSERT_EQ(swings.size(), 2 * expected.size()) << EnumName(gait);
+    for (std::size_t k = 0; k < swings.size(); ++k) EXPECT_EQ(swings[k], expected[k % expected.size()]);
+    for (const int count : stance_ticks) {
+      EXPECT_NEAR(count, ticks * walk.schedule().timing.duty(), 2.0) << EnumName(gait);
+    }
+    EXPECT_EQ(walk.schedule().footsteps, 2 * steps - 1);
+    walk.Tick();
+    EXPECT_EQ(walk.schedule().footsteps, 2 * steps);
+  }
+}
+
+TEST(FootSchedulerTest, TrotHasTheTimingOfTheThesis) {
+  Walk walk(Gait::kTrot);
+  walk.Tick();
+  EXPECT_EQ(walk.schedule().num_stance(), 4);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 2; }), 150);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 4; }), 115);
+  EXPECT_NEAR(walk.schedule().timing.duty(), 1 - 0.115 / 0.53, 1e-12);
+}
+
+TEST(FootSchedulerTest, PlannedTimesAreTheTimesAtWhichEventsCome) {
+  for (const Gait gait : {Gait::kCrawl, Gait::kTrot}) {
+    for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+      Walk walk(gait);
+      for (int n = 0; n < 431; ++n) walk.Tick();
+      const LegContact planned = walk.schedule().legs[leg];
+      const double now = walk.time();
+      const ContactState state = planned.state;
+      ASSERT_GE(walk.Until([&](const auto& s) { return s.legs[leg].state != state; }), 0);
+      const double first = walk.time() - now;
+      ASSERT_GE(walk.Until([&](const auto& s) { return s.legs[leg].state == state; }), 0);
+      const double second = walk.time() - now;
+      const bool stance = state == kStance;
+      EXPECT_NEAR(stance ? planned.time_to_lift_off : planned.time_to_touchdown, first, 1.1e-3);
+      EXPECT_NEAR(stance ? planned.time_to_touchdown : planned.time_to_lift_off, second, 1.1e-3);
+    }
+  }
+}
+
+TEST(FootSchedulerTest, PhasesRunFromZeroToOne) {
+  Walk walk(Gait::kTrot);
+  walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; });
+  EXPECT_NEAR(walk.schedule().legs[kFrontLeft].phase, 0, 1e-9);
+  walk.Until([](const auto& s) { return s.step_time > 0.15 + 0.115 / 2 - 1e-9; });
+  EXPECT_NEAR(walk.schedule().legs[kFrontLeft].phase, 0.5, 0.01);
+  walk.Until([](const auto& s) { return s.footsteps == 1; });
+  EXPECT_NEAR(walk.schedule().legs[kFrontLeft].phase, 0, 1e-9);
+  EXPECT_NEAR(walk.schedule().legs[kFrontRight].phase, 1 - 0.15 / 0.415, 1e-9);
+}
+
+TEST(FootSchedulerTest, TouchdownCountsAfterHalfTheSwingAndDoesNotShortenTheStep) {
+  Walk walk(Gait::kTrot);
+  walk.Until([](const auto& s) { return s.num_stance() == 2; });
+  walk.Force(kFrontLeft, 100);  // the force that it still carries as it lifts off
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].stance(); }), 58);  // of 115
+  EXPECT_EQ(walk.state(kRearRight), kSwing);
+  EXPECT_EQ(walk.schedule().footsteps, 0);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.footsteps == 1; }), 115 - 58);
+  EXPECT_EQ(walk.schedule().num_stance(), 4);
+}
+
+TEST(FootSchedulerTest, ForceBelowTheThresholdIsNoTouchdown) {
+  Walk walk(Gait::kTrot);
+  walk.Until([](const auto& s) { return s.num_stance() == 2; });
+  walk.Force(kFrontLeft, 3.9);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kLate; }), 115);
+  walk.Force(kFrontLeft, 4.1);
+  walk.Tick();
+  EXPECT_EQ(walk.state(kFrontLeft), kStance);
+}
+
+TEST(FootSchedulerTest, ClockWaitsForALateFoot) {
+  Walk walk(Gait::kTrot);
+  walk.Until([](const auto& s) { return s.num_stance() == 2; });
+  walk.Force(kFrontLeft, 0);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kLate; }), 115);
+  EXPECT_EQ(walk.state(kRearRight), kStance);
+  for (int n = 0; n < 100; ++n) {
+    walk.Tick();
+    ASSERT_EQ(walk.state(kFrontLeft), kLate);
+    ASSERT_EQ(walk.schedule().footsteps, 0);
+    ASSERT_NEAR(walk.schedule().step_time, 0.265, 1e-9);
+    ASSERT_EQ(walk.schedule().legs[kFrontLeft].time_to_touchdown, 0);
+  }
+  walk.Free(kFrontLeft);
+  walk.Tick();
+  EXPECT_EQ(walk.state(kFrontLeft), kStance);
+  EXPECT_EQ(walk.schedule().footsteps, 1);
+  EXPECT_EQ(walk.schedule().step_time, 0);
+}
+
+TEST(FootSchedulerTest, ClockGoesOnAfterItsLimitAndTheFootSearches) {
+  Walk walk(Gait::kTrot);
+  walk.Until([](const auto& s) { return s.num_stance() == 2; });
+  walk.Force(kFrontLeft, 0);
+  walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kLate; });
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.footsteps == 1; }), 250);
+  EXPECT_EQ(walk.state(kFrontLeft), kSearching);
+  walk.Free(kFrontLeft);
+  walk.Tick();
+  EXPECT_EQ(walk.state(kFrontLeft), kStance);
+}
+
+TEST(FootSchedulerTest, AFootThatNeverFindsGroundStillSwingsInItsTurn) {
+  Walk walk(Gait::kTrot);
+  walk.Tick();
+  walk.Force(kFrontLeft, 0);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSearching; }), 12);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; }), 150 - 12);
+}
+
+TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
+  for (const Gait gait : {Gait::kStand, Gait::kTrot}) {
+    Walk walk(gait);
+    for (int n = 0; n < 20; ++n) walk.Tick();
+    walk.Force(kRearLeft, 0);
+    for (int n = 0; n < 11; ++n) walk.Tick();
+    EXPECT_EQ(walk.state(kRearLeft), kStance);
+    walk.Free(kRearLeft);
+    walk.Tick();  // the count begins anew
+    walk.Force(kRearLeft, 0);
+    EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kRearLeft].state == kSearching; }), 12);
+    EXPECT_EQ(walk.schedule().legs[kRearLeft].time_to_touchdown, 0);
+    walk.Free(kRearLeft);
+    walk.Tick();
+    EXPECT_EQ(walk.state(kRearLeft), kStance);
+  }
+}
+
+// The front right foot would carry the robot alone with the rear left one.
+TEST(FootSchedulerTest, NoLegLiftsOffWhileOneThatStaysSearches) {
+  const auto lifts_off = [](const ContactSchedule& s) { return s.legs[kFrontLeft].state == kSwing; };
+  const auto searches = [](const ContactSchedule& s) { return s.legs[kFrontRight].state == kSearching; };
+  Walk found(Gait::kTrot), lost(Gait::kTrot), same_pair(Gait::kTrot);
+  for (Walk* walk : {&found, &lost}) {
+    walk->Force(kFrontRight, 0);
+    ASSERT_GT(walk->Until(searches), 0);
+  }
+  ASSERT_EQ(LegsIn(found.schedule(), kSwing), std::set<int>());
+  while (found.time() < 0.2) EXPECT_FALSE(lifts_off(found.Tick())) << found.time();
+  EXPECT_NEAR(found.schedule().legs[kFrontLeft].time_to_lift_off, 0, 1e-12);
+  found.Free(kFrontRight);
+  EXPECT_EQ(found.Until(lifts_off), 1) << "there is the ground";
+
+  // At most as long as for a late foot: 0.15 s of stance and 0.25 s.
+  ASSERT_GT(lost.Until(lifts_off), 0);
+  EXPECT_NEAR(lost.time(), 0.15 + Standard().late_wait, 3e-3);
+
+  same_pair.Force(kRearRight, 0);  // which is to swing
+  ASSERT_GT(same_pair.Until(lifts_off), 0);
+  EXPECT_NEAR(same_pair.time(), 0.15, 3e-3);
+}
+
+TEST(FootSchedulerTest, GaitsChangeAtTheBeginningOfAStep) {
+  Walk walk(Gait::kTrot);
+  for (int n = 0; n < 200; ++n) walk.Tick();
+  walk.Command(Gait::kPace);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.gait == Gait::kPace; }), 266 - 200);
+  EXPECT_EQ(walk.schedule().num_stance(), 4);
+  EXPECT_EQ(walk.schedule().step, 0);
+  EXPECT_EQ(walk.schedule().footsteps, 1);
+  walk.Until([](const auto& s) { return s.num_stance() == 2; });
+  EXPECT_THAT(LegsIn(walk.schedule(), kSwing), testing::ElementsAre(kFrontLeft, kRearLeft));
+
+  walk.Command(Gait::kStand);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.gait == Gait::kStand; }), 115);
+  EXPECT_EQ(walk.schedule().footsteps, 2);
+  EXPECT_EQ(walk.schedule().timing.num_steps, 0);
+  for (int n = 0; n < 500; ++n) ASSERT_EQ(walk.Tick().num_stance(), 4);
+  EXPECT_EQ(walk.schedule().footsteps, 2);
+  EXPECT_EQ(walk.schedule().legs[0].time_to_lift_off, 0);
+
+  walk.Command(Gait::kCrawl);
+  walk.Tick();
+  EXPECT_EQ(walk.schedule().gait, Gait::kCrawl);
+  EXPECT_EQ(walk.schedule().footsteps, 3);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 3; }), 50);
+}
+
+TEST(FootSchedulerTest, WithoutStanceTheGroupsFollowAtOnce) {
+  FootSchedulerParams params = Standard();
+  params.gaits.trot.stance = 0;
+  Walk walk(Gait::kTrot, params);
+  for (int n = 0; n < 400; ++n) ASSERT_EQ(walk.Tick().num_stance(), 2) << n;
+  EXPECT_EQ(walk.schedule().timing.duty(), 0.5);
+  EXPECT_EQ(walk.schedule().footsteps, 3);
+}
+
+TEST(FootSchedulerTest, DoesNotAllocate) {
+  Walk walk(Gait::kTrot);
+  walk.Tick();
+  AllocationGuard guard;
+  for (int n = 0; n < 600; ++n) walk.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(FootSchedulerTest, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(FootSchedulerParams&)>& change, const std::string& a,
+                          const std::string& b) {
+    FootSchedulerParams params = Standard();
+    change(params);
+    return Throws<ParameterError>([&] { FootScheduler block(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance of -1 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing of 0 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl",
+                      "'front_right' stands there 0 times"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop",
+                      "empty: leave it out"));
+  EXPECT_TRUE(refuses(
+      [](auto& p) {
+        p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
+      },
+      "must be two at least", "in the air at once"));
+  EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N is 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase is 2", "0 to 1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s is -1 s", "not be negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.search_after = 0; }, "search_after_s is 0 s", "positive"));
+  EXPECT_TRUE(Throws<Error>([] { GaitTable()[Gait::kStand]; }, "standing has no steps", "that walks"));
+}
+
+TEST(FootSchedulerTest, FileErrorsNameThePlace) {
+  auto document = YamlDocument::Load(std::string(TENON_GAITS_DIR) + "/standard.yaml");
+  document.Set("gaits.trot.swing_groups", "[[front_left, rear_rigth], [front_right, rear_left]]");
+  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot.swing_groups",
+                                     "rear_rigth", "rear_right"));
+  document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
+  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot",
+                                     "'rear_right' stands there 0 times"));
+}
+
+}  // namespace
+}  // namespace tenon

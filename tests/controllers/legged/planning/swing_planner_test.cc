@@ -1,0 +1,363 @@
+#include <tenon/controllers/legged/planning/swing_planner.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using enum ContactState;
+
+constexpr GaitTiming kTrot{.num_steps = 2, .step = {0, 1, 1, 0}, .stance = 0.15, .swing = 0.115};
+constexpr int kSwingTicks = 115;
+
+SwingPlannerParams Params() {
+  SwingPlannerParams params;
+  params.robot = test::DogBot();
+  return params;
+}
+
+/// A trotting robot whose front-left and rear-right legs the test moves from state to state.
+class Trot {
+ public:
+  explicit Trot(const SwingPlannerParams& params = Params()) : rig_(params), robot_(params.robot) {
+    state = test::Standing(params.robot);
+    path.position_W = stance().center_B;
+    schedule.gait = Gait::kTrot;
+    schedule.timing = kTrot;
+  }
+  void Set(ContactState contact, double phase = 0) {
+    for (const Leg leg : {kFrontLeft, kRearRight}) {
+      schedule.legs[leg].state = contact;
+      schedule.legs[leg].phase = phase;
+      schedule.legs[leg].time_to_touchdown = contact == kSwing ? (1 - phase) * kTrot.swing : 0;
+    }
+  }
+  const FootReference& Tick() {
+    auto& block = rig_.system();
+    rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
+    rig_.Fix(block.state, state).Fix(block.wrench, wrench).Tick();
+    return rig_[block.feet][kFrontLeft];
+  }
+  /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
+  /// the tick `pushed_at` the CoM gets faster by 1 m/s to the left.
+  std::vector<FootReference> Swing(int pushed_at = -1) {
+    Set(kStance);
+    Tick();
+    std::vector<FootReference> swing;
+    for (int n = 0; n < kSwingTicks; ++n) {
+      if (n == pushed_at) state.v_W[1] += 1;
+      Set(kSwing, static_cast<double>(n) / kSwingTicks);
+      swing.push_back(Tick());
+      path = path.At(1e-3);
+    }
+    Set(kLate, 1);
+    swing.push_back(Tick());
+    return swing;
+  }
+  Eigen::Vector3d Foot(Leg leg) const {
+    return state.p_WB + state.R_WB() * robot_.FootPosition(leg, state.q);
+  }
+  Eigen::Vector3d Foothold(Leg leg) { return rig_[rig_.system().footholds][leg]; }
+  FootReference Reference(Leg leg) { return rig_[rig_.system().feet][leg]; }
+  const NominalStance& stance() { return rig_.system().stance; }
+
+  ContactSchedule schedule;
+  PlanarPath path;
+  BodyReference body;
+  LeggedState state;
+  WrenchEstimate wrench;
+
+ private:
+  TestRig<SwingPlanner> rig_;
+  QuadrupedDescription robot_;
+};
+
+void ExpectConsistent(const std::vector<FootReference>& motion) {
+  const double dt = 1e-3;
+  for (std::size_t n = 1; n < motion.size(); ++n) {
+    const FootReference &a = motion[n - 1], &b = motion[n];
+    // Errors of the trapezoid: dt^3 / 12 times jerk, and times snap.
+    EXPECT_THAT(b.p_W - a.p_W, IsNear(dt / 2 * (a.v_W + b.v_W), 1e-6)) << n;
+    EXPECT_THAT(b.v_W - a.v_W, IsNear(dt / 2 * (a.a_W + b.a_W), 3e-4)) << n;
+    EXPECT_LT((b.a_W - a.a_W).norm(), 12) << n;  // the jerk at lift-off is 11000 m/s^3; a jump would be 90
+  }
+}
+
+TEST(QuinticTest, MeetsItsEndsAndIsItsOwnDerivative) {
+  const MotionPoint begin{1, -2, 30}, end{-0.5, 0.7, -11};
+  const double T = 0.3, h = 1e-5;
+  for (const auto& [t, point] : {std::pair{0.0, begin}, std::pair{T, end}}) {
+    EXPECT_NEAR(Quintic(begin, end, T, t).position, point.position, 1e-13);
+    EXPECT_NEAR(Quintic(begin, end, T, t).velocity, point.velocity, 1e-12);
+    EXPECT_NEAR(Quintic(begin, end, T, t).acceleration, point.acceleration, 1e-10);
+  }
+  for (double t = 0.01; t < T; t += 0.02) {
+    const MotionPoint x = Quintic(begin, end, T, t);
+    const MotionPoint before = Quintic(begin, end, T, t - h), after = Quintic(begin, end, T, t + h);
+    EXPECT_NEAR(x.velocity, (after.position - before.position) / (2 * h), 1e-6);
+    EXPECT_NEAR(x.acceleration, (after.velocity - before.velocity) / (2 * h), 1e-4);
+  }
+}
+
+TEST(SwingPlannerTest, StanceFeetRestWhereTheyStand) {
+  Trot trot;
+  trot.Tick();
+  for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+    EXPECT_THAT(trot.Reference(leg).p_W, IsNear(trot.Foot(leg), 1e-15));
+    EXPECT_EQ(trot.Reference(leg).v_W.norm(), 0);
+    EXPECT_EQ(trot.Foothold(leg), trot.Reference(leg).p_W);
+  }
+  const Eigen::Vector3d before = trot.Foot(kFrontLeft);
+  trot.state.p_WB[0] += 0.02;  // they do not slide along with the state
+  trot.Tick();
+  EXPECT_EQ(trot.Reference(kFrontLeft).p_W, before);
+}
+
+TEST(SwingPlannerTest, SwingLiftsAndLowersWithoutJumps) {
+  Trot trot;
+  trot.path.velocity << 0.12, 0.03;
+  const Eigen::Vector3d begin = trot.Foot(kFrontLeft);
+  const auto swing = trot.Swing();
+  ExpectConsistent(swing);
+  EXPECT_THAT(swing.front().p_W, IsNear(begin, 1e-12));
+  EXPECT_THAT(swing.front().v_W, IsNear(Eigen::Vector3d(0, 0, 0), 1e-12));
+  EXPECT_THAT(swing.front().a_W, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
+  EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
+  EXPECT_THAT(swing.back().v_W, IsNear(Eigen::Vector3d(0, 0, -0.5), 1e-12));
+  double top = 0;
+  for (std::size_t n = 1; n < swing.size(); ++n) {
+    top = std::max(top, swing[n].p_W[2] - begin[2]);
+    if (n == kSwingTicks / 2 + 1) continue;  // the top lies between two ticks
+    EXPECT_EQ(swing[n].p_W[2] > swing[n - 1].p_W[2], n <= kSwingTicks / 2) << n;  // up, then down
+  }
+  EXPECT_NEAR(top, 0.05, 2e-5);
+}
+
+TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
+  Trot trot;
+  trot.path.velocity << 0.12, -0.04;
+  trot.path.yaw_rate = 0.5;
+  trot.path.yaw = 0.2;
+  const PlanarPath middle = trot.path.At(0.115 + 0.415 / 2);
+  trot.Swing();
+  for (const Leg leg : {kFrontLeft, kRearRight}) {
+    const Eigen::Vector2d from_path =
+        middle.Heading().transpose() * (trot.Foothold(leg).head<2>() - middle.position_W);
+    EXPECT_THAT(from_path, IsNear(trot.stance().foot[leg], 1e-12));
+    EXPECT_NEAR(trot.Foothold(leg)[2], trot.Foot(kFrontRight)[2], 1e-12);
+  }
+}
+
+TEST(SwingPlannerTest, FootInTheAirGoesToANewFoothold) {
+  Trot pushed, still;
+  still.Swing();
+  ExpectConsistent(pushed.Swing(40));  // into the first tick of the late foot, which is at its foothold
+  EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft), IsNear(Vec<3>(0, 0.03, 0), 1e-12));
+}
+
+TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
+  Trot still, before, after, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
+  still.Swing();
+  before.Swing(80);  // 0.696 of the swing
+  after.Swing(81);   // 0.704
+  never.Swing(1);
+  const Vec<3> foothold = still.Foothold(kFrontLeft);
+  EXPECT_THAT(before.Foothold(kFrontLeft), IsNear(Vec<3>(foothold + Vec<3>(0, 0.03, 0)), 1e-12));
+  EXPECT_THAT(after.Foothold(kFrontLeft), IsNear(foothold, 1e-12));
+  EXPECT_THAT(never.Foothold(kFrontLeft), IsNear(foothold, 1e-12));
+}
+
+// Without a stance between them, a landing and the next lift-off can fall into one tick.
+TEST(SwingPlannerTest, ASwingAfterASwingBeginsAnew) {
+  Trot trot;
+  trot.path.velocity << 0.12, 0;
+  trot.Swing();
+  trot.Set(kSwing, 0.6);
+  trot.Tick();
+  trot.Set(kSwing, 0);
+  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
+}
+
+// The trunk goes away from a foothold: its foot follows it before the knee is straight.
+TEST(SwingPlannerTest, KneesStayBent) {
+  const QuadrupedDescription robot = test::DogBot();
+  const auto& leg = robot.legs[kFrontLeft];
+  const double longest = 0.95 * (leg.joints[2].p_PJ.norm() + leg.foot_J.norm());
+  Trot aside, up;
+  for (Trot* trot : {&aside, &up}) trot->Swing();
+  aside.state.p_WB[1] -= 0.6;
+  up.state.p_WB[2] += 0.5;
+  for (Trot* trot : {&aside, &up}) {
+    const Vec<3> foothold = trot->Foothold(kFrontLeft);
+    const Vec<3> to_foot = trot->Tick().p_W - trot->state.p_WB - robot.HipPosition(kFrontLeft, trot->state.q);
+    EXPECT_NEAR(to_foot.norm(), longest, 1e-12);
+    if (trot == &aside) {
+      EXPECT_LT(trot->Reference(kFrontLeft).p_W[2], foothold[2] + 1e-9) << "still searching for the ground";
+    } else {
+      EXPECT_NEAR(to_foot.head<2>().norm(), 0, 1e-7) << "below the hip";
+      EXPECT_EQ(trot->Reference(kFrontLeft).v_W.norm(), 0);
+    }
+  }
+}
+
+TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
+  Trot still, pushed;
+  still.path.velocity << 0.1, 0;
+  pushed.path = still.path;
+  still.body.com_velocity_W << 0.1, 0, 0;
+  pushed.body = still.body;
+  still.state.v_W << 0.1, 0, 0;
+  pushed.state.v_W << 0.3, -0.1, 0.2;
+  still.Swing();
+  pushed.Swing();
+  EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft),
+              IsNear(0.03 * Eigen::Vector3d(0.2, -0.1, 0), 1e-12));
+}
+
+TEST(SwingPlannerTest, FootholdStaysInReach) {
+  Trot trot;
+  trot.path.velocity << 3, 0;
+  const Eigen::Vector2d at_touchdown = trot.path.At(0.115).position_W + trot.stance().foot[kFrontLeft];
+  trot.Swing();
+  EXPECT_THAT(trot.Foothold(kFrontLeft).head<2>() - at_touchdown,
+              IsNear(Eigen::Vector2d(trot.stance().reach[kFrontLeft], 0), 1e-12));
+}
+
+TEST(SwingPlannerTest, LateFootGoesOnDownwardsToItsBound) {
+  Trot trot;
+  std::vector<FootReference> motion = trot.Swing();
+  const double foothold = trot.Foothold(kFrontLeft)[2];
+  for (int n = 1; n < 2000; ++n) {
+    if (n == 250) trot.Set(kSearching);
+    motion.push_back(trot.Tick());
+  }
+  ExpectConsistent(motion);
+  EXPECT_LT(motion[kSwingTicks + 250].p_W[2], foothold - 0.07);
+  EXPECT_GE(motion.back().p_W[2], foothold - 0.1);
+  EXPECT_NEAR(motion.back().p_W[2], foothold - 0.1, 0.003);
+}
+
+TEST(SwingPlannerTest, StanceFootThatSearchesGoesDownFromWhereItIs) {
+  Trot trot;
+  trot.Tick();
+  trot.state.p_WB[2] += 0.01;
+  trot.Set(kSearching);
+  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
+  trot.Tick();
+  EXPECT_NEAR(trot.Reference(kFrontLeft).p_W[2], trot.Foot(kFrontLeft)[2] - 0.5e-3, 2e-6);
+  trot.Set(kStance);
+  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
+}
+
+TEST(SwingPlannerTest, SecondSearchBeginsAnew) {
+  Trot trot;
+  trot.Swing();
+  for (int n = 0; n < 100; ++n) trot.Tick();
+  trot.Swing();
+  EXPECT_THAT(trot.Reference(kFrontLeft).p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
+}
+
+/// By how much a wrench that has lasted for `ticks` moves the foothold.
+Vec<3> ShiftUnder(const WrenchEstimate& wrench, const SwingPlannerParams& params, int ticks) {
+  Trot pushed(params), reference(params);
+  pushed.wrench = wrench;
+  for (Trot* trot : {&pushed, &reference}) {
+    trot->Set(kStance);
+    for (int n = 1; n < ticks; ++n) trot->Tick();
+    trot->Set(kSwing);
+    trot->Tick();
+  }
+  return pushed.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft);
+}
+
+TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
+  SwingPlannerParams params = Params();
+  params.step.free_shift = 0;
+  WrenchEstimate wrench;
+  wrench.force_W << 15, 20, -30;
+  wrench.torque_W << 2, 3, 0;
+  const Vec<3> shift = ShiftUnder(wrench, params, 5000);
+  // The ground holds the weight and the disturbance, at the shifted place below the CoM: no moment is left.
+  const Eigen::Vector3d at(shift[0], shift[1], -Trot(params).stance().com_height);
+  const Eigen::Vector3d weight(0, 0, params.robot.mass() * 9.81);
+  const Eigen::Vector3d moment = at.cross(Eigen::Vector3d(weight - wrench.force_W)) + wrench.torque_W;
+  EXPECT_GT(shift.norm(), 0.04);
+  EXPECT_THAT(moment.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-6));
+}
+
+// A wrench that calls for s shifts by s - d^2 / s, and by nothing below d.
+TEST(SwingPlannerTest, SmallWrenchesShiftNothing) {
+  SwingPlannerParams params = Params();
+  params.step.free_shift = 0.08;
+  const Vec<3> direction(0.6, -0.8, 0);
+  const double weight = params.robot.mass() * 9.81, height = Trot(params).stance().com_height;
+  for (const double part : {0.5, 1.0, 1.1}) {
+    WrenchEstimate wrench;
+    wrench.force_W = part * 0.08 / height * weight * direction;
+    const double expected = part > 1 ? 0.08 * (part - 1 / part) : 0;
+    EXPECT_THAT(ShiftUnder(wrench, params, 2000), IsNear(Vec<3>(expected * direction), 1e-6)) << part;
+  }
+}
+
+TEST(SwingPlannerTest, ShiftIsSlowAndLimited) {
+  SwingPlannerParams params = Params();
+  params.step.shift_bandwidth = 4;
+  WrenchEstimate wrench;
+  wrench.force_W << 200, 0, 0;
+  EXPECT_THAT(ShiftUnder(wrench, params, 250),  // 1 / 4 s
+              IsNear(Vec<3>(0.1 * (1 - std::exp(-1)), 0, 0), 1e-9));
+}
+
+TEST(SwingPlannerTest, ShiftIsAnOption) {
+  SwingPlannerParams params = Params();
+  params.step.wrench_shift = false;
+  WrenchEstimate wrench;
+  wrench.force_W << 100, 0, 0;
+  EXPECT_EQ(ShiftUnder(wrench, params, 1000), Vec<3>(Vec<3>::Zero()));
+}
+
+TEST(SwingPlannerTest, DoesNotAllocate) {
+  Trot trot;
+  trot.Set(kStance);
+  trot.Tick();
+  AllocationGuard guard;
+  for (const ContactState state : {kSwing, kSwing, kLate, kSearching, kStance}) {
+    trot.Set(state, 0.5);
+    trot.Tick();
+  }
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(SwingPlannerTest, RefusesNonsense) {
+  const auto refuses = [](double StepProperties::*member, double value, const std::string& a) {
+    SwingPlannerParams params = Params();
+    params.step.*member = value;
+    return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
+  };
+  EXPECT_TRUE(refuses(&StepProperties::height, 0, "height 0 m"));
+  EXPECT_TRUE(refuses(&StepProperties::touchdown_speed, 0, "touchdown at 0 m/s"));
+  EXPECT_TRUE(refuses(&StepProperties::search_depth, -1, "search depth of -1 m"));
+  EXPECT_TRUE(refuses(&StepProperties::velocity_feedback, -1, "feedback of -1 s"));
+  EXPECT_TRUE(refuses(&StepProperties::retarget_phase, 1, "retarget phase of 1"));
+  EXPECT_TRUE(refuses(&StepProperties::shift_bandwidth, 0, "bandwidth of 0 rad/s"));
+  EXPECT_TRUE(refuses(&StepProperties::free_shift, -1, "free shift of -1 m"));
+  EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));
+  SwingPlannerParams params = Params();
+  params.gravity = -9.81;
+  EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
+}
+
+}  // namespace
+}  // namespace tenon

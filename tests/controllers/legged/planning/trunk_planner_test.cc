@@ -1,0 +1,205 @@
+#include <tenon/controllers/legged/planning/trunk_planner.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::DogBot;
+
+constexpr GaitTiming kTrot{.num_steps = 2, .step = {0, 1, 1, 0}, .stance = 0.15, .swing = 0.115};
+constexpr GaitTiming kCrawl{.num_steps = 4, .step = {0, 1, 2, 3}, .stance = 0.15, .swing = 0.115};
+
+/// A robot in its nominal stance under a gait clock that the test drives.
+class Walk {
+ public:
+  explicit Walk(double sway_limit = 80)
+      : rig_(TrunkPlannerParams{.robot = DogBot(), .sway_limit = sway_limit}) {
+    schedule.timing = kTrot;
+    state = test::Standing(DogBot());
+  }
+  const BodyReference& Tick() {
+    auto& block = rig_.system();
+    rig_.Fix(block.body, body).Fix(block.schedule, schedule).Fix(block.state, state);
+    return rig_.Fix(block.wrench, wrench).Tick()[block.reference];
+  }
+  /// Some cycles, tick by tick.
+  std::vector<BodyReference> Cycles(int cycles) {
+    std::vector<BodyReference> references;
+    const int ticks = static_cast<int>(std::lround(1000 * schedule.timing.step_duration()));
+    for (int step = 0; step < cycles * schedule.timing.num_steps; ++step) {
+      schedule.step = step % schedule.timing.num_steps;
+      for (int n = 0; n < ticks; ++n) {
+        schedule.step_time = 1e-3 * n;
+        references.push_back(Tick());
+      }
+    }
+    return references;
+  }
+  const NominalStance& stance() { return rig_.system().stance; }
+  TestRig<TrunkPlanner>& rig() { return rig_; }
+  /// Goes on until the filter has settled.
+  void Wait() {
+    for (int n = 0; n < 1500; ++n) Tick();
+  }
+
+  BodyReference body;
+  ContactSchedule schedule;
+  LeggedState state;
+  WrenchEstimate wrench;
+
+ private:
+  TestRig<TrunkPlanner> rig_;
+};
+
+/// The rotation from level.
+Vec<3> Angle(const BodyReference& reference) {
+  const Eigen::AngleAxisd turn(RotationFromQuaternion(reference.q_WB));
+  return turn.angle() * turn.axis();
+}
+
+TEST(TrunkPlannerTest, IsLevelWithoutAPush) {
+  for (const BodyReference& reference : Walk().Cycles(2)) {
+    EXPECT_EQ(Angle(reference), Vec<3>::Zero());
+    EXPECT_EQ(reference.w_W, Vec<3>::Zero());
+    EXPECT_EQ(reference.alpha_W, Vec<3>::Zero());
+  }
+}
+
+// What the ground at the two feet can exert about their line is nothing: the torque of push and sway is all.
+TEST(TrunkPlannerTest, InSwingAccelerationIsWhatTwoFeetLeaveOver) {
+  Walk walk;
+  walk.wrench.force_W = {10, 40, -80};
+  walk.wrench.torque_W = {3, -2, 5};
+  walk.schedule.step = 1;
+  walk.schedule.step_time = 0.2;  // front right and rear left are in the air
+  walk.Wait();
+  const Vec<3> alpha = walk.Tick().alpha_W;
+  const Vec<3> front = DogBot().FootPosition(kFrontLeft, walk.state.q),
+               rear = DogBot().FootPosition(kRearRight, walk.state.q);
+  const Vec<3> line = (front - rear).normalized();
+  EXPECT_NEAR(std::abs(alpha.normalized().dot(line)), 1, 1e-12);
+  // Forces at the two feet that hold the CoM against the horizontal push, whatever their vertical parts.
+  for (const double share : {-0.5, 0.3, 1.0}) {
+    const Vec<3> push(10, 40, 0), at_front = -share * push + Vec<3>(0, 0, 70),
+                                  at_rear = -(1 - share) * push + Vec<3>(0, 0, 90);
+    const Vec<3> x = walk.stance().com_B;
+    Vec<3> torque = walk.wrench.torque_W + (front - x).cross(at_front) + (rear - x).cross(at_rear);
+    torque -= ((front + rear) / 2 - x).cross(Vec<3>(0, 0, 160));  // the CoM is not quite over their line
+    EXPECT_NEAR(line.dot(torque), line.dot(walk.stance().inertia_B * alpha), 0.1);
+  }
+}
+
+TEST(TrunkPlannerTest, IsLevelAtBothEndsOfASwingAndTurnsBackInStance) {
+  Walk walk;
+  walk.wrench.force_W = {0, 30, 0};
+  walk.Wait();
+  const std::vector<BodyReference> references = walk.Cycles(3);
+  const std::size_t step = 265, stance = 150, first = 2 * step;  // of the second cycle
+  const BodyReference &lift_off = references[first + stance], &last = references[first + step - 1];
+  EXPECT_LT(Angle(lift_off).norm(), 1e-12);
+  EXPECT_LT(Angle(last).norm(), 2e-3);
+  EXPECT_LT((lift_off.w_W + last.w_W).norm(), 0.02 * last.w_W.norm());
+  EXPECT_LT(lift_off.alpha_W.dot(lift_off.w_W), 0);
+  double most = 0;
+  for (std::size_t i = first + stance; i < first + step; ++i)
+    most = std::max(most, Angle(references[i]).norm());
+  EXPECT_NEAR(most, lift_off.alpha_W.norm() * 0.115 * 0.115 / 8, 1e-4);
+  for (std::size_t i = first + stance; i < references.size(); ++i)
+    ASSERT_LT((references[i].w_W - references[i - 2 * step].w_W).norm(), 1e-9) << i;
+}
+
+TEST(TrunkPlannerTest, RatesAreTheDerivatives) {
+  Walk walk;
+  walk.wrench.force_W = {5, 10, 0};
+  walk.Wait();
+  const std::vector<BodyReference> r = walk.Cycles(2);
+  for (std::size_t i = 1; i + 1 < r.size(); ++i) {
+    const Vec<3> rate = (Angle(r[i + 1]) - Angle(r[i - 1])) / 2e-3,
+                 alpha = (r[i + 1].w_W - r[i - 1].w_W) / 2e-3;
+    ASSERT_THAT(r[i].w_W, IsNear(rate, 0.01)) << i;
+    const std::size_t t = i % 265;  // the acceleration jumps at lift-off and touchdown
+    if (t <= 1 || t >= 264 || std::abs(static_cast<int>(t) - 150) <= 1) continue;
+    ASSERT_THAT(r[i].alpha_W, IsNear(alpha, 0.1)) << i;
+  }
+}
+
+TEST(TrunkPlannerTest, StaysLevelOnThreeFeetAndStanding) {
+  Walk walk;
+  walk.wrench.force_W = {0, 60, 0};
+  walk.schedule.timing = kCrawl;
+  for (const BodyReference& reference : walk.Cycles(1)) ASSERT_EQ(reference.w_W, Vec<3>::Zero());
+  walk.schedule.timing = GaitTiming();
+  EXPECT_EQ(walk.Tick().w_W, Vec<3>::Zero());
+}
+
+TEST(TrunkPlannerTest, IsLimited) {
+  Walk walk(60), level(0);
+  walk.wrench.force_W = level.wrench.force_W = {0, 1e4, 0};
+  for (const BodyReference& reference : walk.Cycles(2)) {
+    ASSERT_LT(Angle(reference).norm(), 0.1);
+    ASSERT_LT(reference.alpha_W.norm(), 60 + 1e-9);
+  }
+  for (const BodyReference& reference : level.Cycles(1)) ASSERT_EQ(reference.w_W, Vec<3>::Zero());
+}
+
+TEST(TrunkPlannerTest, IsOnTopOfTheReferenceOfTheBody) {
+  Walk walk;
+  walk.wrench.force_W = {0, 30, 0};
+  walk.body.com_W = {1, 2, 3};
+  walk.body.q_WB = QuaternionFromRotationVector({0, 0, 1});
+  walk.body.w_W = {0, 0, 0.5};
+  walk.schedule.step_time = 0.2;
+  const BodyReference there = walk.Tick();
+  EXPECT_EQ(there.com_W, walk.body.com_W);
+  Walk plain;
+  plain.wrench = walk.wrench;
+  plain.schedule = walk.schedule;
+  const BodyReference level = plain.Tick();
+  EXPECT_THAT(there.w_W, IsNear(Vec<3>(level.w_W + walk.body.w_W), 1e-12));
+  EXPECT_THAT(there.q_WB, IsNear(QuaternionProduct(level.q_WB, walk.body.q_WB), 1e-12));
+}
+
+TEST(TrunkPlannerTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Walk walk;
+  walk.wrench.force_W = {0, 30, 0};
+  walk.Tick();
+  const AllocationGuard guard;
+  walk.rig().Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(TrunkPlannerTest, FiltersThePush) {
+  Walk walk;
+  walk.schedule.step_time = 0.2;
+  walk.wrench.force_W = {0, 30, 0};
+  const double first = walk.Tick().alpha_W.norm();
+  for (int n = 0; n < 49; ++n) walk.Tick();  // 50 ms, the filter's time constant
+  const double later = walk.Tick().alpha_W.norm();
+  walk.Wait();
+  const double last = walk.Tick().alpha_W.norm();
+  EXPECT_NEAR(first / last, 1 - std::exp(-0.02), 1e-9);
+  EXPECT_NEAR(later / last, 1 - std::exp(-1.02), 1e-9);
+}
+
+TEST(TrunkPlannerTest, RefusesWhatMakesNoSense) {
+  EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .sway_limit = -1}); },
+                                     "sway_limit = -1 rad/s^2", "0 keeps the trunk level"));
+  EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .bandwidth = 0}); },
+                                     "bandwidth = 0 rad/s must be finite and positive"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,112 @@
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+WalkScheduleParams Example() {
+  return YamlDocument::Parse(R"(
+segments:
+  - {gait: stand, duration_s: 0.5}
+  - {gait: trot, forward_m_per_s: 0.12, length_m: 2}
+  - {gait: trot, forward_m_per_s: 0.12, yaw_rate_rad_per_s: 0.05, length_m: 3.5}
+  - {gait: pace, left_m_per_s: 0.1, duration_s: 4}
+acceleration_m_per_s2: 0.3
+)",
+                             "walk.yaml")
+      .Read<WalkScheduleParams>();
+}
+
+TEST(WalkScheduleTest, GoesTheLengthsOnRamps) {
+  TestRig<WalkSchedule> rig(Example());
+  const WalkSchedule& block = rig.system();
+  double way = 0, last_speed = 0, last_yaw_rate = 0, turn = 0;
+  double straight_ends = 0, arc_ends = 0;
+  for (int n = 0; rig.time() < block.end_time() - 4.02; ++n) {
+    rig.Tick();
+    const WalkCommand& command = rig[block.command];
+    EXPECT_EQ(command.gait, n < 50 ? Gait::kStand : Gait::kTrot) << n;
+    EXPECT_LE(std::abs(command.forward - last_speed), 0.3 * 0.01 + 1e-12) << n;
+    EXPECT_LE(std::abs(command.yaw_rate - last_yaw_rate), 0.01 + 1e-12) << n;
+    way += 0.01 * (command.forward + last_speed) / 2;
+    turn += 0.01 * (command.yaw_rate + last_yaw_rate) / 2;
+    last_speed = command.forward;
+    last_yaw_rate = command.yaw_rate;
+    if (last_yaw_rate == 0) straight_ends = way;
+    arc_ends = way;
+  }
+  EXPECT_NEAR(straight_ends, 2, 0.003);
+  EXPECT_NEAR(arc_ends, 5.5, 0.003);
+  EXPECT_NEAR(turn, 0.05 * 3.5 / 0.12, 0.003);
+}
+
+TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
+  TestRig<WalkSchedule> rig(Example());
+  const double end = rig.system().end_time();
+  EXPECT_NEAR(end, 0.5 + 0.4 + (2 - 0.024) / 0.12 + 3.5 / 0.12 + 4, 1e-12);
+  rig.AdvanceTo(end - 1);
+  EXPECT_EQ(rig[rig.system().command].gait, Gait::kPace);
+  EXPECT_EQ(rig[rig.system().command].left, 0.1);
+  EXPECT_EQ(rig[rig.system().command].forward, 0);
+  rig.AdvanceTo(end + 0.02);
+  EXPECT_EQ(rig[rig.system().command].gait, Gait::kStand);
+  EXPECT_EQ(rig[rig.system().command].left, 0);
+}
+
+// In the middle the sine itself, at both ends at rest, and the rates are those of the height.
+TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
+  WalkScheduleParams params;
+  params.segments.resize(1);
+  params.segments[0].duration = 8;
+  params.segments[0].squat_amplitude = 0.08;
+  params.segments[0].squat_frequency = 0.5;
+  params.rate = Hz(1000);
+  TestRig<WalkSchedule> rig(params);
+  const auto at = [&](double t) {
+    rig.AdvanceTo(t);
+    return rig[rig.system().command].height;
+  };
+  EXPECT_EQ(at(0), Vec<3>(0, 0, 0));
+  Vec<3> before = at(0.1), now = at(0.101), after = at(0.102);
+  EXPECT_NEAR((after[0] - before[0]) / 0.002, now[1], 1e-4);
+  EXPECT_NEAR((after[1] - before[1]) / 0.002, now[2], 1e-3);
+  EXPECT_NEAR(at(4.5)[0], 0.08, 1e-9);
+  EXPECT_NEAR(at(5.5)[0], -0.08, 1e-9);
+  before = at(7), now = at(7.001), after = at(7.002);
+  EXPECT_NEAR((after[0] - before[0]) / 0.002, now[1], 1e-4);
+  EXPECT_LT(at(7.999).norm(), 1e-3);
+}
+
+TEST(WalkScheduleTest, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(WalkScheduleParams&)>& change, const std::string& a,
+                          const std::string& b) {
+    WalkScheduleParams params = Example();
+    change(params);
+    return Throws<ParameterError>([&] { WalkSchedule block(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "without segments", "give one"));
+  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration of 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.yaw_acceleration = 0; }, "yaw acceleration of 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segment 1", "not both"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segment 0", "not neither"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[2].length = -1; }, "segment 2", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].forward = 1; }, "segment 0", "another gait"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].forward = 0; }, "segment 1", "give its duration_s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].length = 0.01; }, "segment 1", "too short"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.segments[0].squat_frequency = 0; }, "segment 0", "squat_frequency_hz = 0"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.segments[0].squat_amplitude = 0.1; }, "segment 0", "too short for its squats"));
+}
+
+}  // namespace
+}  // namespace tenon

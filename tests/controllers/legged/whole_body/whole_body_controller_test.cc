@@ -1,0 +1,428 @@
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+WholeBodyParams Params() {
+  WholeBodyParams params;
+  params.robot = test::DogBot();
+  return params;
+}
+
+/// All that the controller reads, consistent with a robot that stands still where it should.
+struct Inputs {
+  explicit Inputs(const QuadrupedDescription& robot) : model(robot), state(test::Standing(robot)) {
+    Follow();
+  }
+  /// References at the present state, at rest.
+  void Follow() {
+    model.Calc(state, &dynamics);
+    body = {};
+    body.com_W = dynamics.com_W;
+    body.q_WB = state.q_WB;
+    feet = {};
+    for (int leg = 0; leg < kNumLegs; ++leg) feet[leg].p_W = dynamics.feet[leg].p_W;
+  }
+  void Swing(std::initializer_list<int> legs) {
+    for (const int leg : legs) schedule.legs[leg].state = ContactState::kSwing;
+  }
+  void Give(TestRig<WholeBodyController>& rig) const {
+    WholeBodyController& block = rig.system();
+    rig.Fix(block.state, state).Fix(block.schedule, schedule).Fix(block.body, body).Fix(block.feet, feet);
+    rig.Fix(block.wrench, wrench).Fix(block.leg_forces, leg_forces);
+  }
+
+  QuadrupedModel model;
+  QuadrupedDynamics dynamics;
+  LeggedState state;
+  ContactSchedule schedule;
+  BodyReference body;
+  FeetReference feet;
+  WrenchEstimate wrench;
+  LegForceEstimate leg_forces;
+};
+
+/// nu' of a robot whose stance feet the ground holds, under torques and a generalised force.
+Vec<18> StandingDynamics(const QuadrupedDynamics& dynamics, const ContactSchedule& schedule,
+                         const Vec<12>& torque, const Vec<18>& force) {
+  const int size = 18 + 3 * schedule.num_stance();
+  Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd right(size);
+  kkt.topLeftCorner(18, 18) = dynamics.M;
+  right.head(18) = force - dynamics.bias();
+  right.segment(6, 12) += torque;
+  int row = 18;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!schedule.legs[leg].stance()) continue;
+    kkt.block(row, 0, 3, 18) = dynamics.FootJacobian(leg);
+    kkt.block(0, row, 18, 3) = dynamics.FootJacobian(leg).transpose();
+    right.segment(row, 3) = -dynamics.feet[leg].bias;
+    row += 3;
+  }
+  return kkt.fullPivLu().solve(right).head(18);
+}
+
+TEST(WholeBodyController, StandsStill) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodyPlan& plan = rig[rig.system().plan];
+  Vec<3> sum = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) sum += plan.solution.force[leg];
+  EXPECT_THAT(sum, IsNear(Vec<3>(0, 0, inputs.model.mass() * 9.81), 1e-2));
+  const Vec<18> a =
+      StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  EXPECT_THAT(a, IsNear(Vec<18>(Vec<18>::Zero()), 1e-2));
+  EXPECT_EQ(rig[rig.system().diagnostics].failures, 0);
+  EXPECT_EQ(rig[rig.system().diagnostics].full_solves, 0);
+}
+
+// Each gain alone, by the acceleration that the constrained model then has.
+TEST(WholeBodyController, ErrorsAreCorrectedAsTheGainsSay) {
+  WholeBodyParams params = Params();
+  Inputs inputs(params.robot);
+  const double m = inputs.model.mass();
+  const auto realised = [&](const BodyReference& body) {
+    TestRig<WholeBodyController> rig(params);
+    Inputs given = inputs;
+    given.body = body;
+    given.Give(rig);
+    rig.Tick();
+    return StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  };
+  const auto com = [&](const Vec<18>& a) {
+    return Vec<3>(inputs.dynamics.M.topRows<3>() * a / m + inputs.dynamics.com_bias_W);
+  };
+  BodyReference body = inputs.body;
+  body.com_W += Vec<3>(0.01, -0.005, 0.004);
+  EXPECT_THAT(com(realised(body)), IsNear(Vec<3>(Vec<3>(25, -12.5, 10) / m), 5e-3));
+  body = inputs.body;
+  body.com_velocity_W += Vec<3>(0.05, 0.02, -0.03);
+  EXPECT_THAT(com(realised(body)), IsNear(Vec<3>(Vec<3>(20, 8, -12) / m), 5e-3));
+  body = inputs.body;
+  body.com_acceleration_W = Vec<3>(0.5, -1, 1.5);
+  EXPECT_THAT(com(realised(body)), IsNear(body.com_acceleration_W, 5e-3));
+
+  const auto spin = [&](const Vec<18>& a) {  // L' = I_com alpha wanted
+    return Vec<3>(inputs.dynamics.centroidal_inertia_W.llt().solve(inputs.dynamics.angular_map * a));
+  };
+  body = inputs.body;
+  body.q_WB = QuaternionProduct(QuaternionFromRotationVector({0.01, -0.02, 0.005}), inputs.body.q_WB);
+  EXPECT_THAT(spin(realised(body)), IsNear(Vec<3>(2.5, -5, 1.25), 2e-2));
+  body = inputs.body;
+  body.w_W = Vec<3>(0.02, 0.03, -0.01);
+  body.alpha_W = Vec<3>(1, 0, 2);
+  EXPECT_THAT(spin(realised(body)), IsNear(Vec<3>(2, 1.5, 1.5), 2e-2));
+}
+
+TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({kFrontRight, kRearLeft});
+  inputs.state.qd.segment<3>(3) << 0.3, -1, 0.5;  // of the front right leg
+  inputs.Follow();
+  FootReference& reference = inputs.feet[kFrontRight];
+  reference.p_W += Vec<3>(0.002, 0.001, 0.004);
+  reference.v_W = inputs.dynamics.feet[kFrontRight].v_W + Vec<3>(0.1, 0, -0.05);
+  reference.a_W = Vec<3>(1, 2, 3);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<18> a =
+      StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], Vec<18>::Zero());
+  const auto foot = [&](int leg) {
+    return Vec<3>(inputs.dynamics.FootJacobian(leg) * a + inputs.dynamics.feet[leg].bias);
+  };
+  EXPECT_THAT(foot(kFrontRight), IsNear(Vec<3>(1 + 14 + 9.8, 2 + 4.9, 3 - 7 + 19.6), 1e-3));
+  EXPECT_THAT(foot(kRearLeft), IsNear(Vec<3>(Vec<3>::Zero()), 1e-3));
+}
+
+// An edge holds it: not all torque of the leg goes there.
+TEST(WholeBodyController, AStuckSwingFootIsPulledWithinALimit) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({kFrontRight, kRearLeft});
+  inputs.Follow();
+  FootReference& reference = inputs.feet[kFrontRight];
+  reference.p_W += Vec<3>(0.12, 0, 0.16);
+  reference.a_W = Vec<3>(1, 2, 3);
+  WholeBodyParams params = Params();
+  params.gains.swing_limit = 20;
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const QuadrupedDynamics::Foot& foot = inputs.dynamics.feet[kFrontRight];
+  const Vec<3> a =
+      inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration + foot.bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(1 + 12, 2, 3 + 16), 1e-3));
+}
+
+// It is taken to stand but has no contact: its joints move.
+TEST(WholeBodyController, AStanceFootThatMovesIsStopped) {
+  Inputs inputs(Params().robot);
+  inputs.state.qd.segment<3>(3) << 0.3, -1, 0.5;
+  inputs.Follow();
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const QuadrupedDynamics::Foot& foot = inputs.dynamics.feet[kFrontRight];
+  ASSERT_GT(foot.v_W.norm(), 0.1);
+  const Vec<3> a =
+      inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration + foot.bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(-50 * foot.v_W), 1e-9));
+}
+
+// The knee is about to go through straight, from where no force brings it back.
+TEST(WholeBodyController, AStretchedStanceLegIsBent) {
+  Inputs inputs(Params().robot);
+  inputs.state.q.segment<3>(3) << 0, 0.15, -0.3;
+  inputs.Follow();
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<3> hip = inputs.state.p_WB + Params().robot.HipPosition(kFrontRight, inputs.state.q);
+  const Vec<3> to_hip = hip - inputs.dynamics.feet[kFrontRight].p_W;
+  const double excess = to_hip.norm() - 0.97 * Params().robot.LegLength(kFrontRight);
+  ASSERT_GT(excess, 5e-3);
+  const Vec<3> a = inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration +
+                   inputs.dynamics.feet[kFrontRight].bias;
+  EXPECT_THAT(a, IsNear(Vec<3>(2500 * excess * to_hip.normalized()), 1e-6));
+}
+
+// Eq. (2.3): I_com and M_q each for themselves, the legs' rows without the wrench on the trunk.
+TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
+  WholeBodyParams params = Params();
+  params.gains.dynamics = BodyDynamics::kDecoupled;
+  params.gains.compensation = LegCompensation::kThesis;
+  Inputs inputs(params.robot);
+  inputs.Swing({kFrontRight});
+  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
+  inputs.state.qd.segment<3>(3) << 1, -4, 3;
+  inputs.state.qd.segment<3>(6) << 0.1, 0.3, -0.2;
+  inputs.Follow();
+  inputs.wrench.force_W = Vec<3>(10, -20, -30);
+  inputs.wrench.torque_W = Vec<3>(3, 2, -1);
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodySolution& solution = rig[rig.system().plan].solution;
+  DecoupledDynamics decoupled;
+  inputs.model.CalcDecoupled(inputs.state, inputs.dynamics, &decoupled);
+  ASSERT_GT(inputs.dynamics.angular_momentum_bias_W.norm(), 0.1);
+
+  Vec<12> force;
+  Vec<3> sum = Vec<3>::Zero(), torque = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    force.segment<3>(3 * leg) = solution.force[leg];
+    sum += solution.force[leg];
+    torque += (inputs.dynamics.feet[leg].p_W - inputs.dynamics.com_W).cross(solution.force[leg]);
+  }
+  const double m = inputs.model.mass();
+  const Vec<3> com = inputs.dynamics.M.topRows<3>() * solution.acceleration / m + inputs.dynamics.com_bias_W;
+  EXPECT_THAT(com, IsNear(Vec<3>(sum / m - Vec<3>(0, 0, 9.81)), 1e-9));
+  EXPECT_THAT(Vec<3>(inputs.dynamics.angular_map * solution.acceleration), IsNear(torque, 1e-9));
+  const Vec<12> expected = decoupled.M_q * solution.acceleration.tail<12>() + decoupled.coriolis -
+                           decoupled.J_q.transpose() * force;
+  EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-9));
+}
+
+// A foot in the air is pushed, and the observers know. It is to keep still: in both forms the push is
+// compensated once. Twice, or not at all, it would accelerate by several m/s^2.
+TEST(WholeBodyController, APushedSwingFootIsHeld) {
+  const Vec<3> push(12, -8, 10);
+  for (const LegCompensation form : {LegCompensation::kExact, LegCompensation::kThesis}) {
+    WholeBodyParams params = Params();
+    params.gains.compensation = form;
+    Inputs inputs(params.robot);
+    inputs.Swing({kFrontRight, kRearLeft});
+    const Vec<18> force = inputs.dynamics.FootJacobian(kFrontRight).transpose() * push;
+    for (const bool known : {true, false}) {
+      if (known) {
+        inputs.leg_forces.joint_torque = force.tail<12>();
+        inputs.leg_forces.foot_force[kFrontRight] = push;
+        if (form == LegCompensation::kExact) {  // the thesis's form knows the legs only
+          inputs.wrench.force_W = push;
+          inputs.wrench.torque_W =
+              (inputs.dynamics.feet[kFrontRight].p_W - inputs.dynamics.com_W).cross(push);
+        }
+      } else {
+        inputs.leg_forces = {};
+        inputs.wrench = {};
+      }
+      TestRig<WholeBodyController> rig(params);
+      inputs.Give(rig);
+      rig.Tick();
+      const Vec<18> a = StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], force);
+      const Vec<3> foot = inputs.dynamics.FootJacobian(kFrontRight) * a;
+      if (known) {
+        EXPECT_THAT(foot, IsNear(Vec<3>(Vec<3>::Zero()), 1e-3)) << static_cast<int>(form);
+      } else {
+        EXPECT_GT(foot.norm(), 3) << static_cast<int>(form);
+      }
+      if (known && form == LegCompensation::kExact) {  // and the body stays where it is
+        EXPECT_THAT(a, IsNear(rig[rig.system().plan].solution.acceleration, 1e-6));
+      }
+    }
+  }
+}
+
+TEST(WholeBodyController, ALoadOnTheTrunkIsCarried) {
+  Inputs inputs(Params().robot);
+  const Vec<3> load(0, 0, -100), torque(3, -4, 0);
+  inputs.wrench.force_W = load;
+  inputs.wrench.torque_W = torque;
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  Vec<3> sum = Vec<3>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) sum += rig[rig.system().plan].solution.force[leg];
+  EXPECT_THAT(sum, IsNear(Vec<3>(0, 0, inputs.model.mass() * 9.81 + 100), 2e-2));
+  Vec<18> force = Vec<18>::Zero();
+  Vec<6> wrench;
+  wrench << load, torque;
+  force.head<6>() = AboutBase(inputs.dynamics, wrench);
+  const Vec<18> a = StandingDynamics(inputs.dynamics, inputs.schedule, rig[rig.system().torque], force);
+  EXPECT_THAT(a, IsNear(Vec<18>(Vec<18>::Zero()), 1e-2));
+}
+
+TEST(WholeBodyController, AFailureIsCountedAndTheLastTorqueStays) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const Vec<12> before = rig[rig.system().torque];
+  Inputs impossible = inputs;
+  impossible.leg_forces.joint_torque.setConstant(1e4);
+  impossible.Give(rig);
+  rig.Tick().Tick();
+  EXPECT_EQ(rig[rig.system().torque], before);
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 3);
+  EXPECT_EQ(rig[rig.system().diagnostics].failures, 2);
+  EXPECT_EQ(rig[rig.system().diagnostics].failures_in_a_row, 2);
+  EXPECT_EQ(rig[rig.system().diagnostics].status, QpStatus::kInfeasible);
+  EXPECT_GE(rig[rig.system().diagnostics].constraint, 0);
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_THAT(rig[rig.system().torque], IsNear(before, 1e-6));
+  EXPECT_EQ(rig[rig.system().diagnostics].failures_in_a_row, 0);
+}
+
+TEST(WholeBodyController, EndsTheRunAfterTooManyFailuresInARow) {
+  WholeBodyParams params = Params();
+  params.max_failures_in_a_row = 3;
+  Inputs impossible(params.robot);
+  impossible.leg_forces.joint_torque.setConstant(1e4);
+  TestRig<WholeBodyController> rig(params);
+  impossible.Give(rig);
+  rig.Tick().Tick().Tick();
+  EXPECT_FALSE(rig[rig.system().solves].has_value());
+  rig.Tick();
+  ASSERT_TRUE(rig[rig.system().solves].has_value());
+  EXPECT_THAT(*rig[rig.system().solves],
+              ::testing::HasSubstr("failed 4 times in a row, the last time as infeasible"));
+}
+
+// With a slower QP the torques still follow the state: those of a leg that turns quickly, by Coriolis.
+TEST(WholeBodyController, TorquesAreComputedAnewBetweenSolves) {
+  WholeBodyParams params = Params();
+  params.qp_rate = Hz(250);
+  Inputs inputs(params.robot);
+  inputs.Swing({kFrontRight});
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const WholeBodySolution solution = rig[rig.system().plan].solution;
+  inputs.state.q[5] -= 0.2;
+  inputs.state.qd[5] = 4;
+  inputs.Follow();
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 1);
+  EXPECT_THAT(rig[rig.system().torque],
+              IsNear(JointTorque(inputs.dynamics, solution, Vec<12>::Zero()), 1e-12));
+  rig.Tick().Tick().Tick();
+  EXPECT_EQ(rig[rig.system().diagnostics].solves, 2);
+}
+
+// 400 Hz is no part of 1 kHz: the solves stand at multiples of 2.5 ms, between the torques at times, which
+// use the last one.
+TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
+  WholeBodyParams params = Params();
+  params.qp_rate = Hz(400);
+  Inputs inputs(params.robot);
+  TestRig<WholeBodyController> rig(params);
+  inputs.Give(rig);
+  rig.Tick();
+  const std::array<double, 12> times{1, 2, 2.5, 3, 4, 5, 6, 7, 7.5, 8, 9, 10};
+  const std::array<long, 12> solves{1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4, 5};
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    inputs.body.com_W[2] += 0.001;  // so that every solve asks for something else
+    const Vec<12> torque = rig[rig.system().torque];
+    const WholeBodySolution before = rig[rig.system().plan].solution;
+    inputs.Give(rig);
+    rig.Tick();
+    EXPECT_NEAR(rig.time(), 1e-3 * times[i], 1e-15);
+    EXPECT_EQ(rig[rig.system().diagnostics].solves, solves[i]) << times[i];
+    const bool solved = solves[i] > (i == 0 ? 1 : solves[i - 1]);
+    const WholeBodySolution& after = rig[rig.system().plan].solution;
+    EXPECT_EQ((after.acceleration - before.acceleration).norm() > 0, solved) << times[i];
+    const bool computed = times[i] == std::floor(times[i]);
+    const Vec<12> expected = computed ? JointTorque(inputs.dynamics, after, Vec<12>::Zero()) : torque;
+    EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-12)) << times[i];
+  }
+}
+
+TEST(WholeBodyController, DoesNotAllocate) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const AllocationGuard guard;
+  rig.AdvanceTo(0.02);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
+  const auto with = [](auto change) {
+    return [change] {
+      WholeBodyParams params = Params();
+      change(params);
+      WholeBodyController block(params);
+    };
+  };
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_stiffness = 0; }),
+                                     "com_stiffness = 0", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
+                                     "swing_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }),
+                                     "swing_limit = 0", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
+                                     "stance_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_limit = 1.1; }),
+                                     "stretch_limit = 1.1", "at most 1"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_stiffness = -1; }),
+                                     "stretch_stiffness = -1", "stretch legs"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }),
+                                     "tilt_weight = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.free_tilt = -0.1; }),
+                                     "free_tilt = -0.1", "negative"));
+}
+
+}  // namespace
+}  // namespace tenon

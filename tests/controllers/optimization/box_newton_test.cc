@@ -1,0 +1,112 @@
+#include <tenon/controllers/optimization/box_newton.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+template <int N>
+struct Problem {
+  Eigen::Matrix<double, N, N> H;
+  Eigen::Matrix<double, N, 1> g, lower, upper;
+};
+
+template <int N>
+Problem<N> RandomProblem(std::mt19937& generator, int size) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return uniform(generator); });
+  Problem<N> problem;
+  problem.H = root * root.transpose() + 0.01 * Eigen::MatrixXd::Identity(size, size);
+  problem.g = 3 * Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(generator); });
+  problem.lower = Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(generator) - 1; });
+  problem.upper = Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(generator) + 1; });
+  return problem;
+}
+
+// The minimum of a convex function over a box is where the gradient is zero, or points out of the box.
+template <int N>
+void ExpectOptimal(const Problem<N>& problem, const Eigen::VectorXd& x) {
+  const Eigen::VectorXd gradient = problem.H * x + problem.g;
+  for (int i = 0; i < x.size(); ++i) {
+    ASSERT_GE(x[i], problem.lower[i]);
+    ASSERT_LE(x[i], problem.upper[i]);
+    if (x[i] > problem.lower[i]) {
+      EXPECT_LE(gradient[i], 1e-10);
+    }
+    if (x[i] < problem.upper[i]) {
+      EXPECT_GE(gradient[i], -1e-10);
+    }
+  }
+}
+
+TEST(BoxNewton, SolvesRandomProblemsToTheOptimalityConditions) {
+  std::mt19937 generator(1);
+  int held = 0;
+  BoxNewton<5> box;
+  for (int i = 0; i < 500; ++i) {
+    const auto problem = RandomProblem<5>(generator, 5);
+    Eigen::Matrix<double, 5, 1> x;
+    x.setZero();
+    ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
+    ExpectOptimal(problem, x);
+    held += 5 - static_cast<int>(box.free().sum());
+  }
+  EXPECT_GT(held, 500);
+}
+
+TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
+  std::mt19937 generator(2);
+  BoxNewton<Eigen::Dynamic> box(7);
+  auto problem = RandomProblem<Eigen::Dynamic>(generator, 7);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
+  const AllocationGuard guard;
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
+  EXPECT_EQ(guard.count(), 0);
+  ExpectOptimal(problem, x);
+}
+
+TEST(BoxNewton, SensitivityIsThatOfTheSolution) {
+  std::mt19937 generator(3);
+  const auto problem = RandomProblem<4>(generator, 4);
+  BoxNewton<4> box;
+  Eigen::Vector4d x = Eigen::Vector4d::Zero(), moved = x;
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
+  ASSERT_GT(box.free().sum(), 0);
+  ASSERT_LT(box.free().sum(), 4);
+  Eigen::Matrix<double, 4, 3> G = Eigen::Matrix<double, 4, 3>::Random();
+  Eigen::Matrix<double, 3, 4> K = G.transpose();
+  box.Sensitivity(K);
+  const Eigen::Vector3d y(1e-4, -2e-4, 3e-4);
+  ASSERT_TRUE(box.Solve(problem.H, problem.g + G * y, problem.lower, problem.upper, moved));
+  EXPECT_THAT(moved, IsNear(x + K.transpose() * y, 1e-12));
+}
+
+TEST(BoxNewton, StartsFromAnywhere) {
+  std::mt19937 generator(4);
+  const auto problem = RandomProblem<4>(generator, 4);
+  BoxNewton<4> box;
+  Eigen::Vector4d a = problem.upper, b = Eigen::Vector4d(100, -100, 100, -100);
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, a));
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, b));
+  EXPECT_THAT(a, IsNear(b, 1e-12));
+}
+
+TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
+  BoxNewton<2> box;
+  Eigen::Vector2d x(0, 0), lower(-1, -1), upper(1, 1), g(0.1, 0.1);
+  Eigen::Matrix2d H = Eigen::Vector2d(1, -1).asDiagonal();
+  EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
+  EXPECT_FALSE(box.SolveFree(H, g, x));
+  H.setIdentity();
+  g[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
+}
+
+}  // namespace
+}  // namespace tenon

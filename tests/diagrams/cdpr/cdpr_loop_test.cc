@@ -1,0 +1,131 @@
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+CdprLoopParams Circle(double ramp = 2) {
+  CdprLoopParams params;
+  params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Circle({0, 0, 2}, 0.5, 10, ramp));
+  params.pd_stiffness_N_per_m = 2000;
+  params.pd_damping_N_s_per_m = 200;
+  return params;
+}
+
+constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-5, .atol = 1e-7};
+
+/// The loop in a diagram of its own.
+struct Cell {
+  explicit Cell(const CdprLoopParams& params)
+      : loop(builder.Add<CdprLoop>("loop", params)), diagram(builder.Build()) {}
+  Eigen::Vector3d Position(Simulator& simulator) const {
+    return simulator.context().Eval(loop.plant.platform).p_WB;
+  }
+  DiagramBuilder builder;
+  CdprLoop& loop;
+  std::unique_ptr<Diagram> diagram;
+};
+
+TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
+  const Cell cell(Circle());
+  Simulator simulator(*cell.diagram, kOptions);
+  const auto log = simulator.AddLog(Hz(100), {&cell.loop.plant.platform, &cell.loop.reference.reference,
+                                              &cell.loop.command, &cell.loop.plant.cables});
+  EXPECT_FALSE(simulator.AdvanceTo(12).ended);
+  for (const char* axis : {"x", "y", "z"}) {
+    const std::vector<double> is = log->column(std::string("loop.plant.platform.p_WB.") + axis);
+    const std::vector<double> should = log->column(std::string("loop.reference.reference.position.") + axis);
+    for (std::size_t i = 0; i < is.size(); ++i)
+      ASSERT_NEAR(is[i], should[i], 0.05) << axis << " in row " << i;
+  }
+  for (const char* cable : {"0", "1", "2", "3"}) {
+    EXPECT_THAT(log->column(std::string("loop.command.") + cable),
+                ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Le(800))));
+    EXPECT_THAT(log->column(std::string("loop.plant.cables.tension.") + cable),
+                ::testing::Each(::testing::Gt(0)));
+  }
+}
+
+// The solver's equilibrium is one of the plant's: with the winches locked nothing moves.
+TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
+  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0.8, -1.1, 1.6)}) {
+    const StaticEquilibrium rest = SolveInverseGeometricoStatic(robot, p);
+    CdprPlantParams params;
+    params.robot = robot;
+    params.p_WB = rest.p_WB;
+    params.euler = rest.euler;
+    params.initial_tension = rest.tension;
+    params.lock_winches = true;
+    DiagramBuilder builder;
+    auto& plant = builder.Add<CdprPlant>("plant", params);
+    const CableVector tension = rest.tension;
+    auto& hold = builder.AddFunction("hold", Uses(builder.time), [tension](double) { return tension; });
+    builder.Connect(hold, plant.command);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-12});
+    for (int second = 1; second <= 10; ++second) {
+      simulator.AdvanceTo(second);
+      ASSERT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(p, 1e-6))
+          << "at t = " << second << " s";
+    }
+  }
+}
+
+TEST(CdprLoopTest, RestoredRunGoesOnBitForBit) {
+  const Cell cell(Circle());
+  Simulator straight(*cell.diagram, kOptions);
+  for (const double pause : {0.001, 0.385, 1.0}) {
+    straight.AdvanceTo(pause);
+    auto context = cell.diagram->CreateContext();
+    context->Restore(straight.context().Save());
+    Simulator restored(std::move(context), kOptions);
+    restored.AdvanceTo(pause + 0.5);
+    Simulator fresh(*cell.diagram, kOptions);
+    fresh.AdvanceTo(pause + 0.5);
+    EXPECT_EQ(restored.context().Save(), fresh.context().Save()) << "saved at " << pause << " s";
+  }
+}
+
+// One diagram, two threads with a context each: the numbers of one thread.
+TEST(CdprLoopTest, ThreadsGiveTheNumbersOfOne) {
+  const Cell cell(Circle());
+  const auto run = [&](std::vector<std::byte>* result) {
+    Simulator simulator(*cell.diagram, kOptions);
+    simulator.AdvanceTo(1);
+    *result = simulator.context().Save();
+  };
+  std::vector<std::byte> alone, first, second;
+  run(&alone);
+  std::thread one(run, &first), two(run, &second);
+  one.join();
+  two.join();
+  EXPECT_EQ(first, alone);
+  EXPECT_EQ(second, alone);
+}
+
+TEST(CdprLoopTest, SlackCableEndsTheRun) {
+  CdprLoopParams params = Circle();
+  params.payload.payload = {12, {0.3, 0.3, 0.5}};
+  params.payload.attach_s = 0.1;
+  params.payload.release_s = 0.4;
+  params.pd_stiffness_N_per_m = 20000;
+  params.pd_damping_N_s_per_m = 10;
+  const Cell cell(params);
+  Simulator simulator(*cell.diagram, kOptions);
+  const RunStatus status = simulator.AdvanceTo(10);
+  EXPECT_TRUE(status.ended);
+  EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.slack.slack: cable"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,199 @@
+#include <tenon/diagrams/legged/disturbance_observer.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/plants/legged/disturbances.h>
+#include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/sensors/imu.h>
+#include <tenon/plants/sensors/joint_encoders.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using test::DogBot;
+
+DisturbanceObserverParams Params(ObserverKind kind) {
+  DisturbanceObserverParams params;
+  params.kind = kind;
+  params.legs.robot = params.com.robot = params.ndo.robot = DogBot();
+  return params;
+}
+
+/// A push on a body.
+PulseForceParams Push(const ExternalForce& where, const Vec<3>& force) {
+  PulseForceParams push;
+  push.push = where;
+  push.push.force_W = force;
+  push.start = 0.3;
+  push.duration = 10;
+  return push;
+}
+
+/// The Simbody plant, which stands by joint PD without friction in its joints, and an observer.
+struct Cell {
+  explicit Cell(ObserverKind kind, const PulseForceParams& pulse) {
+    QuadrupedPlantParams plant_params;
+    plant_params.robot = DogBot();
+    plant_params.robot.drive.friction = plant_params.robot.drive.damping = 0;
+    plant_params.initial = test::Standing(plant_params.robot);
+    plant = &builder.Add<QuadrupedPlant>("plant", plant_params);
+    auto& encoders = builder.Add<JointEncoders>("encoders");
+    auto& pd = builder.Add<JointPd>("pd", JointPdParams{.robot = DogBot(), .stiffness = 500, .damping = 10});
+    ImuParams imu_params;
+    imu_params.angular_velocity_noise.setZero();
+    imu_params.specific_force_noise.setZero();
+    auto& imu = builder.Add<TrunkImu>("imu", imu_params);
+    auto& push = builder.Add<PulseForce>("push", pulse);
+    auto& forces = builder.Add<ForceBundle>("forces", ForceBundleParams{1});
+    observer = &builder.Add<DisturbanceObserver>("observer", Params(kind));
+    builder.Connect(push.force, forces.force[0]);
+    builder.Connect(forces.forces, plant->external);
+    builder.Connect(plant->state, encoders.state);
+    builder.Connect(encoders.joints, pd.joints);
+    builder.Connect(pd.torque, plant->torque);
+    builder.Connect(plant->state, imu.body);
+    builder.Connect(plant->acceleration, imu.acceleration);
+    builder.Connect(plant->state, observer->state);
+    builder.Connect(pd.torque, observer->torque);
+    builder.Connect(plant->foot_forces, observer->foot_forces);
+    builder.Connect(imu.measurement, observer->imu);
+    diagram = builder.Build();
+    simulator =
+        std::make_unique<Simulator>(*diagram, SimulatorOptions{.order = 3, .rtol = 1e-3, .atol = 1e-5});
+  }
+  const LegForceEstimate& legs() { return simulator->context().Eval(observer->leg_forces); }
+  const WrenchEstimate& wrench() { return simulator->context().Eval(observer->wrench); }
+  const LeggedState& state() { return simulator->context().Eval(plant->state); }
+
+  DiagramBuilder builder;
+  QuadrupedPlant* plant;
+  DisturbanceObserver* observer;
+  std::unique_ptr<Diagram> diagram;
+  std::unique_ptr<Simulator> simulator;
+};
+
+// The signs, against Simbody: a force on the trunk is in the wrench and not in the legs.
+TEST(DisturbanceObserverTest, ForceOnTheTrunk) {
+  const Vec<3> force(15, -10, -40);
+  ExternalForce where;
+  where.p_B = {0.1, 0.05, 0};
+  Cell cell(ObserverKind::kHybrid, Push(where, force));
+  cell.simulator->AdvanceTo(0.29);
+  EXPECT_LT(cell.wrench().force_W.norm(), 0.5);
+  EXPECT_LT(cell.wrench().torque_W.norm(), 0.1);
+  cell.simulator->AdvanceTo(1);
+  EXPECT_THAT(cell.wrench().force_W, IsNear(force, 0.01 * force.norm()));
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(DogBot()).Calc(cell.state(), &dynamics);
+  const Vec<3> arm = cell.state().p_WB + cell.state().R_WB() * where.p_B - dynamics.com_W;
+  EXPECT_THAT(cell.wrench().torque_W, IsNear(arm.cross(force), 0.02 * force.norm()));
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_LT(cell.legs().foot_force[leg].norm(), 0.01 * force.norm()) << leg;
+}
+
+// A force on the knee of a standing leg is in both, each in its own sense.
+TEST(DisturbanceObserverTest, ForceOnAStandingLeg) {
+  const Vec<3> force(12, 16, -5);
+  const ExternalForce where = PointOnLeg(DogBot(), 1, 0.3);
+  Cell cell(ObserverKind::kHybrid, Push(where, force));
+  cell.simulator->AdvanceTo(1);
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(DogBot()).Calc(cell.state(), &dynamics);
+  EXPECT_THAT(cell.wrench().force_W, IsNear(force, 0.01 * force.norm()));
+  EXPECT_LT(cell.legs().joint_torque.head<3>().norm(), 0.02);
+  EXPECT_LT(cell.legs().joint_torque.tail<6>().norm(), 0.02);
+  EXPECT_GT(cell.legs().joint_torque.segment<3>(3).norm(), 1);
+  // The torque of the push at its leg's joints; a point of the shank 0.3 along the leg from the foot up.
+  const Vec<3> foot = dynamics.feet[1].p_W;
+  const Vec<3> knee = dynamics.origin_W[5];
+  const Vec<3> p_W = foot + 0.6 * (knee - foot);
+  EXPECT_THAT(cell.legs().joint_torque.segment<3>(3),
+              IsNear(dynamics.LegJacobian(1, p_W).transpose() * force, 0.05));
+}
+
+TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
+  const Vec<3> force(12, 16, -5);
+  for (const auto& [kind, name] : EnumNames(ObserverKind{})) {
+    Cell cell(kind, Push(PointOnLeg(DogBot(), 1, 0), force));
+    cell.simulator->AdvanceTo(1);
+    const bool legs = kind == ObserverKind::kLegs || kind == ObserverKind::kHybrid ||
+                      kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse;
+    const bool com =
+        kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi;
+    EXPECT_EQ(cell.observer->com != nullptr, com) << name;
+    EXPECT_EQ(cell.observer->legs != nullptr || cell.observer->ndo != nullptr, legs) << name;
+    EXPECT_THAT(cell.wrench().force_W, IsNear(com ? force : Vec<3>(Vec<3>::Zero()), com ? 0.3 : 0)) << name;
+    // With X^-1 the comparator has settled by two thirds in this time.
+    const double tolerance = kind == ObserverKind::kNdoInverse ? 8 : legs ? 0.3 : 0;
+    EXPECT_THAT(cell.legs().foot_force.front_right, IsNear(legs ? force : Vec<3>(Vec<3>::Zero()), tolerance))
+        << name;
+  }
+}
+
+/// A robot that stands by its whole-body controller, which takes off what the observer estimates.
+WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
+  QuadrupedWorldParams world_params;
+  world_params.plant.robot = DogBot();
+  world_params.plant.initial = test::Standing(DogBot());
+  world_params.imu.angular_velocity_noise.setZero();
+  world_params.imu.specific_force_noise.setZero();
+  world_params.pulses = {pulse};
+  DiagramBuilder builder;
+  WalkSegment stand;
+  stand.duration = 5;
+  auto& walk = builder.Add<WalkSchedule>("walk", WalkScheduleParams{.segments = {stand}});
+  auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(DogBot()));
+  auto& world = builder.Add<QuadrupedWorld>("world", world_params);
+  auto& observer = builder.Add<DisturbanceObserver>("observer", Params(kind));
+  auto& errors = builder.Add<TrackingError>("errors", TrackingErrorParams{DogBot()});
+  builder.Connect(walk.command, locomotion.command);
+  builder.Connect(world.state, locomotion.state);
+  builder.Connect(world.foot_forces, locomotion.foot_forces);
+  builder.Connect(locomotion.torque, world.torque);
+  builder.Connect(world.state, observer.state);
+  builder.Connect(world.measured_torque, observer.torque);
+  builder.Connect(world.foot_forces, observer.foot_forces);
+  builder.Connect(world.inertial, observer.imu);
+  builder.Connect(observer.wrench, locomotion.wrench);
+  builder.Connect(observer.leg_forces, locomotion.leg_forces);
+  builder.Connect(world.state, errors.state);
+  builder.Connect(world.ground_forces, errors.foot_forces);
+  builder.Connect(locomotion.schedule, errors.schedule);
+  builder.Connect(locomotion.body, errors.body);
+  builder.Connect(locomotion.feet, errors.feet);
+  builder.Connect(locomotion.plan, errors.plan);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-3, .atol = 1e-5});
+  simulator.AdvanceTo(1.3);
+  return simulator.context().Eval(errors.errors);
+}
+
+// A force on a standing leg, whose effect at the joints and whose net wrench are both taken off: were either
+// counted twice or not at all, the ground would not bear what is planned, and the robot would be pushed away.
+TEST(DisturbanceObserverTest, ForceOnAStandingLegIsTakenOffOnce) {
+  for (const double height : {0.0, 0.5}) {
+    const PulseForceParams push = Push(PointOnLeg(DogBot(), 1, height), {20, 15, -10});
+    const WalkingErrors with = StandUnderPush(ObserverKind::kHybrid, push);
+    EXPECT_LT(with.com.norm(), 1.5e-3) << height;
+    EXPECT_LT(with.ground_force.maxCoeff(), 1.5) << height;  // the controller has it at the feet's centres
+    const WalkingErrors legs = StandUnderPush(ObserverKind::kLegs, push);
+    const WalkingErrors com = StandUnderPush(ObserverKind::kCom, push);
+    const WalkingErrors none = StandUnderPush(ObserverKind::kNone, push);
+    EXPECT_GT(legs.com.norm(), 5e-3) << height;
+    EXPECT_GT(com.ground_force.maxCoeff(), 5) << height;
+    EXPECT_GT(none.ground_force.maxCoeff(), 5) << height;
+  }
+}
+
+}  // namespace
+}  // namespace tenon

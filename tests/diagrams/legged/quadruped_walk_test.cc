@@ -1,0 +1,203 @@
+// Closed loops: what the controllers promise each other, on the plant.
+
+#include <tenon/diagrams/legged/quadruped_walk.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+
+namespace tenon {
+namespace {
+
+WalkSegment Segment(Gait gait, double forward, double duration) {
+  WalkSegment segment;
+  segment.gait = gait;
+  segment.forward = forward;
+  segment.duration = duration;
+  return segment;
+}
+
+/// What a walk shows, tick by tick.
+struct Findings {
+  bool fell = false;
+  double com = 0, foot = 0;        // largest errors [m]
+  double cone = 0;                 // largest ratio of planned tangential to normal force
+  double torque = 0;               // largest ratio to the limit
+  double slip = 0;                 // farthest in one stance [m]
+  double ground_force = 0;         // mean error [N]
+  long failures = 0;               // of the optimisation
+  Vec<3> wrench = Vec<3>::Zero();  // last estimate [N]
+  Vec<3> end = Vec<3>::Zero();     // of the trunk [m]
+};
+
+SimulatorOptions WalkOptions() {
+  return {.order = 2,
+          .rtol = 1e-2,
+          .atol = 1e-4,
+          .state_atol = {{"loop.world.plant.motion.v_W", 1e-2},
+                         {"loop.world.plant.motion.w_W", 1e-2},
+                         {"loop.world.plant.motion.qd", 1e-2},
+                         {"loop.world.plant.bristles", 1e-6}}};
+}
+
+Findings Walk(const QuadrupedWalkParams& params, double duration) {
+  DiagramBuilder builder;
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, WalkOptions());
+  Context& context = simulator.context();
+  const Vec<12> limit = WholeBodyController::TorqueLimit(params.world.plant.robot);
+  Findings found;
+  std::array<Vec<3>, kNumLegs> slip;
+  std::array<double, kNumLegs> stood{};  // for how long [s]
+  double samples = 0;
+  const int ticks = static_cast<int>(std::lround(1000 * duration));
+  for (int k = 1; k <= ticks && !found.fell; ++k) {
+    found.fell = simulator.AdvanceTo(k / 1000.0).ended;
+    const WalkingErrors& errors = context.Eval(loop.errors.errors);
+    const WholeBodyPlan& plan = context.Eval(loop.locomotion.plan);
+    const ContactSchedule& schedule = context.Eval(loop.locomotion.schedule);
+    found.com = std::max(found.com, errors.com.norm());
+    found.foot = std::max(found.foot, errors.foot.maxCoeff());
+    found.failures = plan.diagnostics.failures;
+    found.torque = std::max(
+        found.torque, context.Eval(loop.world.plant.joint_torque).cwiseAbs().cwiseQuotient(limit).maxCoeff());
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const auto i = static_cast<std::size_t>(leg);
+      const Vec<3>& f = plan.solution.force[leg];
+      if (f[2] > 1) found.cone = std::max({found.cone, std::abs(f[0]) / f[2], std::abs(f[1]) / f[2]});
+      stood[i] = schedule.legs[i].stance() ? stood[i] + 1e-3 : 0;
+      if (stood[i] < 0.012) slip[i].setZero();
+      slip[i] += 1e-3 * context.Eval(loop.world.plant.foot_slips)[i];
+      found.slip = std::max(found.slip, slip[i].norm());
+      if (stood[i] >= 0.012 && schedule.legs[i].time_to_lift_off > 0.012) {
+        found.ground_force += errors.ground_force[leg];
+        ++samples;
+      }
+    }
+  }
+  found.ground_force /= std::max(samples, 1.0);
+  found.wrench = context.Eval(loop.observer.wrench).force_W;
+  found.end = context.Eval(loop.world.state).p_WB;
+  return found;
+}
+
+class GaitTest : public ::testing::TestWithParam<Gait> {};
+INSTANTIATE_TEST_SUITE_P(QuadrupedWalk, GaitTest,
+                         ::testing::Values(Gait::kCrawl, Gait::kTrot, Gait::kPace, Gait::kGallop),
+                         [](const auto& info) { return std::string(EnumName(info.param)); });
+
+TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
+  std::vector<QuadrupedDescription> robots{test::DogBot()};
+  if (GetParam() == Gait::kTrot) robots.push_back(test::A1());
+  for (const QuadrupedDescription& robot : robots) {
+    QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
+    params.walk.segments = {Segment(Gait::kStand, 0, 0.3), Segment(GetParam(), 0.12, 2.7)};
+    const Findings found = Walk(params, 3);
+    EXPECT_FALSE(found.fell) << robot.name;
+    EXPECT_LT(found.com, 5e-3) << robot.name;
+    EXPECT_LT(found.foot, 5e-3) << robot.name;
+    EXPECT_LT(found.slip, 2e-3) << robot.name;
+    EXPECT_LE(found.cone, params.locomotion.whole_body.gains.qp.friction + 1e-6) << robot.name;
+    EXPECT_LE(found.torque, 1) << robot.name;
+    EXPECT_EQ(found.failures, 0) << robot.name;
+    // The ramp to full speed and the wait for the first footstep take a quarter of a second of way each, at
+    // most.
+    EXPECT_NEAR(found.end[0], 0.12 * 2.45, 0.03) << robot.name;
+    if (GetParam() == Gait::kTrot) {
+      EXPECT_LT(found.ground_force, robot.name == "dogbot" ? 2 : 3) << robot.name;
+    }
+  }
+}
+
+TEST(QuadrupedWalkTest, SquatsAndTrotsInPlace) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  WalkSegment squat = Segment(Gait::kStand, 0, 4);
+  squat.squat_amplitude = 0.08;
+  params.walk.segments = {squat, Segment(Gait::kTrot, 0, 1)};
+  const Findings found = Walk(params, 5);
+  EXPECT_FALSE(found.fell);
+  EXPECT_LT(found.com, 5e-3);
+  EXPECT_LT(found.slip, 2e-3);
+}
+
+/// The first foot that is late when a trot steps down an edge of 3 cm.
+struct LateFoot {
+  bool found = false, landed = false;
+  double pressed = 0;  // the largest force on it until then [N]
+};
+
+LateFoot StepDown(double touchdown_force) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
+  params.locomotion.scheduler.touchdown_force = touchdown_force;
+  QuadrupedPlantParams& plant = params.world.plant;
+  plant.terrain.boxes = {{.centre = Vec<2>(-0.6, 0), .size = Vec<2>(2, 2), .height = 0.03, .friction = 1}};
+  plant.initial.p_WB[2] += 0.03;
+  DiagramBuilder builder;
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, WalkOptions());
+  LateFoot late;
+  int leg = -1;
+  for (int k = 1; k <= 3000; ++k) {
+    if (simulator.AdvanceTo(k / 1000.0).ended) break;
+    const auto& legs = simulator.context().Eval(loop.locomotion.schedule).legs;
+    for (int i = 0; i < kNumLegs && leg < 0; ++i) {
+      if (legs[static_cast<std::size_t>(i)].state == ContactState::kLate) leg = i;
+    }
+    if (leg < 0) continue;
+    late.found = true;
+    late.pressed = std::max(late.pressed, simulator.context().Eval(loop.world.plant.foot_forces)[leg].norm());
+    const ContactState state = legs[static_cast<std::size_t>(leg)].state;
+    late.landed = state == ContactState::kStance;
+    if (state != ContactState::kLate) break;
+  }
+  return late;
+}
+
+// The force is the one with which the foot, on its way down, comes upon the ground: no other is needed.
+TEST(QuadrupedWalkTest, ALateFootLandsByTheForceThatItPressesWith) {
+  const double shipped = MakeQuadrupedWalk(test::DogBot()).locomotion.scheduler.touchdown_force;
+  const LateFoot foot = StepDown(shipped);
+  ASSERT_TRUE(foot.found);
+  EXPECT_TRUE(foot.landed);
+  EXPECT_GT(foot.pressed, 3 * shipped);
+  EXPECT_TRUE(StepDown(5 * shipped).landed) << "there is a margin";
+}
+
+TEST(QuadrupedWalkTest, ChangesGaitsAndTurnsWhileItWalks) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.walk.segments = {Segment(Gait::kTrot, 0.12, 1), Segment(Gait::kPace, 0.12, 1),
+                          Segment(Gait::kCrawl, 0.12, 1.5), Segment(Gait::kTrot, 0.12, 1)};
+  for (WalkSegment& segment : params.walk.segments) segment.yaw_rate = 0.3;
+  const Findings found = Walk(params, 5);
+  EXPECT_FALSE(found.fell);
+  EXPECT_LT(found.com, 0.01);
+  EXPECT_EQ(found.failures, 0);
+}
+
+// A steady pull on the trunk is estimated, and costs the CoM nothing; without an observer it costs f / K_p.
+TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
+  PulseForceParams pull;
+  pull.push.force_W << -20, 0, 0;
+  pull.duration = 10;
+  params.world.pulses = {pull};
+  const Findings with = Walk(params, 2.5);
+  EXPECT_NEAR(with.wrench[0], -20, 1);
+  params.observer.kind = ObserverKind::kNone;
+  const Findings without = Walk(params, 2.5);
+  EXPECT_EQ(without.wrench[0], 0);
+  EXPECT_GT(without.com, 0.7 * 20 / params.locomotion.whole_body.gains.com_stiffness);
+  EXPECT_LT(with.com, 0.5 * without.com);
+}
+
+}  // namespace
+}  // namespace tenon

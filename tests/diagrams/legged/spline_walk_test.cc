@@ -1,0 +1,50 @@
+// The CoM's spline as reference of the whole controller, with the plant.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/tests/diagrams/legged/trot_recording.h>
+
+namespace tenon {
+namespace {
+
+class SplineWalkTest : public ::testing::TestWithParam<Gait> {};
+INSTANTIATE_TEST_SUITE_P(Gaits, SplineWalkTest,
+                         ::testing::Values(Gait::kCrawl, Gait::kTrot, Gait::kPace, Gait::kGallop),
+                         [](const auto& info) { return std::string(EnumName(info.param)); });
+
+TEST_P(SplineWalkTest, ThePlantFollows) {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.locomotion.com_planner.reference = ComReference::kZmpSpline;
+  params.walk.segments.resize(3);
+  params.walk.segments[0].duration = 0.5;
+  params.walk.segments[1].gait = GetParam();
+  params.walk.segments[1].forward = 0.12;
+  params.walk.segments[1].yaw_rate = 0.05;
+  params.walk.segments[1].duration = 3;
+  params.walk.segments[2].duration = 1;
+  DiagramBuilder builder;
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, test::TrotLoop::Options());
+  double com = 0;
+  for (int n = 1; n <= 4500; ++n) {
+    const RunStatus status = simulator.AdvanceTo(n / 1000.0);
+    ASSERT_FALSE(status.ended) << status.reason;
+    com = std::max(com, simulator.context().Eval(loop.errors.errors).com.norm());
+  }
+  EXPECT_LT(com, 5e-3);
+  const ComDiagnostics& diagnostics = simulator.context().Eval(loop.locomotion.com_planner.diagnostics);
+  EXPECT_GT(diagnostics.solves, 10);
+  EXPECT_EQ(diagnostics.failures, 0);
+  const LeggedState& end = simulator.context().Eval(loop.world.plant.state);
+  EXPECT_GT(end.p_WB[0], 0.3);
+  EXPECT_LT(end.v_W.norm(), 0.01);
+}
+
+}  // namespace
+}  // namespace tenon

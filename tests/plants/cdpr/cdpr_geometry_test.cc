@@ -1,0 +1,79 @@
+#include <tenon/plants/cdpr/cdpr_geometry.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::FourCableRobot;
+using test::Hanging;
+using test::RandomPlatform;
+
+const Shape& Named(const Geometry& geometry, const std::string& name) {
+  const auto found =
+      std::find_if(geometry.begin(), geometry.end(), [&](const Shape& s) { return s.name == name; });
+  EXPECT_NE(found, geometry.end()) << name;
+  return *found;
+}
+
+TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
+  TestRig<CdprPlant> rig(Hanging());
+  auto& plant = rig.system();
+  RandomStream random(1);
+  for (int k = 0; k < 20; ++k) {
+    const PlatformState x = RandomPlatform(random);
+    rig.Set(plant.platform_state, x);
+    const Geometry& geometry = rig[plant.geometry];
+    EXPECT_THAT(Named(geometry, "platform").p_W, IsNear(x.p_WB, 1e-14));
+    for (int i = 0; i < 4; ++i) {
+      const CableDescription& cable = plant.params.robot.cables[static_cast<std::size_t>(i)];
+      const Shape& shape = Named(geometry, "cable " + std::to_string(i));
+      EXPECT_THAT(shape.p_W, IsNear(x.p_WB + x.R_WB() * cable.attachment_B, 1e-14));
+      EXPECT_THAT(Vec<3>(shape.p_W + shape.vector_W), IsNear(cable.anchor_W, 1e-14));
+      EXPECT_EQ(shape.value, rig[plant.cables].tension[i]);
+      EXPECT_EQ(shape.unit, "N");
+      EXPECT_EQ(Named(geometry, "anchor " + std::to_string(i)).p_W, cable.anchor_W);
+    }
+  }
+}
+
+TEST(CdprGeometryTest, PlatformReachesItsAttachmentsAndIsNeverFlat) {
+  EXPECT_THAT(Named(MakeCdprGeometry(FourCableRobot()), "platform").size,
+              IsNear(Vec<3>(0.15, 0.15, 0.186), 1e-15));
+  CdprDescription flat = FourCableRobot();
+  for (CableDescription& cable : flat.cables) cable.attachment_B[2] = 0;
+  EXPECT_EQ(Named(MakeCdprGeometry(flat), "platform").size[2], 0.04);
+}
+
+TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
+  TestRig<CdprPlant> rig(Hanging());
+  auto& plant = rig.system();
+  EXPECT_FALSE(Named(rig[plant.geometry], "payload").visible);
+  rig.Fix(plant.payload, {2, {0.1, 0, 0}}).Fix(plant.wrench, {{0, 30, 0}, {0, 0, 0}});
+  const Geometry& geometry = rig[plant.geometry];
+  EXPECT_TRUE(Named(geometry, "payload").visible);
+  EXPECT_THAT(Named(geometry, "payload").p_W, IsNear(Vec<3>(0.1, 0, 1.5), 1e-14));
+  EXPECT_THAT(Named(geometry, "external force").vector_W, IsNear(Vec<3>(0, 30, 0), 0));
+}
+
+TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  const CdprDescription robot = FourCableRobot();
+  Geometry geometry = MakeCdprGeometry(robot);
+  RandomStream random(1);
+  const PlatformState x = RandomPlatform(random);
+  const CableVector tension = CableVector::Constant(4, 100);
+  AllocationGuard guard;
+  MoveCdprGeometry(robot, x, tension, {}, {}, &geometry);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon

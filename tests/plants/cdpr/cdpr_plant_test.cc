@@ -1,0 +1,542 @@
+#include <tenon/plants/cdpr/cdpr_plant.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include <tenon/plants/model/euler.h>
+#include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::FourCableRobot;
+using test::Hanging;
+using test::RandomPlatform;
+using Rig = TestRig<CdprPlant>;
+
+CableVector Same(double value, int n = 4) {
+  return CableVector::Constant(n, value);
+}
+
+CdprPlantParams Locked(CdprPlantParams params) {
+  params.lock_winches = true;
+  return params;
+}
+
+/// The rest lengths of all cables.
+void SetRestLength(Rig& rig, double rest_length) {
+  WinchState winches = rig[rig.system().winch_state];
+  winches.rest_length.head(rig.system().params.robot.num_cables()).setConstant(rest_length);
+  rig.Set(rig.system().winch_state, winches);
+}
+
+double Total(Rig& rig) {
+  return rig[rig.system().energy].total();
+}
+
+// --- Cables ---------------------------------------------------------------------------------------------
+
+/// One vertical cable of length 2 whose end moves down with `rate`; the others are slack.
+double VerticalTension(double rest_length, double rate, CdprDescription robot = FourCableRobot()) {
+  robot.cables[0] = {{0, 0, 4}, {0, 0, 0.5}};
+  CdprPlantParams params = Locked(Hanging(robot));
+  params.initial_tension = Same(0);
+  params.v_W = {0, 0, -rate};
+  Rig rig(params);
+  SetRestLength(rig, 100);
+  WinchState winches = rig[rig.system().winch_state];
+  winches.rest_length[0] = rest_length;
+  rig.Set(rig.system().winch_state, winches);
+  const CableSignals& cables = rig[rig.system().cables];
+  EXPECT_NEAR(cables.length[0], 2, 1e-15);
+  EXPECT_NEAR(cables.length_rate[0], rate, 1e-15);
+  EXPECT_EQ(cables.rest_length[0], rest_length);
+  EXPECT_EQ(cables.tension.tail(3), Eigen::Vector3d::Zero());
+  return cables.tension[0];
+}
+
+TEST(CdprPlantTest, TautCablesAreSpringsAndDampers) {
+  EXPECT_NEAR(VerticalTension(1.98, 0), 27e3 / 1.98 * 0.02, 1e-9);
+  EXPECT_NEAR(VerticalTension(1.98, 0.5), (27e3 * 0.02 + 135 * 0.5) / 1.98, 1e-9);
+  EXPECT_NEAR(VerticalTension(1.98, -0.5), (27e3 * 0.02 - 135 * 0.5) / 1.98, 1e-9);
+}
+
+TEST(CdprPlantTest, CablesNeverPush) {
+  EXPECT_EQ(VerticalTension(2.001, 0), 0);
+  EXPECT_EQ(VerticalTension(2.001, 3), 0);   // lengthening, but still slack
+  EXPECT_EQ(VerticalTension(1.999, -3), 0);  // taut, but the damper would push
+  EXPECT_GT(VerticalTension(1.999, -0.1), 0);
+}
+
+TEST(CdprPlantTest, LengthRatesAreDerivativesOfLengths) {
+  RandomStream random(5);
+  Rig rig(Hanging());
+  const double h = 1e-6;
+  for (int i = 0; i < 10; ++i) {
+    const PlatformState x = RandomPlatform(random);
+    rig.Set(rig.system().platform_state, x);
+    const CableVector rate = rig[rig.system().cables].length_rate;
+    CableVector length[2];
+    for (const int side : {0, 1}) {
+      const double dt = side == 0 ? -h : h;
+      PlatformState moved = x;
+      moved.p_WB += dt * x.v_W;
+      moved.q_WB = QuaternionProduct(QuaternionFromRotationVector(dt * x.w_W), x.q_WB);
+      rig.Set(rig.system().platform_state, moved);
+      length[side] = rig[rig.system().cables].length;
+    }
+    EXPECT_THAT(rate, IsNear((length[1] - length[0]) / (2 * h), 1e-8));
+  }
+}
+
+// --- Platform -------------------------------------------------------------------------------------------
+
+/// The acceleration that Newton and Euler give to platform and payload as one body, about their common CoM.
+PlatformAcceleration NewtonEuler(const CdprDescription& robot, const PlatformState& x,
+                                 const CableSignals& cables, const Payload& payload,
+                                 const PlatformWrench& wrench) {
+  const Eigen::Matrix3d R = x.R_WB();
+  const double total = robot.mass + payload.mass;
+  const Vec<3> r = R * payload.p_B, c = payload.mass / total * r;
+  Vec<3> force = wrench.force_W - Vec<3>(0, 0, 9.81 * total);
+  Vec<3> torque = wrench.torque_W - c.cross(wrench.force_W);
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    const Vec<3> point = x.p_WB + R * robot.cables[i].attachment_B;
+    const Vec<3> pull = cables.tension[i] * (robot.cables[i].anchor_W - point).normalized();
+    force += pull;
+    torque += (point - x.p_WB - c).cross(pull);
+  }
+  const auto steiner = [](double mass, const Vec<3>& d) -> Eigen::Matrix3d {
+    return mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+  };
+  const Eigen::Matrix3d J =
+      R * robot.inertia_B * R.transpose() + steiner(robot.mass, c) + steiner(payload.mass, r - c);
+  PlatformAcceleration out;
+  out.alpha_W = J.inverse() * (torque - x.w_W.cross(J * x.w_W));
+  out.a_W = force / total - out.alpha_W.cross(c) - x.w_W.cross(x.w_W.cross(c));
+  return out;
+}
+
+TEST(CdprPlantTest, ObeysNewtonAndEuler) {
+  RandomStream random(6);
+  Rig rig(Hanging());
+  const CdprPlant& plant = rig.system();
+  double largest = 0;
+  for (int i = 0; i < 200; ++i) {
+    const PlatformState x = RandomPlatform(random);
+    const Payload payload{i % 2 == 0 ? 0 : random.Uniform(0, 20), test::RandomVector(random, 0.5)};
+    const PlatformWrench wrench{test::RandomVector(random, 50), test::RandomVector(random, 5)};
+    rig.Set(plant.platform_state, x).Fix(plant.payload, payload).Fix(plant.wrench, wrench);
+    SetRestLength(rig, 6.2);
+    const PlatformAcceleration expected =
+        NewtonEuler(plant.params.robot, x, rig[plant.cables], payload, wrench);
+    const double size = 1 + expected.a_W.norm() + expected.alpha_W.norm();
+    EXPECT_THAT(rig[plant.acceleration].a_W, IsNear(expected.a_W, 1e-10 * size));
+    EXPECT_THAT(rig[plant.acceleration].alpha_W, IsNear(expected.alpha_W, 1e-10 * size));
+    const PlatformState& rate = rig[plant.platform_rate];
+    EXPECT_EQ(rate.p_WB, x.v_W);
+    EXPECT_EQ(rate.v_W, rig[plant.acceleration].a_W);
+    EXPECT_EQ(rate.w_W, rig[plant.acceleration].alpha_W);
+    largest = std::max(largest, rig[plant.cables].tension.maxCoeff());
+  }
+  EXPECT_GT(largest, 100);  // cables took part
+}
+
+TEST(CdprPlantTest, FallsFreely) {
+  CdprPlantParams params = Locked(Hanging());
+  params.euler = {0.1, -0.2, 0.3};
+  Rig rig(params);
+  rig.Fix(rig.system().command, Same(0));
+  SetRestLength(rig, 50);
+  const PlatformAcceleration& acceleration = rig[rig.system().acceleration];
+  EXPECT_EQ(acceleration.a_W, Vec<3>(0, 0, -9.81));
+  EXPECT_EQ(acceleration.alpha_W, Vec<3>::Zero());
+  rig.AdvanceTo(0.5);
+  EXPECT_THAT(rig[rig.system().platform].p_WB, IsNear(Vec<3>(0, 0, 1.5 - 9.81 / 8), 1e-12));
+}
+
+TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
+  for (const double gravity : {0.0, 9.81}) {
+    CdprPlantParams params = Locked(Hanging());
+    params.gravity = gravity;
+    params.w_W = {3, 0.1, -2};
+    params.v_W = {0.5, 0, 4};
+    Rig rig(params);
+    rig.Fix(rig.system().command, Same(0));
+    SetRestLength(rig, 1000);
+    const auto momentum = [&]() -> Vec<3> {
+      const PlatformState& x = rig[rig.system().platform];
+      return x.R_WB() * params.robot.inertia_B * x.R_WB().transpose() * x.w_W;
+    };
+    const Vec<3> momentum_before = momentum();
+    const double energy_before = Total(rig);
+    rig.AdvanceTo(5);
+    EXPECT_THAT(momentum(), IsNear(momentum_before, 1e-8));
+    EXPECT_NEAR(Total(rig), energy_before, 1e-8 * (1 + std::abs(energy_before)));
+    EXPECT_NEAR(rig[rig.system().platform_state].q_WB.norm(), 1, 1e-8);
+  }
+}
+
+TEST(CdprPlantTest, UndampedCablesKeepEnergy) {
+  CdprDescription robot = FourCableRobot();
+  robot.cable.axial_damping = 0;
+  for (const double payload : {0.0, 5.0}) {
+    CdprPlantParams params = Locked(Hanging(robot));
+    params.v_W = {0.3, 0.2, 0};
+    params.w_W = {0.2, -0.3, 0.1};
+    Rig rig(params);
+    rig.Fix(rig.system().command, Same(0)).Fix(rig.system().payload, Payload{payload, {0.1, 0, -0.2}});
+    const double before = Total(rig);
+    EXPECT_GT(rig[rig.system().energy].elastic, 0);
+    rig.AdvanceTo(3);
+    EXPECT_NEAR(Total(rig), before, 1e-6);
+    EXPECT_GT((rig[rig.system().platform].p_WB - params.p_WB).norm(), 0.001);  // it did move
+  }
+}
+
+TEST(CdprPlantTest, DampedCablesLoseEnergy) {
+  CdprPlantParams params = Locked(Hanging());
+  params.v_W = {0, 0, 0.3};
+  Rig rig(params);
+  rig.Fix(rig.system().command, Same(0));
+  double before = Total(rig);
+  for (int i = 1; i <= 20; ++i) {
+    rig.AdvanceTo(0.05 * i);
+    EXPECT_LE(Total(rig), before + 1e-9);
+    before = Total(rig);
+  }
+}
+
+TEST(CdprPlantTest, StaysAtItsEquilibrium) {
+  for (const bool locked : {false, true}) {
+    for (const WinchMode mode : {WinchMode::kTension, WinchMode::kTorque}) {
+      CdprPlantParams params = Hanging();
+      params.robot.winch.mode = mode;
+      params.lock_winches = locked;
+      Rig rig(params);
+      rig.Fix(rig.system().command, params.initial_tension);
+      EXPECT_THAT(rig[rig.system().cables].tension, IsNear(params.initial_tension, 1e-9));
+      EXPECT_LT(rig.context().EvalTimeDerivatives().norm(), 1e-11);
+      rig.AdvanceTo(3);
+      EXPECT_THAT(rig[rig.system().platform].p_WB, IsNear(params.p_WB, 1e-7));
+      EXPECT_THAT(rig[rig.system().euler], IsNear(Vec<3>(0, 0, 0), 1e-7));
+    }
+  }
+}
+
+TEST(CdprPlantTest, TheLengthOfTheQuaternionMeansNothingAndReturnsToOne) {
+  RandomStream random(7);
+  const PlatformState x = RandomPlatform(random);
+  PlatformState scaled = x;
+  scaled.q_WB *= 1.3;
+  Rig rig(Locked(Hanging()));
+  rig.Fix(rig.system().command, Same(0)).Set(rig.system().platform_state, x);
+  SetRestLength(rig, 100);
+  const PlatformState before = rig[rig.system().platform_rate];
+  rig.Set(rig.system().platform_state, scaled);
+  EXPECT_THAT(rig[rig.system().platform].q_WB, IsNear(x.q_WB, 1e-15));
+  EXPECT_THAT(rig[rig.system().platform_rate].w_W, IsNear(before.w_W, 1e-12));
+  rig.AdvanceTo(2);
+  EXPECT_NEAR(rig[rig.system().platform_state].q_WB.norm(), 1, 1e-6);
+}
+
+TEST(CdprPlantTest, StartsWhereItIsTold) {
+  CdprPlantParams params = Hanging();
+  params.p_WB = {0.3, -0.4, 1.2};
+  params.euler = {0.1, -0.2, 0.7};
+  params.v_W = {1, 2, 3};
+  params.w_W = {-1, -2, -3};
+  params.initial_tension << 40, 50, 60, 0;
+  params.lock_winches = true;
+  Rig rig(params);
+  const PlatformState& x = rig[rig.system().platform];
+  EXPECT_EQ(x.p_WB, params.p_WB);
+  EXPECT_EQ(x.v_W, params.v_W);
+  EXPECT_EQ(x.w_W, params.w_W);
+  EXPECT_THAT(x.R_WB(), IsNear(RotationFromEuler(params.euler), 1e-15));
+  EXPECT_THAT(rig[rig.system().euler], IsNear(params.euler, 1e-14));
+  const CableSignals cables = rig[rig.system().cables];
+  EXPECT_THAT(CableVector(27e3 * (cables.length.array() / cables.rest_length.array() - 1)),
+              IsNear(params.initial_tension, 1e-9));
+  EXPECT_THAT(rig[rig.system().winch_state].motor_tension.head(4), IsNear(params.initial_tension, 0));
+}
+
+// --- Payload --------------------------------------------------------------------------------------------
+
+TEST(CdprPlantTest, APayloadIsHungAndReleased) {
+  // Below the CoM in the middle: all stays symmetric. Hung at rest, the platform sinks until the cables carry
+  // it; released there, it starts upwards with the payload's weight over its mass.
+  CdprDescription robot = FourCableRobot();
+  robot.cable.axial_damping = 2000;
+  const CdprPlantParams params = Locked(Hanging(robot));
+  DiagramBuilder builder;
+  auto& plant = builder.Add<CdprPlant>("plant", params);
+  auto& payload = builder.AddFunction("payload", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    return t > 0.45 && t < 8.95 ? Payload{5, {0, 0, -0.2}} : Payload{};
+  });
+  auto& command = builder.AddFunction("command", Uses(builder.time), [](double) { return Same(0); });
+  builder.Connect(payload, plant.payload);
+  builder.Connect(command, plant.command);
+  auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-11});
+  Context& context = simulator.context();
+
+  simulator.AdvanceTo(0.4);
+  EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], 0, 1e-9);
+  simulator.AdvanceTo(0.5);  // the tick has hung it: only the added weight pulls, on both masses
+  EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], -9.81 * 5 / 20, 1e-9);
+  simulator.AdvanceTo(8.9);
+  const PlatformState low = context.Eval(plant.platform);
+  EXPECT_LT(low.p_WB[2], 1.499);
+  EXPECT_NEAR(low.v_W.norm(), 0, 1e-8);
+  const double vertical = context.Eval(plant.cables).tension.sum() * (4 - 0.093 - low.p_WB[2]) /
+                          context.Eval(plant.cables).length[0];
+  EXPECT_NEAR(vertical, 20 * 9.81, 1e-6);
+  simulator.AdvanceTo(9);
+  EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], 9.81 * 5 / 15, 1e-6);
+  EXPECT_NEAR((context.Eval(plant.platform).v_W - low.v_W).norm(), 0, 1e-7);
+}
+
+TEST(CdprPlantTest, APayloadLeavesTheVelocityAsItIs) {
+  CdprPlantParams params = Hanging();
+  params.v_W = {1, 0, 0};
+  params.w_W = {0, 0, 2};
+  Rig rig(params);
+  rig.Fix(rig.system().command, Same(0));
+  const double bare = rig[rig.system().energy].kinetic;
+  rig.Fix(rig.system().payload, Payload{2, {0, 0.5, 0}});  // its point rests: v - w y = 1 - 2 * 0.5
+  EXPECT_EQ(rig[rig.system().platform].v_W, params.v_W);
+  EXPECT_NEAR(rig[rig.system().energy].kinetic, bare, 1e-14);
+  EXPECT_NEAR(rig[rig.system().energy].potential, 17 * 9.81 * 1.5, 1e-12);
+}
+
+// --- Winches --------------------------------------------------------------------------------------------
+
+TEST(CdprPlantTest, MotorsFollowTheCommandWithALag) {
+  Rig rig(Hanging());
+  const double start = rig[rig.system().winch_state].motor_tension[0];
+  CableVector command(4);
+  command << 100, 0, -50, start;
+  rig.Fix(rig.system().command, command).AdvanceTo(0.03);
+  const double left = std::exp(-0.03 / 0.02);
+  Vec<8> expected = Vec<8>::Zero();
+  expected.head(4) << 100 + (start - 100) * left, start * left, start * left, start;  // below 0 counts as 0
+  EXPECT_THAT(rig[rig.system().winch_state].motor_tension, IsNear(expected, 1e-7));
+}
+
+TEST(CdprPlantTest, InTensionModeDrumAndCableAgree) {
+  const CdprPlantParams params = Hanging();
+  Rig rig(params);
+  const CdprPlant& plant = rig.system();
+  RandomStream random(8);
+  int pulling = 0, idle = 0, slack = 0;
+  for (int i = 0; i < 200; ++i) {
+    PlatformState x = RandomPlatform(random);
+    x.p_WB = {0, 0, 1.5 + random.Uniform(-0.01, 0.01)};
+    x.q_WB = {1, 0, 0, 0};
+    WinchState winches = rig[plant.winch_state];
+    for (int c = 0; c < 4; ++c) {
+      winches.rest_length[c] = random.Uniform(6.07, 6.11);
+      winches.motor_tension[c] = random.Uniform(0, 200);
+    }
+    rig.Set(plant.platform_state, x).Set(plant.winch_state, winches).Fix(plant.command, Same(0));
+    const CableSignals cables = rig[plant.cables];
+    const Vec<8> rest_rate = rig[plant.winch_rate].rest_length;
+    for (int c = 0; c < 4; ++c) {
+      const double rest = winches.rest_length[c];
+      EXPECT_NEAR(rest_rate[c], (cables.tension[c] - winches.motor_tension[c]) / 90, 1e-12);
+      const double law =
+          (27e3 * (cables.length[c] - rest) + 135 * (cables.length_rate[c] - rest_rate[c])) / rest;
+      EXPECT_NEAR(cables.tension[c], cables.length[c] > rest ? std::max(0.0, law) : 0, 1e-9);
+      ++(cables.length[c] <= rest ? slack : cables.tension[c] > 0 ? pulling : idle);
+    }
+  }
+  EXPECT_GT(pulling, 50);
+  EXPECT_GT(idle, 5);
+  EXPECT_GT(slack, 50);
+}
+
+TEST(CdprPlantTest, InTensionModeASlackCableIsReeledIn) {
+  CdprPlantParams params = Hanging();
+  Rig rig(params);
+  const double pull = params.initial_tension[0];
+  rig.Fix(rig.system().command, params.initial_tension);
+  SetRestLength(rig, 20);
+  rig.AdvanceTo(0.5);
+  EXPECT_THAT(rig[rig.system().winch_state].rest_length.head(4), IsNear(Same(20 - 0.5 * pull / 90), 1e-9));
+}
+
+TEST(CdprPlantTest, InTensionModeATautCableReachesTheCommand) {
+  CdprPlantParams params = Hanging();
+  Rig rig(params);
+  const CableVector command = Same(params.initial_tension[0] * 1.01);
+  rig.Fix(rig.system().command, command).AdvanceTo(0.3);
+  EXPECT_THAT(rig[rig.system().cables].tension, IsNear(command, 0.02 * command[0]));
+  EXPECT_GT(rig[rig.system().platform].v_W[2], 0.01);
+}
+
+TEST(CdprPlantTest, InTorqueModeTheDrumIsAMass) {
+  CdprPlantParams params = Hanging();
+  params.robot.winch = {
+      .mode = WinchMode::kTorque, .time_constant = 0.02, .reel_damping = 30, .effective_mass = 8};
+  Rig rig(params);
+  const double pull = params.initial_tension[0];
+  rig.Fix(rig.system().command, params.initial_tension);
+  SetRestLength(rig, 20);
+  rig.AdvanceTo(0.4);  // slack all the way: m v' = -T_m - b v
+  const double fade = std::exp(-30.0 / 8 * 0.4);
+  const WinchState& winches = rig[rig.system().winch_state];
+  EXPECT_THAT(winches.reel_speed.head(4), IsNear(Same(-pull / 30 * (1 - fade)), 1e-9));
+  EXPECT_THAT(winches.rest_length.head(4),
+              IsNear(Same(20 - pull / 30 * (0.4 - 8.0 / 30 * (1 - fade))), 1e-9));
+}
+
+TEST(CdprPlantTest, InTorqueModeTheReelSpeedDampsTheCable) {
+  CdprPlantParams params = Hanging();
+  params.robot.winch.mode = WinchMode::kTorque;
+  Rig rig(params);
+  rig.Fix(rig.system().command, params.initial_tension);
+  WinchState winches = rig[rig.system().winch_state];
+  winches.reel_speed[1] = -0.2;
+  rig.Set(rig.system().winch_state, winches);
+  const double extra = 135 * 0.2 / winches.rest_length[1];
+  EXPECT_NEAR(rig[rig.system().cables].tension[1], params.initial_tension[1] + extra, 1e-9);
+  EXPECT_NEAR(rig[rig.system().winch_rate].reel_speed[1], (extra + 90 * 0.2) / 8, 1e-9);
+  EXPECT_EQ(rig[rig.system().winch_rate].rest_length[1], -0.2);
+}
+
+TEST(CdprPlantTest, LockedWinchesHoldTheirRestLength) {
+  CdprPlantParams params = Locked(Hanging());
+  params.v_W = {0, 0, 0.5};
+  Rig rig(params);
+  const Vec<8> before = rig[rig.system().winch_state].rest_length;
+  rig.Fix(rig.system().command, Same(500)).AdvanceTo(0.5);
+  EXPECT_EQ(rig[rig.system().winch_state].rest_length, before);
+}
+
+// --- As a block -----------------------------------------------------------------------------------------
+
+TEST(CdprPlantTest, HasOneEntryPerCable) {
+  CdprDescription robot = FourCableRobot();
+  for (int i = 0; i < 4; ++i) {
+    robot.cables.push_back(robot.cables[i]);
+    robot.cables.back().anchor_W[2] = 0;
+  }
+  CdprPlantParams params = Hanging(robot);
+  Rig rig(params);
+  rig.Fix(rig.system().command, Same(10, 8));
+  EXPECT_EQ(rig[rig.system().cables].length.size(), 8);
+  EXPECT_EQ(rig.system().cables.elements().size(), 32);
+  EXPECT_EQ(rig.diagram().num_continuous_states(), 13 + 24);
+  EXPECT_EQ(rig.diagram().ContinuousStateNames()[2], "block.platform_state.p_WB.z");
+  rig.AdvanceTo(0.01);
+}
+
+std::unique_ptr<Context> RunAlone(const Diagram& diagram, const CdprPlant& plant, double until) {
+  auto context = diagram.CreateContext();
+  context->Set(plant.command, Same(60));
+  context->Set(plant.payload, Payload{3, {0.2, 0.1, -0.1}});
+  Simulator simulator(std::move(context), {.order = 3, .rtol = 1e-6});
+  simulator.AdvanceTo(until);
+  return simulator.context().Clone();
+}
+
+TEST(CdprPlantTest, RunsAlikeInTwoThreads) {
+  DiagramBuilder builder;
+  CdprPlantParams params = Hanging();
+  params.w_W = {0.3, 0.2, 0.1};
+  auto& plant = builder.Add<CdprPlant>("plant", params);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto alone = RunAlone(*diagram, plant, 2);
+  std::unique_ptr<Context> contexts[2];
+  {
+    std::jthread first([&] { contexts[0] = RunAlone(*diagram, plant, 2); });
+    std::jthread second([&] { contexts[1] = RunAlone(*diagram, plant, 2); });
+  }
+  EXPECT_EQ(contexts[0]->continuous_state(), alone->continuous_state());
+  EXPECT_EQ(contexts[1]->continuous_state(), alone->continuous_state());
+}
+
+TEST(CdprPlantTest, GoesOnBitForBitFromASnapshot) {
+  DiagramBuilder builder;
+  CdprPlantParams params = Hanging();
+  params.w_W = {0.3, 0.2, 0.1};
+  auto& plant = builder.Add<CdprPlant>("plant", params);
+  auto& command = builder.AddFunction("command", Sampled{Hz(100)}, Uses(builder.time),
+                                      [](double t) { return Same(60 + 5 * std::sin(t)); });
+  builder.Connect(command, plant.command);
+  const auto diagram = builder.Build();
+  Simulator whole(*diagram);
+  whole.AdvanceTo(1);
+  const std::vector<std::byte> snapshot = whole.context().Save();
+  whole.AdvanceTo(2);
+  auto restored = diagram->CreateContext();
+  restored->Restore(snapshot);
+  Simulator second(std::move(restored));
+  second.AdvanceTo(2);
+  EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
+}
+
+TEST(CdprPlantTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Rig rig(Hanging());
+  rig.Fix(rig.system().command, Same(60)).Fix(rig.system().payload, Payload{1, {0, 0, 0.1}});
+  rig.AdvanceTo(0.1);
+  AllocationGuard guard;
+  rig.AdvanceTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(CdprPlantTest, RefusesParametersThatMakeNoSense) {
+  const auto refuses = [](CdprPlantParams params, const auto&... parts) {
+    return Throws<ParameterError>([&] { CdprPlant plant(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses({}, "mass"));
+  CdprPlantParams params = Hanging();
+  params.initial_tension = Same(60, 3);
+  EXPECT_TRUE(refuses(params, "initial_tension has 3 entries", "'four' has 4 cables", "one tension each"));
+  params.initial_tension = Same(60);
+  params.initial_tension[2] = -1;
+  EXPECT_TRUE(refuses(params, "initial_tension of cable 2 is -1 N", "give 0 or more"));
+  params = Hanging();
+  params.p_WB[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses(params, "p_WB is (0, nan, 1.5)", "finite"));
+  params = Hanging();
+  params.gravity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(refuses(params, "gravity is inf"));
+  params = Hanging();
+  params.p_WB = params.robot.cables[1].anchor_W - params.robot.cables[1].attachment_B;
+  EXPECT_TRUE(refuses(params, "cable 1 has no length at the initial pose", "move p_WB"));
+}
+
+TEST(CdprPlantTest, SaysWhyItCannotGoOn) {
+  Rig rig(Hanging());
+  const CdprPlant& plant = rig.system();
+  rig.Fix(plant.command, Same(0, 5));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig[plant.winch_rate]; }, "block", "the command has 5 entries", "4 cables"));
+  rig.Fix(plant.payload, Payload{.mass = -1});
+  EXPECT_TRUE(Throws<RunError>([&] { rig[plant.acceleration]; }, "payload's mass is -1 kg"));
+  rig.Fix(plant.payload, Payload{});
+  SetRestLength(rig, 0);
+  EXPECT_TRUE(Throws<RunError>([&] { rig[plant.acceleration]; }, "cable 0 is reeled in completely"));
+
+  CdprDescription robot = FourCableRobot();
+  robot.cables[3].attachment_B = {0, 0, 0};
+  Rig reached(Hanging(robot));
+  PlatformState x = reached[reached.system().platform_state];
+  x.p_WB = robot.cables[3].anchor_W;
+  reached.Set(reached.system().platform_state, x);
+  EXPECT_TRUE(Throws<RunError>([&] { reached[reached.system().cables]; }, "cable 3 has no length"));
+}
+
+}  // namespace
+}  // namespace tenon

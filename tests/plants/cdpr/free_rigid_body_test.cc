@@ -1,0 +1,125 @@
+#include <tenon/plants/cdpr/free_rigid_body.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kMass = 15;
+
+Eigen::Matrix3d Inertia() {
+  Eigen::Matrix3d inertia;
+  inertia << 0.213, 0.01, -0.02, 0.01, 0.133, 0.005, -0.02, 0.005, 0.215;
+  return inertia;
+}
+
+Vec<3> RandomVector(RandomStream& random, double size) {
+  return {random.Uniform(-size, size), random.Uniform(-size, size), random.Uniform(-size, size)};
+}
+
+PlatformState RandomState(RandomStream& random) {
+  return {RandomVector(random, 3), QuaternionFromRotationVector(RandomVector(random, 2)),
+          RandomVector(random, 2), RandomVector(random, 5)};
+}
+
+/// Newton for the common CoM and Euler about it, then from there to the body's own CoM.
+PlatformAcceleration NewtonEuler(const PlatformState& x, const PlatformWrench& wrench, const Payload& payload,
+                                 double gravity) {
+  const Eigen::Matrix3d R = x.R_WB();
+  const double total = kMass + payload.mass;
+  const Vec<3> r = R * payload.p_B;
+  const Vec<3> c = payload.mass / total * r;  // from the body's CoM to the common one
+  const auto steiner = [](double mass, const Vec<3>& d) -> Eigen::Matrix3d {
+    return mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+  };
+  const Eigen::Matrix3d J = R * Inertia() * R.transpose() + steiner(kMass, c) + steiner(payload.mass, r - c);
+  const Vec<3> torque = wrench.torque_W - c.cross(wrench.force_W);
+  PlatformAcceleration out;
+  out.alpha_W = J.inverse() * (torque - x.w_W.cross(J * x.w_W));
+  const Vec<3> a_common = wrench.force_W / total - Vec<3>(0, 0, gravity);
+  out.a_W = a_common - out.alpha_W.cross(c) - x.w_W.cross(x.w_W.cross(c));
+  return out;
+}
+
+TEST(FreeRigidBodyTest, ObeysNewtonAndEuler) {
+  RandomStream random(1);
+  FreeRigidBody body(kMass, Inertia());
+  for (int i = 0; i < 100; ++i) {
+    PlatformState x = RandomState(random);
+    const PlatformWrench wrench{RandomVector(random, 100), RandomVector(random, 10)};
+    const Payload payload{i % 3 == 0 ? 0 : random.Uniform(0, 30), RandomVector(random, 0.5)};
+    const PlatformAcceleration expected = NewtonEuler(x, wrench, payload, 9.81);
+    x.q_WB *= random.Uniform(0.5, 2);  // its length means nothing
+    body.Calc(x, wrench, payload, 9.81);
+    EXPECT_THAT(body.acceleration().a_W, IsNear(expected.a_W, 1e-10));
+    EXPECT_THAT(body.acceleration().alpha_W, IsNear(expected.alpha_W, 1e-10));
+  }
+}
+
+TEST(FreeRigidBodyTest, MultipliesQuaternionsForTheirRate) {
+  RandomStream random(2);
+  FreeRigidBody body(kMass, Inertia());
+  for (int i = 0; i < 20; ++i) {
+    PlatformState x = RandomState(random);
+    x.q_WB *= random.Uniform(0.5, 2);
+    body.Calc(x, {}, {}, 0);
+    const Vec<4> half(0, x.w_W[0] / 2, x.w_W[1] / 2, x.w_W[2] / 2);
+    EXPECT_THAT(body.quaternion_rate(), IsNear(QuaternionProduct(half, x.q_WB), 1e-13));
+  }
+}
+
+TEST(FreeRigidBodyTest, SumsKineticEnergy) {
+  RandomStream random(3);
+  FreeRigidBody body(kMass, Inertia());
+  const PlatformState x = RandomState(random);
+  const Vec<3> w_B = x.R_WB().transpose() * x.w_W;
+  const double bare = kMass / 2 * x.v_W.squaredNorm() + w_B.dot(Inertia() * w_B) / 2;
+  body.Calc(x, {}, {}, 9.81);
+  EXPECT_NEAR(body.kinetic_energy(), bare, 1e-12);
+  const Payload payload{4, {0.1, 0.2, -0.3}};
+  body.Calc(x, {}, payload, 9.81);
+  const Vec<3> v = x.v_W + x.w_W.cross(x.R_WB() * payload.p_B);
+  EXPECT_NEAR(body.kinetic_energy(), bare + 2 * v.squaredNorm(), 1e-12);
+}
+
+TEST(FreeRigidBodyTest, DependsOnItsArgumentsAlone) {
+  RandomStream random(4);
+  FreeRigidBody fresh(kMass, Inertia());
+  FreeRigidBody used = fresh;
+  for (int i = 0; i < 10; ++i) used.Calc(RandomState(random), {RandomVector(random, 9)}, {3, {1, 0, 0}}, 5);
+  FreeRigidBody copy;
+  copy = used;
+  const PlatformState x = RandomState(random);
+  const PlatformWrench wrench{RandomVector(random, 9), RandomVector(random, 9)};
+  fresh.Calc(x, wrench, {2, {0, 0, 1}}, 9.81);
+  used.Calc(x, wrench, {2, {0, 0, 1}}, 9.81);
+  copy.Calc(x, wrench, {2, {0, 0, 1}}, 9.81);
+  for (const FreeRigidBody* other : {&used, &copy}) {
+    EXPECT_EQ(other->acceleration().a_W, fresh.acceleration().a_W);
+    EXPECT_EQ(other->acceleration().alpha_W, fresh.acceleration().alpha_W);
+    EXPECT_EQ(other->quaternion_rate(), fresh.quaternion_rate());
+    EXPECT_EQ(other->kinetic_energy(), fresh.kinetic_energy());
+  }
+}
+
+TEST(FreeRigidBodyTest, CopiesBeforeItIsABody) {
+  const FreeRigidBody none;
+  FreeRigidBody copy(none);
+  copy = none;
+}
+
+TEST(FreeRigidBodyTest, RefusesAnInertiaOfNoBody) {
+  const Eigen::Matrix3d long_only = Eigen::Vector3d(1, 1, 3).asDiagonal();
+  EXPECT_TRUE(Throws<ParameterError>([&] { FreeRigidBody body(1, long_only); }, "1, 1, 3", "no rigid body",
+                                     "check values and units"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,36 @@
+#include <tenon/plants/cdpr/payload_schedule.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
+  PayloadScheduleParams params;
+  params.payload.mass = 5;
+  params.attach_s = 1;
+  params.release_s = 2;
+  TestRig<PayloadSchedule> rig(params);
+  const auto mass_at = [&](double time) { return rig.AdvanceTo(time)[rig.system().payload].mass; };
+  EXPECT_EQ(mass_at(0.999), 0);
+  EXPECT_EQ(mass_at(1), 5);
+  EXPECT_EQ(mass_at(1.999), 5);
+  EXPECT_EQ(mass_at(2), 0);
+}
+
+TEST(PayloadScheduleTest, RefusesNonsense) {
+  PayloadScheduleParams params;
+  params.payload.mass = -1;
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PayloadSchedule block(params); }, "mass of -1 kg", "not be negative"));
+  params.payload.mass = 1;
+  params.attach_s = 3;
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PayloadSchedule block(params); }, "released at 0 s", "attached at 3 s"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,178 @@
+#include <tenon/plants/legged/disturbances.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::A1;
+using test::DogBot;
+using test::RandomState;
+
+ExternalForce OnKnee() {
+  ExternalForce force;
+  force.body = 3;
+  force.force_W = {20, 0, -5};
+  force.torque_W = {0, 1, 0};
+  return force;
+}
+
+TEST(PointOnLegTest, RunsFromTheFootOverTheKneeToTheHip) {
+  QuadrupedPlantParams params;
+  params.robot = A1();
+  TestRig<QuadrupedPlant> rig(params);
+  RandomStream random(2);
+  rig.Set(rig.system().motion, RandomState(random));
+  const QuadrupedBody& body = rig[rig.system().body];
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto at = [&](double height) {
+      const ExternalForce force = PointOnLeg(params.robot, leg, height);
+      return body.Position(force.body, force.p_B);
+    };
+    const Vec<3> knee = body.Position(3 * leg + 3, Vec<3>::Zero());
+    const Vec<3> hip = body.Position(3 * leg + 2, Vec<3>::Zero());
+    EXPECT_THAT(at(0), IsNear(body.Foot(leg).p_W, 1e-12));
+    EXPECT_THAT(at(0.5), IsNear(knee, 1e-12));
+    EXPECT_THAT(at(0.5 + 1e-9), IsNear(knee, 1e-8));
+    EXPECT_THAT(at(1), IsNear(hip, 1e-12));
+    EXPECT_THAT(at(0.75), IsNear(Vec<3>((hip + knee) / 2), 1e-12));
+  }
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PointOnLeg(params.robot, 4, 0.5); }, "leg 4 is not there", "0 to 3"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { PointOnLeg(params.robot, 0, 1.5); }, "height 1.5", "0 for the foot"));
+}
+
+TEST(SineForceTest, IsTheEquation) {
+  TestRig<SineForce> rig(SineForceParams{OnKnee(), 2.0, 0.5, 4.0});
+  for (const double t : {0.0, 0.4, 0.5, 1.0, 2.75, 3.9, 4.0, 5.0}) {
+    rig.AdvanceTo(t);
+    const double wave = t >= 0.5 && t < 4 ? std::sin(2 * (t - 0.5)) : 0;
+    const ExternalForce& force = rig[rig.system().force];
+    EXPECT_EQ(force.body, 3);
+    EXPECT_THAT(force.force_W, IsNear(Vec<3>(20 * wave, 0, -5 * wave), 1e-12)) << t;
+    EXPECT_THAT(force.torque_W, IsNear(Vec<3>(0, wave, 0), 1e-12)) << t;
+  }
+}
+
+TEST(PulseForceTest, IsThereForItsTime) {
+  // 0.3 + 0.1 is no multiple of 1 ms in binary; the pulse still lasts 100 ticks.
+  TestRig<PulseForce> rig(PulseForceParams{OnKnee(), 0.3, 0.1});
+  int on = 0;
+  double first = -1;
+  for (int i = 0; i < 1000; ++i) {
+    const ExternalForce& force = rig.Tick()[rig.system().force];
+    if (force.force_W.isZero(0)) continue;
+    if (on++ == 0) first = rig.time();
+    EXPECT_EQ(force.force_W, OnKnee().force_W);
+    EXPECT_EQ(force.torque_W, OnKnee().torque_W);
+  }
+  EXPECT_EQ(on, 100);
+  EXPECT_DOUBLE_EQ(first, 0.3);
+  TestRig<PulseForce> stays(PulseForceParams{OnKnee(), 0, std::numeric_limits<double>::infinity()});
+  EXPECT_EQ(stays.AdvanceTo(100)[stays.system().force].force_W, OnKnee().force_W);
+}
+
+TEST(RandomForceTest, IsUniformInLegMagnitudeAndDirectionAndHeldForAPeriod) {
+  TestRig<RandomForce> rig(RandomForceParams{DogBot(), false, 10, 35, Hz(0.5)});
+  const int n = 4000;
+  std::array<int, kNumLegs> legs{};
+  int thighs = 0;
+  Vec<3> direction = Vec<3>::Zero(), direction_squares = Vec<3>::Zero();
+  double magnitude = 0;
+  for (int i = 0; i < n; ++i) {
+    const ExternalForce force = rig.Tick()[rig.system().force];
+    const double size = force.force_W.norm();
+    EXPECT_GE(size, 10 - 1e-12);
+    EXPECT_LT(size, 35);
+    ++legs.at(static_cast<std::size_t>((force.body - 1) / kJointsPerLeg));
+    thighs += (force.body - 1) % kJointsPerLeg == 1 ? 1 : 0;
+    magnitude += size / n;
+    direction += force.force_W / size / n;
+    direction_squares += (force.force_W / size).cwiseAbs2() / n;
+  }
+  // 4 standard deviations of n uniform choices.
+  for (const int count : legs) EXPECT_NEAR(count, n / 4, 4 * std::sqrt(n * 0.25 * 0.75));
+  EXPECT_NEAR(thighs, n / 2, 4 * std::sqrt(n * 0.25));
+  EXPECT_NEAR(magnitude, 22.5, 4 * 25 / std::sqrt(12.0 * n));
+  EXPECT_THAT(direction, IsNear(Vec<3>::Zero(), 4 * std::sqrt(1.0 / 3 / n)));
+  EXPECT_THAT(direction_squares, IsNear(Vec<3>::Constant(1.0 / 3), 4 * std::sqrt(4.0 / 45 / n)));
+
+  const ExternalForce held = rig[rig.system().force];
+  rig.AdvanceTo(rig.time() + 1.9);
+  EXPECT_EQ(rig[rig.system().force].force_W, held.force_W);
+  EXPECT_NE(rig.Tick()[rig.system().force].force_W, held.force_W);
+}
+
+TEST(RandomForceTest, OnTheTrunkActsAtItsOrigin) {
+  TestRig<RandomForce> rig(RandomForceParams{DogBot(), true, 10, 35, Hz(0.5)});
+  const ExternalForce& force = rig.Tick()[rig.system().force];
+  EXPECT_EQ(force.body, 0);
+  EXPECT_EQ(force.p_B, Vec<3>::Zero());
+  EXPECT_GE(force.force_W.norm(), 10);
+}
+
+TEST(ForceBundleTest, PutsForcesSideBySide) {
+  TestRig<ForceBundle> rig(ForceBundleParams{2});
+  ExternalForce other = OnKnee();
+  other.body = 0;
+  rig.Fix(rig.system().force[0], OnKnee()).Fix(rig.system().force[1], other);
+  const ExternalForces& forces = rig[rig.system().forces];
+  EXPECT_EQ(forces[0].body, 3);
+  EXPECT_EQ(forces[1].body, 0);
+  EXPECT_EQ(forces[1].force_W, other.force_W);
+  EXPECT_TRUE(forces[2].force_W.isZero(0));
+}
+
+// In free fall without gravity the change of angular momentum is the torque, that of momentum the force.
+TEST(ExternalForceTest, TorqueOnTheTrunkTurnsTheRobot) {
+  QuadrupedPlantParams params;
+  params.robot = DogBot();
+  params.gravity = 0;
+  params.initial = test::Standing(params.robot);
+  params.initial.p_WB[2] = 2;
+  TestRig<QuadrupedPlant> rig(params);
+  auto& plant = rig.system();
+  ExternalForces forces;
+  forces[0].torque_W = {3, -2, 5};
+  rig.Fix(plant.torque, Vec<12>::Zero()).Fix(plant.external, forces);
+  const LeggedAcceleration& acceleration = rig[plant.acceleration];
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(params.robot, 0).Calc(params.initial, &dynamics);
+  Vec<18> rates;
+  rates << acceleration.a_W, acceleration.alpha_W, acceleration.qdd;
+  EXPECT_THAT(Vec<3>(dynamics.angular_map * rates), IsNear(Vec<3>(3, -2, 5), 1e-9));
+  EXPECT_THAT(Vec<3>(dynamics.M.topRows<3>() * rates), IsNear(Vec<3>(0, 0, 0), 1e-9));
+}
+
+TEST(DisturbancesTest, RefuseParametersThatMakeNoSense) {
+  const auto refuses = [](auto make, const auto&... parts) { return Throws<ParameterError>(make, parts...); };
+  ExternalForce wrong = OnKnee();
+  wrong.body = 13;
+  EXPECT_TRUE(refuses([&] { PulseForce pulse({wrong, 0, 1}); }, "body 13 is not there", "1 to 12"));
+  wrong = OnKnee();
+  wrong.force_W[1] = NAN;
+  EXPECT_TRUE(refuses([&] { SineForce sine({wrong, 1}); }, "must be finite", "N m"));
+  EXPECT_TRUE(refuses([] { SineForce sine({OnKnee(), INFINITY}); }, "angular_frequency is inf"));
+  EXPECT_TRUE(refuses([] { SineForce sine({OnKnee(), 1, 2, 1}); }, "ends at 1 s but starts at 2 s"));
+  EXPECT_TRUE(refuses([] { PulseForce pulse({OnKnee(), NAN, 1}); }, "start is nan"));
+  EXPECT_TRUE(refuses([] { PulseForce pulse({OnKnee(), 0, -1}); }, "duration = -1 must not be negative"));
+  EXPECT_TRUE(refuses([] { RandomForce random({DogBot(), false, 3, 2}); }, "magnitudes from 3 to 2 N"));
+  EXPECT_TRUE(refuses([] { RandomForce random({{}, false, 1, 2}); }, "the robot has no mass"));
+  EXPECT_TRUE(refuses([] { ForceBundle bundle({9}); }, "9 forces are too many", "at most 8"));
+}
+
+}  // namespace
+}  // namespace tenon

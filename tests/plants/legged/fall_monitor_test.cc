@@ -1,0 +1,58 @@
+#include <tenon/plants/legged/fall_monitor.h>
+
+#include <gtest/gtest.h>
+
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+LeggedState At(const Vec<3>& p_WB, double roll = 0) {
+  LeggedState x;
+  x.p_WB = p_WB;
+  x.q_WB = QuaternionFromRotationVector({roll, 0, 0});
+  return x;
+}
+
+TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {
+  TestRig<FallMonitor> rig(FallMonitorParams{.min_height = 0.2});
+  rig.Fix(rig.system().state, At({0, 0, 0.201}));
+  EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
+  rig.Fix(rig.system().state, At({0, 0, 0.199}));
+  const RunStatus status = rig.simulator().AdvanceTo(1);
+  EXPECT_TRUE(status.ended);
+  EXPECT_EQ(status.reason,
+            "block.fall: the robot fell: its trunk is 0.199 m above the ground, less than 0.200 m");
+}
+
+TEST(FallMonitorTest, HeightCountsFromTheGroundBelow) {
+  FallMonitorParams params{.min_height = 0.2};
+  params.terrain.grade = {0.5, 0};
+  TestRig<FallMonitor> rig(params);
+  rig.Fix(rig.system().state, At({-2, 0, -0.79}));
+  EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
+  rig.Fix(rig.system().state, At({2, 0, 1.19}));
+  EXPECT_TRUE(rig.simulator().AdvanceTo(1).ended);
+}
+
+TEST(FallMonitorTest, EndsTheRunWhenTheTrunkTilts) {
+  TestRig<FallMonitor> rig(FallMonitorParams{.max_tilt = 0.8});
+  rig.Fix(rig.system().state, At({0, 0, 1}, -0.79));
+  EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
+  rig.Fix(rig.system().state, At({0, 0, 1}, -0.81));
+  const RunStatus status = rig.simulator().AdvanceTo(1);
+  EXPECT_TRUE(status.ended);
+  EXPECT_EQ(status.reason,
+            "block.fall: the robot fell: its trunk is tilted by 0.810 rad, more than 0.800 rad");
+}
+
+TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
+  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 0}); }, "max_tilt = 0", "radians"));
+  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 45}); }, "max_tilt = 45", "radians"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { FallMonitor({.min_height = INFINITY}); }, "min_height = inf", "metres"));
+}
+
+}  // namespace
+}  // namespace tenon

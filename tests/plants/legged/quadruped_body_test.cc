@@ -1,0 +1,118 @@
+// The plant's equations of motion against Simbody's own.
+
+#include <tenon/plants/legged/quadruped_body.h>
+
+#include <gtest/gtest.h>
+#include <tenon/plants/simbody.h>
+
+#include <Eigen/Geometry>
+
+#include <tenon/tests/plants/model/quadruped_simbody.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+Vec<18> Stacked(const LeggedAcceleration& a) {
+  Vec<18> v;
+  v << a.a_W, a.alpha_W, a.qdd;
+  return v;
+}
+
+TEST(QuadrupedBodyTest, AgreesWithSimbodysArticulatedBodies) {
+  for (QuadrupedDescription robot : {test::DogBot(), test::A1()}) {
+    robot.drive.rotor_inertia = 0;
+    test::QuadrupedSimbody simbody(robot);
+    QuadrupedBody body(robot);
+    RandomStream random(51);
+    for (int i = 0; i < 100; ++i) {
+      const LeggedState x = test::RandomState(random);
+      const Vec<12> torque = test::RandomVector<12>(random, 60);
+      body.SetState(x);
+      const Vec<18> expected = Stacked(simbody.CalcAcceleration(x, torque));
+      EXPECT_THAT(Stacked(body.Acceleration(torque, {}, 0)), IsNear(expected, 1e-11 * expected.norm()));
+    }
+  }
+}
+
+/// Joints' axes in any direction: nothing may rest on robots that have theirs along x and y.
+TEST(QuadrupedBodyTest, AxesMayPointAnywhere) {
+  RandomStream random(52);
+  QuadrupedDescription robot = test::DogBot();
+  for (LegDescription& leg : robot.legs)
+    for (JointDescription& joint : leg.joints) joint.axis = test::RandomVector<3>(random, 1).normalized();
+  test::QuadrupedSimbody simbody(robot);
+  QuadrupedBody body(robot);
+  const LeggedState x = test::RandomState(random);
+  const Vec<12> torque = test::RandomVector<12>(random, 60);
+  body.SetState(x);
+  const Vec<18> expected = Stacked(simbody.CalcAcceleration(x, torque));
+  EXPECT_THAT(Stacked(body.Acceleration(torque, {}, 0)), IsNear(expected, 1e-11 * expected.norm()));
+}
+
+/// (M + D) u' = M u0', where u0' are the accelerations without rotors.
+TEST(QuadrupedBodyTest, RotorsAddToTheMassMatrix) {
+  QuadrupedDescription robot = test::A1();
+  robot.drive.rotor_inertia = 0.02;
+  test::QuadrupedSimbody simbody(robot);  // knows no rotors
+  QuadrupedBody body(robot);
+  RandomStream random(53);
+  for (int i = 0; i < 20; ++i) {
+    const LeggedState x = test::RandomState(random);
+    const Vec<12> torque = test::RandomVector<12>(random, 30);
+    body.SetState(x);
+    const Vec<18> with = Stacked(body.Acceleration(torque, {}, 0));
+    const Vec<18> without = Stacked(simbody.CalcAcceleration(x, torque));
+    simbody.Calc(x, 0);
+    Vec<18> expected = simbody.out.M * without, actual = simbody.out.M * with;
+    actual.tail<12>() += 0.02 * with.tail<12>();
+    EXPECT_THAT(actual, IsNear(expected, 1e-11 * (1 + expected.norm())));
+    EXPECT_GT((with - without).norm(), 1);
+  }
+}
+
+/// A force moves the CoM by Newton's law and does its work, wherever it acts.
+TEST(QuadrupedBodyTest, ForcesActAtTheirPoints) {
+  const QuadrupedDescription robot = test::A1();
+  test::QuadrupedSimbody simbody(robot);
+  QuadrupedBody body(robot);
+  RandomStream random(54);
+  const double h = 1e-6;
+  for (int on = 0; on <= kNumJoints; ++on) {
+    LeggedState x = test::RandomState(random);
+    const Vec<3> p_B = test::RandomVector<3>(random, 0.3), force = test::RandomVector<3>(random, 50);
+    const Vec<3> torque = test::RandomVector<3>(random, 10);
+    body.SetState(x);
+    const PointForce at{on, body.Position(on, p_B), force, torque};
+    const Vec<18> change = Stacked(body.Acceleration(Vec<12>::Zero(), {&at, 1}, 9.81)) -
+                           Stacked(body.Acceleration(Vec<12>::Zero(), {}, 9.81));
+    // Its power, by finite differences of where two points of the body are.
+    const auto moved = [&](double dt) {
+      LeggedState y = x;
+      y.p_WB += dt * x.v_W;
+      y.q_WB = QuaternionProduct(QuaternionFromRotationVector(dt * x.w_W), x.q_WB);
+      y.q += dt * x.qd;
+      body.SetState(y);
+      Eigen::Matrix<double, 3, 4> points;
+      points.col(0) = body.Position(on, p_B);
+      for (int i = 0; i < 3; ++i) points.col(1 + i) = body.Position(on, p_B + Vec<3>::Unit(i));
+      return points;
+    };
+    const Eigen::Matrix<double, 3, 4> now = moved(0), rate = (moved(h) - moved(-h)) / (2 * h);
+    Vec<3> w = Vec<3>::Zero();  // from the motion of the body's axes e: w = sum e x e' / 2
+    for (int i = 1; i < 4; ++i)
+      w += Vec<3>(now.col(i) - now.col(0)).cross(Vec<3>(rate.col(i) - rate.col(0))) / 2;
+    const double power = force.dot(rate.col(0)) + torque.dot(w);
+    Vec<18> u;
+    u << x.v_W, x.w_W, x.qd;
+    simbody.Calc(x, 0);
+    Vec<18> momentum_rate = simbody.out.M * change;
+    momentum_rate.tail<12>() += robot.drive.rotor_inertia * change.tail<12>();
+    EXPECT_NEAR(u.dot(momentum_rate), power, 1e-6 * (1 + std::abs(power))) << on;
+    EXPECT_THAT(momentum_rate.head<3>(), IsNear(force, 1e-10)) << on;
+  }
+}
+
+}  // namespace
+}  // namespace tenon

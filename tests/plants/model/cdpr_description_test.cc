@@ -1,0 +1,191 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <Eigen/Dense>
+#include <limits>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kRobots = TENON_ROBOTS_DIR;
+
+CdprDescription Robot() {
+  return LoadCdpr(kRobots + "/cdpr_4.yaml");
+}
+
+template <class Change>
+std::string ErrorAfter(Change&& change) {
+  CdprDescription robot = Robot();
+  change(robot);
+  try {
+    robot.Validate();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// One choice of tensions that carries the platform at rest and level at `p_WB`: the one nearest to `middle`
+/// on all cables. Empty if the cables cannot carry it at all.
+Eigen::VectorXd TensionsAt(const CdprDescription& robot, const Eigen::Vector3d& p_WB, double middle) {
+  Eigen::MatrixXd structure(6, robot.num_cables());
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    const Eigen::Vector3d& arm = robot.cables[i].attachment_B;
+    const Eigen::Vector3d direction = (robot.cables[i].anchor_W - p_WB - arm).normalized();
+    structure.col(i) << direction, arm.cross(direction);
+  }
+  Eigen::VectorXd wrench = Eigen::VectorXd::Zero(6);
+  wrench[2] = robot.mass * 9.81;
+  Eigen::VectorXd tensions = Eigen::VectorXd::Constant(robot.num_cables(), middle);
+  tensions += structure.completeOrthogonalDecomposition().solve(wrench - structure * tensions);
+  return (structure * tensions - wrench).norm() < 1e-6 ? tensions : Eigen::VectorXd();
+}
+
+class RobotFileTest : public ::testing::TestWithParam<int> {};
+
+TEST_P(RobotFileTest, LoadsAndComesBackFromItsText) {
+  const int n = GetParam();
+  const auto robot = LoadCdpr(kRobots + "/cdpr_" + std::to_string(n) + ".yaml");
+  EXPECT_EQ(robot.num_cables(), n);
+  EXPECT_EQ(robot.name, "cdpr_" + std::to_string(n));
+  EXPECT_EQ(robot.mass, 15);
+  EXPECT_EQ(robot.winch.mode, WinchMode::kTension);
+  const auto again = YamlDocument::Parse(WriteYaml(robot), "again").Read<CdprDescription>();
+  EXPECT_EQ(again.inertia_B, robot.inertia_B);
+  EXPECT_EQ(again.cables[n - 1].anchor_W, robot.cables[n - 1].anchor_W);
+  EXPECT_EQ(WriteYaml(again), WriteYaml(robot));
+}
+
+TEST_P(RobotFileTest, CarriesItsWeightWithinTheLimits) {
+  const auto robot = LoadCdpr(kRobots + "/cdpr_" + std::to_string(GetParam()) + ".yaml");
+  for (const double z : {1.0, 1.5, 2.0}) {
+    const Eigen::VectorXd tensions = TensionsAt(robot, {0, 0, z}, GetParam() == 8 ? 200 : 0);
+    ASSERT_EQ(tensions.size(), robot.num_cables()) << "at z = " << z;
+    EXPECT_GT(tensions.minCoeff(), robot.cable.tension_min);
+    EXPECT_LT(tensions.maxCoeff(), robot.cable.tension_max);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RobotFileTest, ::testing::Values(4, 6, 8));
+
+TEST(CdprDescriptionTest, TheSixCableFileStatesItsTension) {
+  const auto tensions = TensionsAt(LoadCdpr(kRobots + "/cdpr_6.yaml"), {0, 0, 1.5}, 0);
+  EXPECT_NEAR(tensions.minCoeff(), 46, 0.5);
+  EXPECT_NEAR(tensions.maxCoeff(), 46, 0.5);
+}
+
+TEST(CdprDescriptionTest, NumbersOfTheDefaultRobot) {
+  const CdprDescription robot = Robot();
+  EXPECT_EQ(robot.cables[1].anchor_W, Eigen::Vector3d(-3.5, 4.5, 4));
+  EXPECT_EQ(robot.cables[1].attachment_B, Eigen::Vector3d(-0.075, 0.075, 0.093));
+  EXPECT_NEAR(robot.inertia_B(0, 0), 0.184 * 15 / 12.99, 5e-5);
+  EXPECT_EQ(robot.inertia_B(0, 1), 0);
+  EXPECT_NEAR(robot.cable.axial_damping / robot.cable.axial_stiffness, 0.005, 1e-12);
+  EXPECT_NEAR(robot.cable.axial_stiffness / 5 / robot.winch.reel_damping, 60, 1e-9);
+  EXPECT_NEAR(robot.winch.effective_mass, 2.6e-5 * 20 * 20 / (0.036 * 0.036), 0.005);
+}
+
+TEST(CdprDescriptionTest, ErrorsOfAFileNameItsLine) {
+  auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
+  document.Set("winch.mode", "velocity");
+  EXPECT_THROW(
+      {
+        try {
+          document.Read<CdprDescription>();
+        } catch (const ParameterError& error) {
+          EXPECT_THAT(error.what(),
+                      StartsWith("--set winch.mode=velocity: winch.mode: expected one of tension, torque"));
+          throw;
+        }
+      },
+      ParameterError);
+  document.Set("winch.mode", "tension");
+  document.Set("mass_kg", "-1");
+  try {
+    document.Read<CdprDescription>();
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("cdpr_4.yaml:"), HasSubstr("the platform's mass is -1 kg"),
+                                    HasSubstr("(with --set mass_kg=-1) (with --set winch.mode=tension)")));
+  }
+}
+
+TEST(CdprDescriptionTest, Mass) {
+  for (const double mass : {0.0, -2.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THAT(ErrorAfter([&](auto& robot) { robot.mass = mass; }),
+                AllOf(HasSubstr("the platform's mass is"),
+                      HasSubstr("kg but must be positive; give mass_kg above 0")));
+}
+
+TEST(CdprDescriptionTest, Inertia) {
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.inertia_B(0, 2) = 0.01; }),
+              AllOf(HasSubstr("not symmetric: row 0 column 2 is 0.01 kg m^2, row 2 column 0 is 0 kg m^2"),
+                    HasSubstr("give both the same value")));
+  EXPECT_THAT(
+      ErrorAfter([](auto& robot) { robot.inertia_B(1, 1) = -0.1; }),
+      AllOf(HasSubstr("not positive definite: its principal moments are -0.1,"), HasSubstr("kg m^2")));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.inertia_B.diagonal() << 1, 2, 3.5; }),
+              AllOf(HasSubstr("no rigid body has this inertia: its principal moments are 1, 2, 3.5 kg m^2"),
+                    HasSubstr("above the sum of the other two")));
+  EXPECT_THAT(
+      ErrorAfter([](auto& robot) { robot.inertia_B(0, 0) = std::numeric_limits<double>::infinity(); }),
+      HasSubstr("the inertia has entries that are not finite"));
+  EXPECT_EQ(ErrorAfter([](auto& robot) { robot.inertia_B.diagonal() << 1, 2, 3; }), "no error")
+      << "a flat plate";
+}
+
+TEST(CdprDescriptionTest, Cables) {
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables.pop_back(); }),
+              HasSubstr("the robot has 3 cables but must have 4 to 8; add or remove cables"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables.resize(9); }), HasSubstr("the robot has 9 cables"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables[2] = robot.cables[1]; }),
+              AllOf(HasSubstr("cables 1 and 2 both run from anchor (-3.5, 4.5, 4) m to attachment"),
+                    HasSubstr("move or remove one")));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables[3].attachment_B = robot.cables[3].anchor_W; }),
+              AllOf(HasSubstr("cable 3 has zero length: anchor and attachment are both (3.5, -4.5, 4) m"),
+                    HasSubstr("from the platform's CoM")));
+  EXPECT_THAT(
+      ErrorAfter([](auto& robot) { robot.cables[0].anchor_W[1] = std::numeric_limits<double>::quiet_NaN(); }),
+      HasSubstr("cable 0 has a coordinate that is not finite"));
+}
+
+TEST(CdprDescriptionTest, CableProperties) {
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cable.axial_stiffness = 0; }),
+              HasSubstr("the axial stiffness is 0 N but must be positive; give EA"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cable.axial_damping = -1; }),
+              HasSubstr("the axial damping is -1 N s but must not be negative; give EA times"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cable.tension_min = -5; }),
+              HasSubstr("the lowest tension is -5 N but must not be negative; a cable cannot push"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cable.tension_min = 800; }),
+              HasSubstr("the lowest tension 800 N must be below the highest, 800 N; raise tension_max_N"));
+}
+
+TEST(CdprDescriptionTest, Winch) {
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.winch.time_constant = 0; }),
+              HasSubstr("the winch's time constant is 0 s but must be positive; give the lag"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.winch.reel_damping = 0; }),
+              AllOf(HasSubstr("the winch's reel damping is 0 N s/m but must be positive; in mode 'tension'"),
+                    HasSubstr("bandwidth")));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.winch.effective_mass = -1; }),
+              HasSubstr("the winch's effective mass is -1 kg but must not be negative"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) {
+                robot.winch.mode = WinchMode::kTorque;
+                robot.winch.reel_damping = -1;
+              }),
+              HasSubstr("the winch's reel damping is -1 N s/m but must not be negative; give the friction"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) {
+                robot.winch.mode = WinchMode::kTorque;
+                robot.winch.effective_mass = 0;
+              }),
+              HasSubstr("the winch's effective mass is 0 kg but must be positive; mode 'torque' needs"));
+}
+
+}  // namespace
+}  // namespace tenon

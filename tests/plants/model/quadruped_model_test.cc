@@ -1,0 +1,264 @@
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <functional>
+
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using test::RandomState;
+using test::RandomVector;
+
+/// Joint torques and forces on the feet that stay as they are.
+struct Loads {
+  Vec<12> tau = Vec<12>::Zero();
+  FootForces force;
+};
+
+Loads RandomLoads(RandomStream& random) {
+  Loads loads;
+  loads.tau = RandomVector<12>(random, 10);
+  for (int leg = 0; leg < kNumLegs; ++leg) loads.force[leg] = RandomVector<3>(random, 50);
+  return loads;
+}
+
+Vec<18> Velocities(const LeggedState& x) {
+  Vec<18> nu;
+  nu << x.v_W, x.w_W, x.qd;
+  return nu;
+}
+
+Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Loads& loads) {
+  Vec<18> force = -dynamics.bias();
+  force.tail<12>() += loads.tau;
+  for (int leg = 0; leg < kNumLegs; ++leg) force += dynamics.FootJacobian(leg).transpose() * loads.force[leg];
+  return dynamics.M.llt().solve(force);
+}
+
+/// x moved by dt with velocities and accelerations that are given.
+LeggedState Moved(const LeggedState& x, double dt, const LeggedState& rate) {
+  LeggedState out = x;
+  out.p_WB += dt * rate.p_WB;
+  out.q_WB += dt * rate.q_WB;
+  out.q += dt * rate.q;
+  out.v_W += dt * rate.v_W;
+  out.w_W += dt * rate.w_W;
+  out.qd += dt * rate.qd;
+  return out;
+}
+
+LeggedState Rate(const QuadrupedModel& model, const Loads& loads, const LeggedState& x) {
+  QuadrupedDynamics dynamics;
+  model.Calc(x, &dynamics);
+  const Vec<18> a = ForwardDynamics(dynamics, loads);
+  const Vec<4> half(0, x.w_W[0] / 2, x.w_W[1] / 2, x.w_W[2] / 2);
+  return {x.v_W, QuaternionProduct(half, x.q_WB), x.qd, a.head<3>(), a.segment<3>(3), a.tail<12>()};
+}
+
+/// One classical Runge-Kutta step of the model under the loads.
+LeggedState Step(const QuadrupedModel& model, const Loads& loads, const LeggedState& x, double h) {
+  const LeggedState k1 = Rate(model, loads, x);
+  const LeggedState k2 = Rate(model, loads, Moved(x, h / 2, k1));
+  const LeggedState k3 = Rate(model, loads, Moved(x, h / 2, k2));
+  const LeggedState k4 = Rate(model, loads, Moved(x, h, k3));
+  return Moved(Moved(Moved(Moved(x, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
+}
+
+/// d/dt of what `of` makes of the dynamics, along the motion from x under the loads, to fourth order.
+template <class F>
+auto RateAlongMotion(const QuadrupedModel& model, const Loads& loads, const LeggedState& x, const F& of) {
+  const double h = 1e-4;
+  const auto at = [&](double t) {
+    QuadrupedDynamics dynamics;
+    const LeggedState moved = Step(model, loads, x, t);
+    model.Calc(moved, &dynamics);
+    return of(moved, dynamics);
+  };
+  return ((8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)).eval();
+}
+
+class QuadrupedModelTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  const QuadrupedDescription robot_ =
+      LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/" + GetParam() + ".yaml");
+  const QuadrupedModel model_{robot_};
+  RandomStream random_{11};
+  QuadrupedDynamics dynamics_;
+};
+INSTANTIATE_TEST_SUITE_P(Robots, QuadrupedModelTest, ::testing::Values("dogbot", "a1"));
+
+TEST_P(QuadrupedModelTest, MassMatrixIsSymmetricAndPositiveDefinite) {
+  for (int i = 0; i < 100; ++i) {
+    model_.Calc(RandomState(random_), &dynamics_);
+    EXPECT_THAT(dynamics_.M, IsNear(dynamics_.M.transpose(), 1e-14));
+    EXPECT_EQ(dynamics_.M.llt().info(), Eigen::Success);
+  }
+}
+
+TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
+  for (int i = 0; i < 100; ++i) {
+    const LeggedState x = RandomState(random_);
+    model_.Calc(x, &dynamics_);
+    const Vec<18> nu = Velocities(x), momentum = dynamics_.M * nu;
+    EXPECT_THAT(momentum.head<3>(), IsNear(robot_.mass() * dynamics_.com_velocity_W, 1e-12));
+    EXPECT_THAT(dynamics_.angular_map * nu, IsNear(dynamics_.angular_momentum_W, 1e-12));
+    EXPECT_THAT(momentum.tail<12>(), IsNear(dynamics_.leg_momentum, 1e-12));
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      EXPECT_THAT(dynamics_.FootJacobian(leg) * nu,
+                  IsNear(dynamics_.feet[static_cast<std::size_t>(leg)].v_W, 1e-12));
+  }
+}
+
+TEST_P(QuadrupedModelTest, ALockedRobotTurnsWithItsCentroidalInertia) {
+  for (int i = 0; i < 20; ++i) {
+    LeggedState x = RandomState(random_);
+    x.qd.setZero();
+    model_.Calc(x, &dynamics_);
+    EXPECT_THAT(dynamics_.centroidal_inertia_W * x.w_W, IsNear(dynamics_.angular_momentum_W, 1e-12));
+  }
+}
+
+TEST_P(QuadrupedModelTest, FeetAndHipsAreWhereTheDescriptionSays) {
+  const LeggedState x = RandomState(random_);
+  model_.Calc(x, &dynamics_);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const Eigen::Vector3d p = x.p_WB + x.R_WB() * robot_.FootPosition(leg, x.q);
+    EXPECT_THAT(dynamics_.feet[static_cast<std::size_t>(leg)].p_W, IsNear(p, 1e-14));
+    const Eigen::Vector3d hip = x.p_WB + x.R_WB() * robot_.HipPosition(leg, x.q);
+    EXPECT_THAT(dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 1)], IsNear(hip, 1e-14));
+  }
+}
+
+TEST_P(QuadrupedModelTest, VelocitiesAreRatesOfPositions) {
+  for (int i = 0; i < 5; ++i) {
+    const LeggedState x = RandomState(random_);
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(x, &dynamics_);
+    EXPECT_THAT(
+        dynamics_.com_velocity_W,
+        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.com_W; }), 1e-7));
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+      EXPECT_THAT(
+          dynamics_.feet[leg].v_W,
+          IsNear(RateAlongMotion(model_, loads, x, [leg](auto&, const auto& d) { return d.feet[leg].p_W; }),
+                 1e-7));
+  }
+}
+
+TEST_P(QuadrupedModelTest, BiasesCompleteTheAccelerations) {
+  for (int i = 0; i < 5; ++i) {
+    const LeggedState x = RandomState(random_);
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(x, &dynamics_);
+    const Vec<18> a = ForwardDynamics(dynamics_, loads);
+    const double size = 1 + a.norm();
+    EXPECT_THAT(
+        dynamics_.M.topRows<3>() * a / model_.mass() + dynamics_.com_bias_W,
+        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.com_velocity_W; }),
+               1e-8 * size));
+    EXPECT_THAT(
+        dynamics_.angular_map * a + dynamics_.angular_momentum_bias_W,
+        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.angular_momentum_W; }),
+               1e-8 * size));
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+      EXPECT_THAT(
+          dynamics_.FootJacobian(static_cast<int>(leg)) * a + dynamics_.feet[leg].bias,
+          IsNear(RateAlongMotion(model_, loads, x, [leg](auto&, const auto& d) { return d.feet[leg].v_W; }),
+                 1e-8 * size));
+  }
+}
+
+TEST_P(QuadrupedModelTest, ForcesChangeTheCentroidalMomentum) {
+  // Newton and Euler for the whole robot: only gravity and the feet's forces act from outside.
+  for (int i = 0; i < 20; ++i) {
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(RandomState(random_), &dynamics_);
+    const Vec<18> a = ForwardDynamics(dynamics_, loads);
+    Eigen::Vector3d force(0, 0, -9.81 * model_.mass()), torque = Eigen::Vector3d::Zero();
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      force += loads.force[leg];
+      torque += (dynamics_.feet[static_cast<std::size_t>(leg)].p_W - dynamics_.com_W).cross(loads.force[leg]);
+    }
+    EXPECT_THAT(dynamics_.M.topRows<3>() * a + model_.mass() * dynamics_.com_bias_W, IsNear(force, 1e-9));
+    EXPECT_THAT(dynamics_.angular_map * a + dynamics_.angular_momentum_bias_W, IsNear(torque, 1e-9));
+  }
+}
+
+TEST_P(QuadrupedModelTest, LegMomentumObeysItsLaw) {
+  for (int i = 0; i < 5; ++i) {
+    const LeggedState x = RandomState(random_);
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(x, &dynamics_);
+    Vec<12> rate = dynamics_.leg_momentum_rate + loads.tau - dynamics_.gravity.tail<12>();
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      rate.segment<3>(3 * leg) +=
+          dynamics_.feet[static_cast<std::size_t>(leg)].J_leg.transpose() * loads.force[leg];
+    EXPECT_THAT(rate,
+                IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.leg_momentum; }),
+                       1e-7 * (1 + rate.norm())));
+  }
+}
+
+TEST_P(QuadrupedModelTest, TheDecoupledFormIsTheSameDynamics) {
+  for (int i = 0; i < 5; ++i) {
+    const LeggedState x = RandomState(random_);
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(x, &dynamics_);
+    DecoupledDynamics decoupled;
+    model_.CalcDecoupled(x, dynamics_, &decoupled);
+    const Vec<12> qdd = ForwardDynamics(dynamics_, loads).tail<12>();
+    Vec<12> force = loads.tau;
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      force += decoupled.J_q.middleRows<3>(3 * leg).transpose() * loads.force[leg];
+    EXPECT_THAT(decoupled.M_q * qdd + decoupled.coriolis, IsNear(force, 1e-9));  // gravity is not there
+    EXPECT_THAT(decoupled.momentum, IsNear(decoupled.M_q * x.qd, 0));
+    const auto momentum = [&](const LeggedState& at, const QuadrupedDynamics& d) {
+      DecoupledDynamics moved;
+      model_.CalcDecoupled(at, d, &moved);
+      return moved.momentum;
+    };
+    EXPECT_THAT(decoupled.momentum_rate + force,
+                IsNear(RateAlongMotion(model_, loads, x, momentum), 1e-7 * (1 + force.norm())));
+  }
+}
+
+TEST_P(QuadrupedModelTest, LegJacobiansOfOtherPoints) {
+  const LeggedState x = RandomState(random_);
+  model_.Calc(x, &dynamics_);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto& foot = dynamics_.feet[static_cast<std::size_t>(leg)];
+    EXPECT_THAT(dynamics_.LegJacobian(leg, foot.p_W), IsNear(foot.J_leg, 0));
+    // A point on the knee's axis does not move with the knee.
+    EXPECT_THAT(dynamics_.LegJacobian(leg, dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 2)]).col(2),
+                IsNear(Eigen::Vector3d::Zero(), 0));
+  }
+}
+
+TEST_P(QuadrupedModelTest, ItsMassesAreItsOwn) {
+  QuadrupedDescription heavy = robot_;
+  heavy.trunk.mass *= 1.3;
+  const QuadrupedModel wrong(heavy);
+  QuadrupedDynamics dynamics;
+  const LeggedState x = test::Standing(robot_);
+  wrong.Calc(x, &dynamics);
+  EXPECT_NEAR(dynamics.gravity[2], 9.81 * (robot_.mass() + 0.3 * robot_.trunk.mass), 1e-10);
+  EXPECT_NEAR(wrong.mass(), robot_.mass() + 0.3 * robot_.trunk.mass, 1e-12);
+}
+
+TEST_P(QuadrupedModelTest, DoesNotAllocate) {
+  const LeggedState x = RandomState(random_);
+  DecoupledDynamics decoupled;
+  const AllocationGuard guard;
+  model_.Calc(x, &dynamics_);
+  model_.CalcDecoupled(x, dynamics_, &decoupled);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Eigenvalues>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/quaternion.h>
+
+namespace tenon::test {
+
+inline std::string Numbers(const Eigen::Vector3d& v) {
+  return fmt::format("{} {} {}", v[0], v[1], v[2]);
+}
+
+/// By principal axes, since MuJoCo's own way to them from a full inertia is good to 1e-8 only.
+inline std::string Inertial(const RigidInertia& body) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
+  Eigen::Matrix3d axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(0) *= -1;
+  const Vec<4> q = QuaternionFromRotation(axes);
+  return fmt::format(R"(<inertial pos="{}" quat="{} {} {} {}" mass="{}" diaginertia="{}"/>)",
+                     Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues()));
+}
+
+/// The robot in MuJoCo's language, with its settings for contact; its joints are in our order. With `ground`
+/// the feet touch the plane z = 0, with friction 1, and nothing else touches anything.
+inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false) {
+  std::string text =
+      "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +
+      std::string(ground ? "<geom type=\"plane\" size=\"9 9 1\" contype=\"1\" conaffinity=\"0\"/>" : "") +
+      "<body><freejoint/>" + Inertial(robot.trunk);
+  for (const LegDescription& leg : robot.legs) {
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i)
+      text += fmt::format("<body pos=\"{}\"><joint type=\"hinge\" axis=\"{}\" armature=\"{}\"/>{}",
+                          Numbers(leg.joints[i].p_PJ), Numbers(leg.joints[i].axis), robot.drive.rotor_inertia,
+                          Inertial(leg.bodies[i]));
+    if (ground)
+      text += fmt::format("<geom type=\"sphere\" size=\"{}\" pos=\"{}\" contype=\"0\" conaffinity=\"1\"/>",
+                          robot.foot_radius, Numbers(leg.foot_J));
+    text += "</body></body></body>";
+  }
+  return text + "</body></worldbody></mujoco>";
+}
+
+struct FreeMuJoCo {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+using MuJoCoModel = std::unique_ptr<mjModel, FreeMuJoCo>;
+using MuJoCoData = std::unique_ptr<mjData, FreeMuJoCo>;
+
+inline MuJoCoModel LoadMuJoCo(const std::string& mjcf) {
+  mjVFS files;
+  mj_defaultVFS(&files);
+  mj_makeEmptyFileVFS(&files, "robot.xml", static_cast<int>(mjcf.size()));
+  std::memcpy(files.filedata[0], mjcf.data(), mjcf.size());
+  char error[1000] = "";
+  MuJoCoModel model(mj_loadXML("robot.xml", &files, error, sizeof(error)));
+  mj_deleteVFS(&files);
+  if (model == nullptr) throw std::runtime_error(error);
+  return model;
+}
+
+}  // namespace tenon::test

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cmath>
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/random_stream.h>
+
+namespace tenon::test {
+
+inline QuadrupedDescription DogBot() {
+  return LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/dogbot.yaml");
+}
+inline QuadrupedDescription A1() {
+  return LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/a1.yaml");
+}
+
+template <int N>
+Vec<N> RandomVector(RandomStream& random, double size) {
+  Vec<N> v;
+  for (int i = 0; i < N; ++i) v[i] = random.Uniform(-size, size);
+  return v;
+}
+
+/// Anywhere, in any attitude, with joint angles up to 1 rad and quick in everything.
+inline LeggedState RandomState(RandomStream& random) {
+  LeggedState x;
+  x.p_WB = RandomVector<3>(random, 2);
+  x.q_WB = QuaternionFromRotationVector(RandomVector<3>(random, 2));
+  x.q = RandomVector<12>(random, 1);
+  x.v_W = RandomVector<3>(random, 2);
+  x.w_W = RandomVector<3>(random, 3);
+  x.qd = RandomVector<12>(random, 6);
+  return x;
+}
+
+/// At rest in the nominal stance, with the feet just touching the plane z = 0.
+inline LeggedState Standing(const QuadrupedDescription& robot) {
+  LeggedState x;
+  x.p_WB[2] = robot.StanceHeight();
+  x.q = robot.stance;
+  return x;
+}
+
+}  // namespace tenon::test

@@ -1,0 +1,102 @@
+#include <tenon/plants/sensors/pose_sensor.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <tenon/plants/model/euler.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using Rig = TestRig<PoseSensor>;
+
+PlatformState Somewhere() {
+  return {{0.5, -1, 2},
+          QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})),
+          Vec<3>::Zero(),
+          Vec<3>::Zero()};
+}
+
+/// The rotation vector of a small rotation, to second order of its angle.
+Vec<3> SmallRotation(const Eigen::Matrix3d& R) {
+  return Vec<3>(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)) / 2;
+}
+
+TEST(PoseSensorTest, WithoutNoiseTellsTheTruth) {
+  Rig rig(PoseSensorParams{.position_noise = {0, 0, 0}, .attitude_noise = {0, 0, 0}});
+  rig.Fix(rig.system().platform, Somewhere()).Tick();
+  EXPECT_EQ(rig[rig.system().pose].p_WB, Somewhere().p_WB);
+  EXPECT_THAT(rig[rig.system().pose].q_WB, IsNear(Somewhere().q_WB, 1e-15));
+}
+
+TEST(PoseSensorTest, NoiseHasTheGivenDeviationsAndNoMean) {
+  // With n samples the mean of a normal number is within 4 sd / sqrt(n) of the true one, and its deviation
+  // within 4 sd / sqrt(2 n), but for 1 in 16 000 each.
+  const int n = 20000;
+  const PoseSensorParams params{.position_noise = {0.005, 0.001, 0.02},
+                                .attitude_noise = {0.01, 0.02, 0.005}};
+  Rig rig(params);
+  rig.Fix(rig.system().platform, Somewhere());
+  Vec<6> sum = Vec<6>::Zero(), squares = Vec<6>::Zero(), last = Vec<6>::Zero(), products = Vec<6>::Zero();
+  for (int i = 0; i < n; ++i) {
+    const PoseMeasurement& pose = rig.Tick()[rig.system().pose];
+    ASSERT_NEAR(pose.q_WB.norm(), 1, 1e-12);
+    Vec<6> error;
+    error << pose.p_WB - Somewhere().p_WB, SmallRotation(Somewhere().R_WB().transpose() * pose.R_WB());
+    sum += error;
+    squares += error.cwiseAbs2();
+    products += error.cwiseProduct(last);
+    last = error;
+  }
+  Vec<6> deviation;
+  deviation << params.position_noise, params.attitude_noise;
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(sum[i] / n, 0, 4 * deviation[i] / std::sqrt(n));
+    EXPECT_NEAR(std::sqrt(squares[i] / n) / deviation[i], 1, 4 / std::sqrt(2 * n));
+    EXPECT_NEAR(products[i] / n, 0, 4 * deviation[i] * deviation[i] / std::sqrt(n));  // white
+  }
+}
+
+TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
+  Rig rig;
+  rig.Fix(rig.system().platform, Somewhere()).Tick();
+  EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 200);
+  const PoseMeasurement held = rig[rig.system().pose];
+  rig.AdvanceTo(0.0049);
+  EXPECT_EQ(rig[rig.system().pose].p_WB, held.p_WB);
+  rig.AdvanceTo(0.005);
+  EXPECT_NE(rig[rig.system().pose].p_WB, held.p_WB);
+}
+
+TEST(PoseSensorTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Rig rig;
+  rig.Fix(rig.system().platform, Somewhere()).AdvanceTo(0.1);
+  AllocationGuard guard;
+  rig.AdvanceTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(PoseSensorTest, RefusesDeviationsThatAreNone) {
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        Rig rig(PoseSensorParams{.position_noise = {0, -1, 0}});
+      },
+      "position_noise is (0, -1, 0)", "not negative"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        Rig rig(PoseSensorParams{.attitude_noise = {0, 0, nan}});
+      },
+      "attitude_noise is (0, 0, nan)", "finite"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,66 @@
+#include <tenon/plants/surroundings/obstacle_detector.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const ObstacleDetectorParams kParams{
+    .obstacles = {{{3, 0}, 0.2}, {{-5, 4}, 0.5}}, .range = 1, .half_width = 0.4};
+
+bool Sees(double x, double y, double yaw) {
+  TestRig<ObstacleDetector> rig(kParams);
+  LeggedState state;
+  state.p_WB = {x, y, 0.4};
+  state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
+  rig.Fix(rig.system().state, state);
+  return rig[rig.system().obstacle];
+}
+
+TEST(ObstacleDetectorTest, SeesWhatIsAheadInRange) {
+  EXPECT_FALSE(Sees(1.79, 0, 0));
+  EXPECT_TRUE(Sees(1.81, 0, 0)) << "the surface of the pillar is at 2.8 m";
+  EXPECT_TRUE(Sees(2.9, 0, 0));
+  EXPECT_FALSE(Sees(3.1, 0, 0)) << "behind";
+  EXPECT_FALSE(Sees(2, 0, 3));
+}
+
+TEST(ObstacleDetectorTest, LooksAsWideAsTheRobotsWay) {
+  EXPECT_TRUE(Sees(2, 0.59, 0));
+  EXPECT_FALSE(Sees(2, 0.61, 0));
+  EXPECT_TRUE(Sees(2, -0.59, 0));
+  EXPECT_FALSE(Sees(2, -0.61, 0));
+}
+
+TEST(ObstacleDetectorTest, TurnsWithTheRobotAndSeesAllObstacles) {
+  EXPECT_TRUE(Sees(-5, 2.6, 1.57));
+  EXPECT_FALSE(Sees(-5, 2.4, 1.57));
+  EXPECT_FALSE(Sees(-5, 2.6, 0));
+}
+
+TEST(ObstacleDetectorTest, DrawsThePillars) {
+  TestRig<ObstacleDetector> rig(kParams);
+  rig.Fix(rig.system().state, LeggedState());
+  const Geometry& shapes = rig[rig.system().geometry];
+  ASSERT_EQ(shapes.size(), 2U);
+  EXPECT_THAT(Vec<2>(shapes[1].p_W.head<2>()), IsNear(Vec<2>(-5, 4), 1e-15));
+  EXPECT_EQ(shapes[1].size[0], 0.5);
+  EXPECT_EQ(shapes[1].p_W[2], shapes[1].size[1] / 2) << "stands on the ground";
+}
+
+TEST(ObstacleDetectorTest, RefusesNonsense) {
+  const auto refuses = [](const ObstacleDetectorParams& params, const char* a, const char* b) {
+    return Throws<ParameterError>([&] { ObstacleDetector detector(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses({.obstacles = {}, .range = 0}, "range of 0 m", "positive"));
+  EXPECT_TRUE(refuses({.obstacles = {}, .half_width = -1}, "half_width of -1 m", "negative"));
+  EXPECT_TRUE(refuses({.obstacles = {{{1, 2}, 1}, {{1, 2}, 0}}}, "obstacle 1", "positive radius"));
+  EXPECT_TRUE(refuses({.obstacles = {{{NAN, 2}, 1}}}, "obstacle 0", "finite place"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,210 @@
+#include <tenon/plants/surroundings/person.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <tenon/plants/surroundings/leash.h>
+#include <tenon/systems/primitives/constant.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kMass = 70, kDamping = 400, kStiffness = 1300;
+
+PersonParams Params(std::vector<PersonPhase> phases = {}) {
+  return {.mass = kMass,
+          .damping = kDamping,
+          .stiffness = kStiffness,
+          .hand_height = 0.75,
+          .start = {-1, 2},
+          .phases = std::move(phases)};
+}
+
+LeashState Pull(double tension, const Vec<3>& direction_W) {
+  return {.length = 1, .tension = tension, .direction_W = direction_W};
+}
+
+/// m e'' + c e' + k e = 0, underdamped, from e0 and rate0: e after t.
+double Oscillator(double c, double k, double e0, double rate0, double t) {
+  const double decay = c / (2 * kMass), w = std::sqrt(k / kMass - decay * decay);
+  return std::exp(-decay * t) * (e0 * std::cos(w * t) + (rate0 + decay * e0) / w * std::sin(w * t));
+}
+
+// Walking with the speed u under the force f, the distance e = x - w obeys m e'' + C e' + K e = f.
+TEST(PersonTest, WalksAsTheEquationAndGivesWayToTheLeash) {
+  const double u = 0.4, f = 30;
+  TestRig<Person> rig(
+      Params({{.activity = Activity::kWalk, .duration = 100, .speed = u, .direction = std::atan2(4, 3)}}));
+  auto& person = rig.system();
+  const Vec<3> across(-0.8, 0.6, 0);
+  rig.Fix(person.leash, Pull(f, across));
+  for (const double t : {0.1, 0.3, 0.7, 1.5, 10.0}) {
+    rig.AdvanceTo(t);
+    const double along = u * t + Oscillator(kDamping, kStiffness, 0, -u, t);
+    const double aside = f / kStiffness + Oscillator(kDamping, kStiffness, -f / kStiffness, 0, t);
+    const Vec<3> p = Vec<3>(-1, 2, 0) + along * Vec<3>(0.6, 0.8, 0) + aside * across;
+    EXPECT_THAT(rig[person.person].p_W, IsNear(p, 1e-8)) << t;
+    EXPECT_THAT(rig[person.person].hand_W, IsNear(Vec<3>(p + Vec<3>(0, 0, 0.75)), 1e-8)) << t;
+  }
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0.24, 0.32, 0), 1e-8));
+}
+
+TEST(PersonTest, FollowsTheLeashOverGroundIfItIsTaut) {
+  TestRig<Person> rig(Params({{.activity = Activity::kFollow, .duration = 100, .speed = 0.1}}));
+  auto& person = rig.system();
+  rig.Fix(person.leash, Pull(0, {0, 1, 0})).AdvanceTo(10);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
+  rig.Fix(person.leash, Pull(2, {0, 0.9, -std::sqrt(0.19)})).AdvanceTo(20);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0.04, 0), 1e-9)) << "2 N of 5 N";
+  // Half the tension acts over ground: the speed is the same, the place is not.
+  const Vec<3> before = rig[person.person].p_W;
+  rig.Fix(person.leash, Pull(60, {-0.5, 0, std::sqrt(0.75)})).AdvanceTo(40);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(-0.1, 0, 0), 1e-9));
+  EXPECT_NEAR(rig[person.motion].wanted[0] - rig[person.motion].x[0], 30 / kStiffness, 1e-9);
+  EXPECT_NEAR(rig[person.person].p_W[0], before[0] - 20 * 0.1 - 30 / kStiffness, 1e-6);
+  // Straight up there is nothing to follow.
+  rig.Fix(person.leash, Pull(20, {0, 0, 1})).AdvanceTo(60);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-9));
+}
+
+// m v' = F - C v from rest; the place that the person wants to be at comes along.
+TEST(PersonTest, PullsAsTheEquation) {
+  TestRig<Person> rig(
+      Params({{.activity = Activity::kPull, .duration = 10, .direction = std::acos(-1.0), .force = 70}}));
+  auto& person = rig.system();
+  rig.Set(person.motion, {{0, 0}, {0, 0}, {0.1, 0.2}}).Fix(person.leash, Pull(0, {1, 0, 0}));
+  for (const double t : {0.1, 0.5, 2.0, 8.0}) {
+    rig.AdvanceTo(t);
+    const double v = 70 / kDamping * (1 - std::exp(-kDamping / kMass * t));
+    const double x = 70 / kDamping * t - kMass / kDamping * v;
+    EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(-v, 0, 0), 1e-8)) << t;
+    EXPECT_THAT(rig[person.person].p_W, IsNear(Vec<3>(-x, 0, 0), 1e-8)) << t;
+    const Vec<2> lean = rig[person.motion].wanted - rig[person.motion].x;
+    EXPECT_THAT(lean, IsNear(Vec<2>(std::exp(-kStiffness / kDamping * t) * Vec<2>(0.1, 0.2)), 1e-8)) << t;
+  }
+  // Held by a leash that pulls as much, the person does not move.
+  rig.Fix(person.leash, Pull(70, {1, 0, 0})).AdvanceTo(10 - 0.01);
+  EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-4));
+}
+
+TEST(PersonTest, DoesOneThingAfterTheOtherThenStands) {
+  // 0.1 + 0.2 + 0.3 is more than 0.6 in binary; each phase still ends at its tick.
+  TestRig<Person> rig(Params({{.activity = Activity::kFollow, .duration = 0.1, .speed = 0.07},
+                              {.activity = Activity::kWalk,
+                               .duration = 0.2,
+                               .speed = 0.08,
+                               .speed_amplitude = 0.04,
+                               .angular_frequency = 20,
+                               .direction = 1},
+                              {.activity = Activity::kPull, .duration = 0.3, .direction = -1, .force = 60}}));
+  auto& person = rig.system();
+  rig.Fix(person.leash, Pull(0, {1, 0, 0}));
+  for (int n = 0; n < 80; ++n) {
+    const PersonIntent& intent = rig.Tick()[person.intent];
+    if (n < 10) {
+      EXPECT_EQ(intent.activity, Activity::kFollow) << n;
+      EXPECT_EQ(intent.speed, 0.07) << n;
+    } else if (n < 30) {
+      EXPECT_EQ(intent.activity, Activity::kWalk) << n;
+      EXPECT_NEAR(intent.speed, 0.08 + 0.04 * std::sin(20 * (0.01 * n - 0.1)), 1e-6) << n;
+      EXPECT_THAT(intent.direction_W, IsNear(Vec<2>(std::cos(1), std::sin(1)), 1e-12));
+    } else if (n < 60) {
+      EXPECT_EQ(intent.activity, Activity::kPull) << n;
+      EXPECT_EQ(intent.force, 60) << n;
+      EXPECT_EQ(intent.speed, 0) << n;
+    } else {
+      EXPECT_EQ(intent.activity, Activity::kWalk) << n;
+      EXPECT_EQ(intent.speed, 0) << n;
+      EXPECT_EQ(intent.force, 0) << n;
+    }
+  }
+}
+
+// A standing person on a taut leash to a robot that does not move, pushed: an oscillator of both springs.
+TEST(PersonTest, OscillatesOnTheLeash) {
+  DiagramBuilder builder;
+  PersonParams params = Params();
+  params.start = {0, 0};
+  auto& person = builder.Add<Person>("person", params);
+  const LeashParams spring{
+      .nominal_length = 1, .stiffness = 2000, .dissipation = 0, .attachment_B = {0, 0, 0}};
+  auto& leash = builder.Add<Leash>("leash", spring);
+  LeggedState state;
+  state.p_WB = {1.1, 0, params.hand_height};
+  auto& robot = builder.Add<ConstantSource<LeggedState>>("robot", ConstantParams<LeggedState>{state});
+  builder.Connect(robot.y, leash.robot);
+  builder.Connect(person.person, leash.person);
+  builder.Connect(leash.leash, person.leash);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 5, .rtol = 1e-10, .atol = 1e-12});
+  const double rest = 2000 * 0.1 / (2000 + kStiffness);  // from where both springs are in balance
+  simulator.context().Set(person.motion, {{rest, 0}, {0.1, 0}, {0, 0}});
+  for (const double t : {0.05, 0.2, 0.5, 1.0}) {
+    simulator.AdvanceTo(t);
+    const double e = Oscillator(kDamping, 2000 + kStiffness, 0, 0.1, t);
+    EXPECT_THAT(simulator.context().Eval(person.person).p_W, IsNear(Vec<3>(rest + e, 0, 0), 1e-8)) << t;
+    EXPECT_NEAR(simulator.context().Eval(leash.leash).tension, 2000 * (0.1 - rest - e), 1e-5) << t;
+  }
+}
+
+TEST(PersonTest, IsDrawnWhereItIs) {
+  TestRig<Person> rig(Params());
+  const Geometry& shapes = rig[rig.system().geometry];
+  for (const Shape& shape : shapes) {
+    EXPECT_EQ(shape.role, ShapeRole::kPerson);
+    EXPECT_THAT(Vec<2>(shape.p_W.head<2>()), IsNear(Vec<2>(-1, 2), 1e-12)) << shape.name;
+  }
+  const Shape& body = shapes.at(0);
+  EXPECT_NEAR(body.p_W[2] - body.size[1] / 2 - body.size[0], 0, 1e-12) << "stands on the ground";
+}
+
+TEST(PersonTest, IsReadFromYaml) {
+  const auto params = YamlDocument::Parse(R"(
+mass_kg: 60
+start_m: [-1.7, 0]
+phases:
+  - {activity: follow, duration_s: 15, speed_m_per_s: 0.08, speed_amplitude_m_per_s: 0.04, angular_frequency_rad_per_s: 0.2}
+  - {activity: pull, duration_s: 3, direction_rad: 1.57, force_N: 65}
+)",
+                                          "person.yaml")
+                          .Read<PersonParams>();
+  EXPECT_EQ(params.mass, 60);
+  EXPECT_EQ(params.start, Vec<2>(-1.7, 0));
+  ASSERT_EQ(params.phases.size(), 2U);
+  EXPECT_EQ(params.phases[0].activity, Activity::kFollow);
+  EXPECT_EQ(params.phases[0].angular_frequency, 0.2);
+  EXPECT_EQ(params.phases[1].force, 65);
+}
+
+TEST(PersonTest, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(PersonParams&)>& change, const std::string& a,
+                          const std::string& b) {
+    PersonParams params = Params({{.activity = Activity::kWalk, .duration = 1, .speed = 0.1},
+                                  {.activity = Activity::kPull, .duration = 1, .force = 60}});
+    change(params);
+    return Throws<ParameterError>([&] { Person person(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass of 0 kg", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping of 0 N s/m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension of 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height of -1 m", "below the ground"));
+  EXPECT_TRUE(refuses([](auto& p) { p.start[1] = NAN; }, "start", "give metres"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phase 1", "lasts 0 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phase 0", "give another direction_rad"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phase 0", "0.1 +- 0.2 m/s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].direction = INFINITY; }, "phase 0", "finite"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].force = -1; }, "phase 1", "give another direction_rad"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phase 1", "give its force_N alone"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phase 0", "give its speed_m_per_s alone"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,187 @@
+#include <tenon/plants/surroundings/terrain.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kRadius = 0.03;
+
+TEST(TerrainTest, FlatGround) {
+  TerrainParams params;
+  params.friction = 0.7;
+  const Terrain terrain(params);
+  const Terrain::Surface surface = terrain.At(3, -5);
+  EXPECT_EQ(surface.height, 0);
+  EXPECT_EQ(surface.normal_W, Vec<3>(0, 0, 1));
+  EXPECT_EQ(surface.friction, 0.7);
+  const Terrain::Contacts contacts = terrain.Touch({3, -5, 0.02}, kRadius);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-15);
+  EXPECT_EQ(terrain.Touch({3, -5, 0.031}, kRadius).count, 0);
+}
+
+TEST(TerrainTest, Slope) {
+  TerrainParams params;
+  params.grade = {0.3, -0.1};
+  const Terrain terrain(params);
+  EXPECT_NEAR(terrain.At(2, 5).height, 0.3 * 2 - 0.1 * 5, 1e-14);
+  const Vec<3> normal = Vec<3>(-0.3, 0.1, 1).normalized();
+  EXPECT_THAT(terrain.At(2, 5).normal_W, IsNear(normal, 1e-15));
+  const Vec<3> on(2, 5, 0.1);
+  const Terrain::Contacts contacts = terrain.Touch(on + 0.02 * normal, kRadius);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
+  EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-15));
+}
+
+Terrain OneBox() {
+  TerrainParams params;
+  params.boxes = {{{1, 2}, {0.4, 0.6}, 0.1, 0.25}};
+  return Terrain(params);
+}
+
+TEST(TerrainTest, ABoxHasATopSidesAndEdges) {
+  const Terrain terrain = OneBox();
+  EXPECT_EQ(terrain.At(1.19, 2.29).height, 0.1);
+  EXPECT_EQ(terrain.At(1.19, 2.29).friction, 0.25);
+  EXPECT_EQ(terrain.At(1.21, 2.29).height, 0);
+  EXPECT_EQ(terrain.At(1.19, 2.31).height, 0);
+  const auto touch = [&](const Vec<3>& p, const Vec<3>& normal, double depth) {
+    const Terrain::Contacts contacts = terrain.Touch(p, kRadius);
+    ASSERT_EQ(contacts.count, 1);
+    EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-12));
+    EXPECT_NEAR(contacts.at[0].depth, depth, 1e-14);
+    EXPECT_EQ(contacts.at[0].friction, 0.25);
+  };
+  touch({1, 2, 0.12}, {0, 0, 1}, 0.01);
+  touch({0.78, 2, 0.06}, {-1, 0, 0}, 0.01);
+  touch({1, 2.32, 0.06}, {0, 1, 0}, 0.01);
+  touch({1.212, 2, 0.116}, {0.6, 0, 0.8}, 0.01);  // an edge, from outside
+  touch({1.21, 2.31, 0.11}, Vec<3>(1, 1, 1).normalized(), kRadius - 0.01 * std::sqrt(3));  // a corner
+  touch({1, 2, 0.099}, {0, 0, 1}, kRadius + 0.001);  // centre inside: out at the top
+  touch({1.199, 2, 0.05}, {1, 0, 0}, kRadius + 0.001);
+  EXPECT_EQ(terrain.Touch({1.225, 2, 0.125}, kRadius).count, 0);  // beside the edge
+  EXPECT_EQ(terrain.Touch({0.79, 2, 0.02}, kRadius).count, 2);    // side and ground
+}
+
+TEST(TerrainTest, DepthIsContinuousOverAnEdge) {
+  const Terrain terrain = OneBox();
+  double before = -1;
+  for (double x = 1.15; x < 1.25; x += 1e-4) {
+    double depth = 0;
+    const Terrain::Contacts contacts = terrain.Touch({x, 2, 0.115}, kRadius);
+    for (int i = 0; i < contacts.count; ++i)
+      depth = std::max(depth, contacts.at[static_cast<std::size_t>(i)].depth);
+    if (before >= 0) {
+      EXPECT_NEAR(depth, before, 1.1e-4);
+    }
+    before = depth;
+  }
+  EXPECT_EQ(before, 0);
+}
+
+TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
+  TerrainParams params;
+  params.grade = {0.5, 0};
+  params.boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}};
+  const Terrain terrain(params);
+  const Vec<3> along = Vec<3>(1, 0, 0.5).normalized(), normal = Vec<3>(-0.5, 0, 1).normalized();
+  const Vec<3> top = 1.1 * along + 0.1 * normal;
+  EXPECT_NEAR(terrain.At(top[0], 0).height, top[2], 1e-14);
+  EXPECT_THAT(terrain.At(top[0], 0).normal_W, IsNear(normal, 1e-15));
+  const Terrain::Contacts contacts = terrain.Touch(top + 0.02 * normal, kRadius);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
+}
+
+TerrainParams Field(std::uint64_t seed) {
+  TerrainParams params;
+  BoxField field;
+  field.lower = {1, -2};
+  field.upper = {6, 2};
+  field.kinds = {{0.015, 0.4}, {0.04, 0.6}, {0.02, 0.8}};
+  field.seed = seed;
+  params.field = field;
+  return params;
+}
+
+TEST(TerrainTest, FieldsOfBoxesComeFromTheirSeed) {
+  const Terrain a(Field(1)), b(Field(1)), c(Field(2));
+  ASSERT_EQ(a.boxes().size(), b.boxes().size());
+  for (std::size_t i = 0; i < a.boxes().size(); ++i) EXPECT_EQ(a.boxes()[i].centre, b.boxes()[i].centre);
+  EXPECT_NE(a.boxes()[0].centre, c.boxes()[0].centre);
+
+  // About half of (12 or 13) x (9 or 10) places, each kind alike, all inside, none overlapping.
+  EXPECT_GT(a.boxes().size(), 35u);
+  EXPECT_LT(a.boxes().size(), 90u);
+  for (const double height : {0.015, 0.04, 0.02}) {
+    const auto count = std::count_if(a.boxes().begin(), a.boxes().end(),
+                                     [&](const TerrainBox& box) { return box.height == height; });
+    EXPECT_GT(count, static_cast<long>(a.boxes().size()) / 6);
+  }
+  for (const TerrainBox& box : a.boxes()) {
+    EXPECT_GE((box.centre - box.size / 2 - Vec<2>(1, -2)).minCoeff(), 0);
+    EXPECT_LE((box.centre + box.size / 2 - Vec<2>(6, 2)).maxCoeff(), 0);
+    for (const TerrainBox& other : a.boxes()) {
+      if (&box == &other) continue;
+      EXPECT_GT((box.centre - other.centre).cwiseAbs().maxCoeff(), 0.4 - 1e-12);
+    }
+  }
+}
+
+TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
+  const Terrain terrain(Field(3));
+  RandomStream random(4);
+  int on = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec<3> p(random.Uniform(0, 7), random.Uniform(-3, 3), random.Uniform(0, 0.08));
+    double height = 0;
+    int touching = p[2] < kRadius ? 1 : 0;
+    for (const TerrainBox& box : terrain.boxes()) {
+      const Vec<2> d = (p.head<2>() - box.centre).cwiseAbs() - box.size / 2;
+      if (d.maxCoeff() <= 0) height = std::max(height, box.height);
+      const Vec<3> out(std::max(0.0, d[0]), std::max(0.0, d[1]), std::max(0.0, p[2] - box.height));
+      if (out.norm() < kRadius) ++touching;
+    }
+    EXPECT_EQ(terrain.At(p[0], p[1]).height, height);
+    EXPECT_EQ(terrain.Touch(p, kRadius).count, std::min(touching, Terrain::kMaxContacts));
+    on += height > 0;
+  }
+  EXPECT_GT(on, 1000);
+}
+
+TEST(TerrainTest, ReadsAndWritesYaml) {
+  const auto again = YamlDocument::Parse(WriteYaml(Field(7)), "again").Read<TerrainParams>();
+  EXPECT_EQ(Terrain(again).boxes().size(), Terrain(Field(7)).boxes().size());
+}
+
+TEST(TerrainTest, RefusesWhatCannotBe) {
+  const auto refuses = [](const auto& change, const auto&... parts) {
+    TerrainParams params = Field(1);
+    params.boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}};
+    change(params);
+    return Throws<ParameterError>([&] { Terrain terrain(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = NAN; }, "grade is (nan", "finite slopes"));
+  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction is -0.1", "must not be negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m is 0 m", "must be positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m is (0.4, 0) m", "must be positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction is nan"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "has no area", "upper_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m is -1 m", "overlap"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage is 2", "from 0 to 1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "no kinds", "under kinds"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,210 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/analysis/analysis.h>
+
+#include <cmath>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// θ'' = -(g/l) sin θ - d θ' + τ.
+struct PendulumParams {
+  double gravity_over_length = 9.81;  // 1/s²
+  double damping = 0.3;               // 1/s
+};
+class Pendulum final : public LeafSystem<PendulumParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> torque{this, {"torque", "1/s^2"}};
+  ContinuousState<Vec<2>> x{this, {"x", "rad, rad/s", "angle, rate"}};
+  OutputPort<Vec<2>> state{this, x};
+  OutputPort<Vec<2>> tip{this, {"tip", "", "x, y"}, Uses(x), &Pendulum::CalcTip};
+  TimeDerivative<Vec<2>> dx{x, Uses(x, torque), &Pendulum::CalcDx};
+
+ private:
+  Vec<2> CalcTip(const Vec<2>& x) const { return {std::sin(x[0]), -std::cos(x[0])}; }
+  Vec<2> CalcDx(const Vec<2>& x, double torque) const {
+    return {x[1], -params.gravity_over_length * std::sin(x[0]) - params.damping * x[1] + torque};
+  }
+};
+
+/// The pendulum and its controller in a diagram of their own.
+class Robot final : public Subdiagram {
+ public:
+  Robot() : pendulum(Add<Pendulum>("pendulum")), pd(Add<Pd>("pd", PdParams{.kp = 5, .kd = 1})) {
+    Connect(pendulum.state, pd.x);
+    Connect(ref, pd.ref);
+    Connect(AddFunction("sum", Uses(pd.u, push), [](double u, double push) { return u + push; }),
+            pendulum.torque);
+    Connect(pendulum.tip, tip);
+  }
+  InputPort<double> ref{this, "ref", 0.0};
+  InputPort<double> push{this, "push"};
+  OutputPort<Vec<2>> tip{this, {"tip", "", "x, y"}};
+  Pendulum& pendulum;
+  Pd& pd;
+};
+
+Eigen::Matrix2d PendulumA(double angle) {
+  Eigen::Matrix2d A;
+  A << 0, 1, -9.81 * std::cos(angle), -0.3;
+  return A;
+}
+
+TEST(AnalysisTest, LinearizesAboutAnyState) {
+  DiagramBuilder builder;
+  auto& pendulum = builder.Add<Pendulum>("pendulum");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(pendulum.x, Vec<2>(0.7, 0.2));
+  context->Set(pendulum.torque, 1.5);
+  const LinearModel model = Linearize(*context, {&pendulum.torque}, {&pendulum.tip, &pendulum.torque});
+  EXPECT_TRUE(model.A.isApprox(PendulumA(0.7), 1e-8)) << model.A;
+  EXPECT_TRUE(model.B.isApprox(Eigen::Vector2d(0, 1), 1e-8)) << model.B;
+  Eigen::MatrixXd C(3, 2), D(3, 1);
+  C << std::cos(0.7), 0, std::sin(0.7), 0, 0, 0;
+  D << 0, 0, 1;
+  EXPECT_TRUE(model.C.isApprox(C, 1e-8)) << model.C;
+  EXPECT_TRUE(model.D.isApprox(D, 1e-8)) << model.D;
+  EXPECT_EQ(model.x0, Eigen::Vector2d(0.7, 0.2));
+  EXPECT_EQ(model.u0[0], 1.5);
+  EXPECT_NEAR(model.xdot0[1], -9.81 * std::sin(0.7) - 0.06 + 1.5, 1e-12);
+  EXPECT_NEAR(model.y0[1], -std::cos(0.7), 1e-15);
+  EXPECT_THAT(model.states, ElementsAre("pendulum.x.angle", "pendulum.x.rate"));
+  EXPECT_THAT(model.inputs, ElementsAre("pendulum.torque"));
+  EXPECT_THAT(model.outputs, ElementsAre("pendulum.tip.x", "pendulum.tip.y", "pendulum.torque"));
+}
+
+TEST(AnalysisTest, SamplesAreHeld) {
+  // The controller's feedback is held between ticks, so it is not in A; its command can serve as input.
+  DiagramBuilder builder;
+  auto& robot = builder.Add<Robot>("robot");
+  const auto diagram = builder.BuildWithOpenInputs();
+  Simulator simulator(*diagram);
+  simulator.context().Set(robot.push, 0.0);
+  simulator.context().Set(robot.pendulum.x, Vec<2>(0.1, 0));
+  simulator.Initialize();
+  const LinearModel model = Linearize(simulator.context(), {&robot.pd.u, &robot.push}, {&robot.tip});
+  EXPECT_TRUE(model.A.isApprox(PendulumA(0.1), 1e-8)) << model.A;
+  EXPECT_TRUE(model.B.row(1).isApprox(Eigen::RowVector2d(1, 1), 1e-8)) << model.B;
+  EXPECT_NEAR(model.u0[0], -5 * 0.1, 1e-12);
+  EXPECT_THAT(model.states, ElementsAre("robot.pendulum.x.angle", "robot.pendulum.x.rate"));
+  EXPECT_THAT(model.inputs, ElementsAre("robot.pd.u", "robot.push"));
+  EXPECT_THAT(model.outputs, ElementsAre("robot.tip.x", "robot.tip.y"));
+}
+
+TEST(AnalysisTest, LinearizeLeavesTheContextAsItIs) {
+  DiagramBuilder builder;
+  auto& robot = builder.Add<Robot>("robot");
+  const auto diagram = builder.BuildWithOpenInputs();
+  Simulator simulator(*diagram);
+  simulator.context().Set(robot.push, 0.2);
+  simulator.AdvanceTo(0.1);
+  const auto before = simulator.context().Save();
+  Linearize(simulator.context(), {&robot.push}, {&robot.tip});
+  EXPECT_EQ(simulator.context().Save(), before);
+}
+
+TEST(AnalysisTest, ComputedPortsAreNoInputs) {
+  DiagramBuilder builder;
+  auto& robot = builder.Add<Robot>("robot");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(robot.push, 0.0);
+  context->Set(robot.pd.u, 0.0);
+  EXPECT_THAT([&] { Linearize(*context, {&robot.pendulum.torque}, {}); },
+              ThrowsMessage<RunError>(HasSubstr("'robot.pendulum.torque' is computed")));
+}
+
+TEST(AnalysisTest, InputsWithoutValueAreRefused) {
+  DiagramBuilder builder;
+  auto& pendulum = builder.Add<Pendulum>("pendulum");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  EXPECT_THAT([&] { Linearize(*context, {}, {}); },
+              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque' is open and has no value")));
+  EXPECT_THAT([&] { FindEquilibrium(*context, {.free_inputs = {&pendulum.torque}}); },
+              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque' is open and has no value")));
+}
+
+TEST(AnalysisTest, DiagramsWithoutStatesAreLinearizedToo) {
+  DiagramBuilder builder;
+  auto& map = builder.Add<Map>("map", [](double u) { return u * u; });
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(map.u, 3.0);
+  const LinearModel model = Linearize(*context, {&map.u}, {&map.y});
+  EXPECT_EQ(model.A.size(), 0);
+  EXPECT_NEAR(model.D(0, 0), 6, 1e-8);
+  EXPECT_NO_THROW(FindEquilibrium(*context));
+}
+
+// ---- Equilibria ----
+
+TEST(AnalysisTest, PendulumRestsWhereTorqueAndGravityBalance) {
+  DiagramBuilder builder;
+  auto& pendulum = builder.Add<Pendulum>("pendulum");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(pendulum.torque, 5.0);
+  context->Set(pendulum.x, Vec<2>(0.1, 0.4));
+  FindEquilibrium(*context);
+  EXPECT_NEAR(context->Eval(pendulum.x)[0], std::asin(5 / 9.81), 1e-9);
+  EXPECT_NEAR(context->Eval(pendulum.x)[1], 0, 1e-9);
+  EXPECT_EQ(context->Eval(pendulum.torque), 5);
+  context->Set(pendulum.x, Vec<2>(2.9, 0));  // the upper one is nearer
+  FindEquilibrium(*context);
+  EXPECT_NEAR(context->Eval(pendulum.x)[0], M_PI - std::asin(5 / 9.81), 1e-9);
+}
+
+TEST(AnalysisTest, FamilyOfEquilibriaGivesANearOne) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(cart.force, 0.0);
+  context->Set(cart.x, Vec<2>(3, 1));
+  FindEquilibrium(*context);
+  EXPECT_NEAR(context->Eval(cart.x)[0], 3, 1e-6);
+  EXPECT_NEAR(context->Eval(cart.x)[1], 0, 1e-10);
+}
+
+TEST(AnalysisTest, TrimSolvesForInputsToo) {
+  // No torque balances the rate, but the torque may change: any angle near the first will do.
+  DiagramBuilder builder;
+  auto& robot = builder.Add<Robot>("robot");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(robot.push, 20.0);  // more than gravity can hold
+  context->Set(robot.pd.u, 0.0);
+  context->Set(robot.pendulum.x, Vec<2>(0.5, 0.1));
+  EXPECT_THROW(FindEquilibrium(*context->Clone()), RunError);
+  FindEquilibrium(*context, {.free_inputs = {&robot.pd.u}});
+  const Vec<2> x = context->Eval(robot.pendulum.x);
+  EXPECT_NEAR(x[1], 0, 1e-9);
+  EXPECT_NEAR(9.81 * std::sin(x[0]), 20 + context->Eval(robot.pd.u), 1e-8);
+  EXPECT_EQ(context->Eval(robot.push), 20);
+  EXPECT_NEAR(context->EvalTimeDerivatives().norm(), 0, 1e-10);
+}
+
+TEST(AnalysisTest, NoEquilibriumNamesTheDerivativeThatStays) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(cart.force, 4.0);
+  EXPECT_THAT([&] { FindEquilibrium(*context); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("no equilibrium found"),
+                                            HasSubstr("d/dt of 'cart.x.velocity' stays at 2"),
+                                            HasSubstr("let inputs go free"))));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,81 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Controller final : public Subdiagram {
+ public:
+  Controller() {
+    auto& pd = Add<Pd>("pd", PdParams{.rate = Hz(100)});
+    auto& limit = Add<SampledMap>("limit", SampledMapParams{[](double u) { return u; }, {Hz(1000)}});
+    Connect(state, pd.x);
+    Connect(pd.u, limit.u);
+    Connect(limit.y, force);
+  }
+  InputPort<Vec<2>> state{this, "state"};
+  OutputPort<double> force{this, "force"};
+};
+
+std::string Draw() {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& controller = builder.Add<Controller>("controller");
+  builder.Connect(cart.state, controller.state);
+  builder.Connect(controller.force, cart.force);
+  builder.Add<Counter>("lonely", Sampled{Hz(100)});
+  builder.AddFunction("one", Uses(), [] { return 1.0; });
+  return builder.Build()->Graphviz();
+}
+
+TEST(GraphvizTest, ShowsBlocksPortsAndConnections) {
+  const std::string dot = Draw();
+  EXPECT_THAT(dot, HasSubstr("\"cart\" [label=<"));
+  EXPECT_THAT(dot, HasSubstr("<b>cart</b>"));
+  EXPECT_THAT(dot, HasSubstr("port=\"force\""));
+  EXPECT_THAT(dot, HasSubstr("\"controller.pd\":\"u\":e -> \"controller.limit\":\"u\":w;"));
+}
+
+TEST(GraphvizTest, NestedDiagramsAreClustersWithTheirPorts) {
+  const std::string dot = Draw();
+  EXPECT_THAT(dot, HasSubstr("subgraph \"cluster_controller\""));
+  EXPECT_THAT(dot, HasSubstr("\"controller.state\" [shape=cds, label=\"state\""));
+  EXPECT_THAT(dot, HasSubstr("\"cart\":\"x\":e -> \"controller.state\";"));
+  EXPECT_THAT(dot, HasSubstr("\"controller.state\" -> \"controller.pd\":\"x\":w;"));
+  EXPECT_THAT(dot, HasSubstr("\"controller.limit\":\"y\":e -> \"controller.force\";"));
+  EXPECT_THAT(dot, HasSubstr("\"controller.force\" -> \"cart\":\"force\":w;"));
+}
+
+TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
+  const std::string dot = Draw();
+  EXPECT_THAT(dot, HasSubstr("<td port=\"y\" align=\"right\" bgcolor=\"#f4b6b6\">"));  // 1 ms, the fastest
+  EXPECT_THAT(dot, HasSubstr("<td port=\"u\" align=\"right\" bgcolor=\"#f7d9a8\">"));  // 10 ms
+  EXPECT_THAT(dot, HasSubstr("<td bgcolor=\"#f4b6b6\">1 ms</td>"));
+  EXPECT_THAT(dot, HasSubstr("<td bgcolor=\"#f7d9a8\">10 ms</td>"));
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  EXPECT_THAT(builder.Build()->Graphviz(), Not(HasSubstr("legend")));
+}
+
+TEST(GraphvizTest, DotAcceptsIt) {
+  if (std::system("dot -V 2> /dev/null") != 0) GTEST_SKIP() << "Graphviz is not installed";
+  const auto file = std::filesystem::temp_directory_path() / "tenon_graphviz_test.dot";
+  std::ofstream(file) << Draw();
+  const auto messages = file.string() + ".txt";
+  EXPECT_EQ(std::system(("dot -Tsvg -o /dev/null " + file.string() + " 2> " + messages).c_str()), 0);
+  EXPECT_EQ(std::filesystem::file_size(messages), 0);  // no warnings
+  std::filesystem::remove(file);
+  std::filesystem::remove(messages);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/schedule.h>
+
+#include <cmath>
+#include <limits>
+
+namespace tenon::internal {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(ScheduleTest, WithoutEntriesThereIsNoTick) {
+  EXPECT_EQ(Schedule({}).next_time(), std::numeric_limits<double>::infinity());
+}
+
+TEST(ScheduleTest, TicksOfTwoRatesMeetExactly) {
+  Schedule schedule({{{1, 300}, {0, 1}, "a"}, {{1, 1000}, {0, 1}, "b"}});
+  int counts[2] = {0, 0}, together = 0;
+  while (schedule.next_time() < 10) {
+    const double time = schedule.next_time();
+    const std::uint64_t due = schedule.Take();
+    for (int i : {0, 1}) counts[i] += due >> i & 1;
+    if (due != 3) continue;
+    EXPECT_EQ(time, together / 100.0);
+    ++together;
+  }
+  EXPECT_EQ(counts[0], 3000);
+  EXPECT_EQ(counts[1], 10000);
+  EXPECT_EQ(together, 1000);
+}
+
+TEST(ScheduleTest, OffsetsMayExceedThePeriod) {
+  Schedule schedule({{{1, 10}, {1, 4}, "late"}, {{1, 10}, {0, 1}, "soon"}});
+  std::vector<std::pair<double, std::uint64_t>> ticks;
+  for (int i = 0; i < 5; ++i) {
+    const double time = schedule.next_time();
+    ticks.emplace_back(time, schedule.Take());
+  }
+  EXPECT_THAT(ticks, testing::ElementsAre(testing::Pair(0, 2), testing::Pair(0.1, 2), testing::Pair(0.2, 2),
+                                          testing::Pair(0.25, 1), testing::Pair(0.3, 2)));
+}
+
+TEST(ScheduleTest, MovesToWhatComesAfterATime) {
+  Schedule schedule({{{1, 300}, {0, 1}, "a"}});
+  for (const int tick : {0, 1, 7, 100, 1000003}) {
+    const double time = tick / 300.0, next = (tick + 1) / 300.0;
+    schedule.MoveTo(time, true);
+    EXPECT_EQ(schedule.next_time(), time);
+    schedule.MoveTo(time, false);
+    EXPECT_EQ(schedule.next_time(), next);
+    for (const bool inclusive : {true, false}) {  // the nearest doubles are other times
+      schedule.MoveTo(std::nextafter(time, 1e9), inclusive);
+      EXPECT_EQ(schedule.next_time(), next);
+      if (tick == 0) continue;
+      schedule.MoveTo(std::nextafter(time, 0), inclusive);
+      EXPECT_EQ(schedule.next_time(), time);
+    }
+  }
+}
+
+TEST(ScheduleTest, MoveToKeepsOffsets) {
+  Schedule schedule({{{1, 10}, {1, 4}, "a"}});
+  schedule.MoveTo(0.1, true);
+  EXPECT_EQ(schedule.next_time(), 0.25);
+  schedule.MoveTo(0.25, false);
+  EXPECT_EQ(schedule.next_time(), 0.35);
+  schedule.MoveTo(7.3, true);
+  EXPECT_EQ(schedule.next_time(), 7.35);
+}
+
+TEST(ScheduleTest, CycleEndsWhenEverythingRepeats) {
+  EXPECT_EQ(Schedule({{{1, 300}, {0, 1}, "a"}, {{1, 1000}, {0, 1}, "b"}}).cycle_end(), 30);  // of 1/3000 s
+  EXPECT_EQ(Schedule({{{1, 10}, {1, 4}, "a"}}).cycle_end(), 5 + 2);                          // of 1/20 s
+}
+
+TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {
+  const auto refused = ThrowsMessage<BuildError>(AllOf(
+      HasSubstr("'a' and 'b' have no common tick above a picosecond"), HasSubstr("round their periods")));
+  EXPECT_THAT([] { Schedule({{{1, 99999999977}, {0, 1}, "a"}, {{1, 99999999947}, {0, 1}, "b"}}); }, refused);
+  // Denominators whose common multiple exceeds 64 bits.
+  EXPECT_THAT([] { Schedule({{{1, 3}, {0, 1}, "a"}, {{1, std::int64_t{1} << 62}, {0, 1}, "b"}}); }, refused);
+}
+
+}  // namespace
+}  // namespace tenon::internal

@@ -1,0 +1,218 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/framework/signal.h>
+
+#include <limits>
+#include <map>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+
+// In gtest's matchers, an Element reads as its name and unit.
+bool operator==(const Element& a, const Element& b) {
+  return a.name == b.name && a.unit == b.unit;
+}
+void PrintTo(const Element& element, std::ostream* out) {
+  *out << element.name << " [" << element.unit << "]";
+}
+
+namespace {
+
+using internal::Archive;
+using internal::Finiteness;
+using internal::kBitwise;
+using internal::kTypeInfo;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
+
+enum class Phase { kStance = 1, kSwing = 2 };
+
+struct Foot {
+  double height = 0;
+  Vec<3> p_W = Vec<3>::Zero();
+  Phase phase = Phase::kStance;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"height", &Foot::height, "m"}, Field{"p_W", &Foot::p_W, "m"},
+                      Field{"phase", &Foot::phase}};
+  }
+};
+
+struct Robot {
+  std::array<Foot, 2> feet;
+  std::vector<double> battery;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"feet", &Robot::feet}, Field{"battery", &Robot::battery, "V"}};
+  }
+};
+
+struct Opaque {
+  std::map<int, std::string> content;
+};
+
+template <class T>
+std::vector<Element> Elements(const T& model, const Spec& spec = "signal") {
+  std::vector<Element> elements;
+  kTypeInfo<T>.list_elements(&model, spec, elements);
+  return elements;
+}
+
+template <class T>
+std::vector<double> Doubles(const T& value) {
+  std::vector<double> doubles(kTypeInfo<T>.count(&value));
+  EXPECT_EQ(kTypeInfo<T>.to_doubles(&value, doubles.data()), doubles.data() + doubles.size());
+  return doubles;
+}
+
+// ---- Elements ----
+
+TEST(SignalTest, ScalarHasOneElementWithoutName) {
+  EXPECT_THAT(Elements(1.5, {"force", "N"}), ElementsAre(Element{"", "N"}));
+  EXPECT_THAT(Elements(true), ElementsAre(Element{"", ""}));
+  EXPECT_THAT(Elements(Phase::kSwing), ElementsAre(Element{"", ""}));
+}
+
+TEST(SignalTest, VectorElementsAreNamedByTheSpecOrAxesOrIndices) {
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"x", "m, m/s", "position, velocity"}),
+              ElementsAre(Element{"position", "m"}, Element{"velocity", "m/s"}));
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<3>>(), {"p", "m"}),
+              ElementsAre(Element{"x", "m"}, Element{"y", "m"}, Element{"z", "m"}));
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"f", "N"}),
+              ElementsAre(Element{"0", "N"}, Element{"1", "N"}));
+  EXPECT_THAT(Elements(internal::Zeroed<Vec<2>>(), {"f", "N", "left"}),
+              ElementsAre(Element{"left", "N"}, Element{"1", "N"}));
+  EXPECT_THAT(Elements(Eigen::VectorXd(Eigen::VectorXd::Zero(2)), {"f", "N"}),
+              ElementsAre(Element{"0", "N"}, Element{"1", "N"}));
+}
+
+TEST(SignalTest, MatrixElementsAreNamedByRowAndColumn) {
+  EXPECT_THAT(
+      Elements(internal::Zeroed<Eigen::Matrix2d>(), {"M", "kg"}),
+      ElementsAre(Element{"0_0", "kg"}, Element{"1_0", "kg"}, Element{"0_1", "kg"}, Element{"1_1", "kg"}));
+}
+
+TEST(SignalTest, StructsDescribeThemselves) {
+  EXPECT_THAT(Elements(Foot{}),
+              ElementsAre(Element{"height", "m"}, Element{"p_W.x", "m"}, Element{"p_W.y", "m"},
+                          Element{"p_W.z", "m"}, Element{"phase", ""}));
+  const std::vector<Element> elements = Elements(Robot{.feet = {}, .battery = {12, 48}});
+  ASSERT_EQ(elements.size(), 12);
+  EXPECT_EQ(elements[6], (Element{"feet.1.p_W.x", "m"}));
+  EXPECT_EQ(elements[11], (Element{"battery.1", "V"}));
+}
+
+TEST(SignalTest, WhatDoesNotDescribeItselfHasNoElements) {
+  EXPECT_THAT(Elements(Opaque{}), IsEmpty());
+  EXPECT_THAT(Elements(std::string("text")), IsEmpty());
+}
+
+// ---- Numbers ----
+
+TEST(SignalTest, FlattensAndBack) {
+  const Foot foot{.height = 0.5, .p_W = {1, 2, 3}, .phase = Phase::kSwing};
+  EXPECT_THAT(Doubles(foot), ElementsAre(0.5, 1, 2, 3, 2));
+  Foot copy;
+  kTypeInfo<Foot>.from_doubles(&copy, Doubles(foot).data());
+  EXPECT_EQ(copy.height, 0.5);
+  EXPECT_EQ(copy.p_W, foot.p_W);
+  EXPECT_EQ(copy.phase, Phase::kSwing);
+  EXPECT_THAT(Doubles(Robot{.feet = {}, .battery = {12}}), ElementsAre(0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 12));
+  EXPECT_THAT(Doubles(Eigen::Matrix2d{{1, 2}, {3, 4}}), ElementsAre(1, 3, 2, 4));  // as named: by columns
+}
+
+TEST(SignalTest, FinitenessFindsTheWorst) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto of = [](Vec<3> p) {
+    const Foot foot{.height = 0, .p_W = p};
+    return kTypeInfo<Foot>.finiteness(&foot);
+  };
+  EXPECT_EQ(of({1, 2, 3}), Finiteness::kFinite);
+  EXPECT_EQ(of({1, -HUGE_VAL, 3}), Finiteness::kInfinite);
+  EXPECT_EQ(of({HUGE_VAL, kNan, 3}), Finiteness::kNan);
+  EXPECT_EQ(of({kNan, HUGE_VAL, 3}), Finiteness::kNan);
+}
+
+TEST(SignalTest, ZeroedStartsAtZeroWhateverTheTypeLeavesOpen) {
+  EXPECT_EQ(internal::Zeroed<Vec<4>>(), Vec<4>::Zero());
+  EXPECT_EQ(internal::Zeroed<double>(), 0);
+  EXPECT_EQ(internal::Zeroed<Foot>().p_W, Vec<3>::Zero());
+}
+
+// ---- Storage ----
+
+TEST(SignalTest, BytesAreCopiedWhereThatIsEnough) {
+  static_assert(kBitwise<double> && kBitwise<Vec<3>> && kBitwise<Foot> && kBitwise<Phase>);
+  static_assert(kBitwise<std::array<double, 4>>);
+  static_assert(!kBitwise<Eigen::VectorXd> && !kBitwise<std::string> && !kBitwise<Robot> &&
+                !kBitwise<Opaque>);
+}
+
+TEST(SignalTest, EvenVectorsAreNotOverAligned) {
+  static_assert(alignof(Vec<2>) == alignof(double) && alignof(Vec<4>) == alignof(double));
+  static_assert(alignof(Vec<3>) == alignof(double));
+  static_assert(std::is_same_v<Vec<3>, Eigen::Vector3d>);
+}
+
+template <class T>
+T StoreAndLoad(const T& value) {
+  Archive archive;
+  kTypeInfo<T>.save(&value, archive);
+  T loaded{};
+  kTypeInfo<T>.load(&loaded, archive);
+  EXPECT_TRUE(archive.exhausted());
+  return loaded;
+}
+
+TEST(SignalTest, ArchivesGiveBackWhatTheyTook) {
+  EXPECT_EQ(StoreAndLoad(0.1), 0.1);
+  EXPECT_EQ(StoreAndLoad(std::string("a word")), "a word");
+  EXPECT_EQ(StoreAndLoad(Vec<3>(1, 2, 3)), Vec<3>(1, 2, 3));
+  EXPECT_EQ(StoreAndLoad(Eigen::VectorXd(Eigen::VectorXd::LinSpaced(5, 0, 1))),
+            Eigen::VectorXd::LinSpaced(5, 0, 1));
+  EXPECT_EQ(StoreAndLoad(Eigen::MatrixXd(Eigen::MatrixXd::Identity(2, 3))), Eigen::MatrixXd::Identity(2, 3));
+  EXPECT_EQ(StoreAndLoad(std::vector<std::string>{"", "b"}), (std::vector<std::string>{"", "b"}));
+  const Robot robot =
+      StoreAndLoad(Robot{.feet = {Foot{.height = 3}, Foot{.phase = Phase::kSwing}}, .battery = {1, 2}});
+  EXPECT_EQ(robot.feet[0].height, 3);
+  EXPECT_EQ(robot.feet[1].phase, Phase::kSwing);
+  EXPECT_THAT(robot.battery, ElementsAre(1, 2));
+}
+
+TEST(SignalTest, ArchivesRefuseWhatTheyCannotStore) {
+  Archive archive;
+  const Opaque opaque;
+  EXPECT_THAT([&] { kTypeInfo<Opaque>.save(&opaque, archive); },
+              ThrowsMessage<Error>(HasSubstr("give it a static Fields()")));
+}
+
+TEST(SignalTest, ArchivesEnd) {
+  Archive archive;
+  archive.Write("abc", 3);
+  double value = 0;
+  EXPECT_THAT([&] { archive.Read(&value, sizeof(value)); },
+              ThrowsMessage<RunError>(HasSubstr("cut short: 3 bytes, more are needed")));
+}
+
+// ---- Any type can travel ----
+
+TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {
+  DiagramBuilder builder;
+  auto& opaque = builder.AddFunction("opaque", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    return Opaque{{{static_cast<int>(10 * t + 0.5), "tick"}}};
+  });
+  auto& key =
+      builder.AddFunction("key", Uses(opaque), [](const Opaque& o) { return o.content.begin()->first; });
+  auto& robot = builder.AddFunction("robot", Uses(key), [](int n) {
+    return Robot{.feet = {}, .battery = std::vector<double>(static_cast<std::size_t>(n), 12.0)};
+  });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.3);
+  EXPECT_EQ(simulator.context().Eval(key), 3);
+  EXPECT_EQ(simulator.context().Clone()->Eval(robot).battery.size(), 3);
+}
+
+}  // namespace
+}  // namespace tenon

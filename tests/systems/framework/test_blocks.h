@@ -1,0 +1,93 @@
+#pragma once
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/simulation/simulator.h>
+
+#include <functional>
+#include <string>
+
+namespace tenon {
+
+/// A mass m on a frictionless rail: m a = force, state (position, velocity).
+struct CartParams {
+  double mass = 2;  // kg
+  void Validate() const { Demand(mass > 0, "mass must be positive"); }
+};
+class Cart final : public LeafSystem<CartParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> force{this, {"force", "N"}};
+  ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
+  OutputPort<Vec<2>> state{this, x};
+  TimeDerivative<Vec<2>> dx{x, Uses(x, force), &Cart::CalcDx};
+
+ private:
+  Vec<2> CalcDx(const Vec<2>& x, double force) const { return {x[1], force / params.mass}; }
+};
+
+/// u = kp (ref - position) - kd velocity, sampled.
+struct PdParams {
+  double kp = 10;
+  double kd = 2;
+  Rate rate = Hz(1000);
+};
+class Pd final : public LeafSystem<PdParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
+  InputPort<double> ref{this, {"ref", "m"}, 0.0};
+  OutputPort<double> u{this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), &Pd::CalcU};
+
+ private:
+  double CalcU(const Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd * x[1]; }
+};
+
+/// The harmonic oscillator q'' = -w² q + u from (1, 0): q = cos w t.
+class Oscillator final : public LeafSystem<double> {
+ public:
+  explicit Oscillator(double frequency = 1) : LeafSystem(frequency) {}
+  InputPort<double> u{this, "u", 0.0};
+  ContinuousState<Vec<2>> x{this, {"x", "", "q, v"}, Vec<2>(1, 0)};
+  OutputPort<Vec<2>> state{this, x};
+  TimeDerivative<Vec<2>> dx{x, Uses(x, u), &Oscillator::CalcDx};
+
+ private:
+  Vec<2> CalcDx(const Vec<2>& x, double u) const { return {x[1], -params * params * x[0] + u}; }
+};
+
+/// y = f(u), not sampled.
+class Map final : public LeafSystem<std::function<double(double)>> {
+ public:
+  explicit Map(std::function<double(double)> f) : LeafSystem(std::move(f)) {}
+  InputPort<double> u{this, "u"};
+  OutputPort<double> y{this, "y", Uses(u), &Map::Calc};
+
+ private:
+  double Calc(double u) const { return params(u); }
+};
+
+/// y = f(u), sampled.
+struct SampledMapParams {
+  std::function<double(double)> f;
+  Sampled sampled{Hz(100)};
+};
+class SampledMap final : public LeafSystem<SampledMapParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> u{this, "u"};
+  OutputPort<double> y{this, "y", params.sampled, Uses(u), &SampledMap::Calc};
+
+ private:
+  double Calc(double u) const { return params.f(u); }
+};
+
+/// Counts its ticks: n += 1; shows the count before the update.
+class Counter final : public LeafSystem<Sampled> {
+ public:
+  explicit Counter(Sampled sampled) : LeafSystem(sampled) {}
+  DiscreteState<int> n{this, "n"};
+  OutputPort<int> count{this, n};
+  Update<int> next{n, params, Uses(n), [](int n) { return n + 1; }};
+};
+
+}  // namespace tenon

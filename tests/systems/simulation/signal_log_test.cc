@@ -1,0 +1,167 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/simulation/signal_log.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+struct Tension {
+  double force = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  bool slack = false;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"force", &Tension::force, "N"}, Field{"point", &Tension::point, "m"},
+                      Field{"slack", &Tension::slack}};
+  }
+};
+
+class SignalLogTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    cart_ = &builder_.Add<Cart>("cart");
+    cable_ = &builder_.AddFunction("cable", Uses(builder_.time), [](double t) {
+      return Tension{.force = 100 * t, .point = {t, 2, 3}, .slack = t > 0.15};
+    });
+    list_ = &builder_.AddFunction({"list", "m"}, Sampled{Hz(10)}, Uses(builder_.time), [](double t) {
+      return Eigen::VectorXd(Eigen::VectorXd::Constant(t < 0.45 ? 2 : 3, t));
+    });
+    diagram_ = builder_.BuildWithOpenInputs();
+    simulator_ = std::make_unique<Simulator>(*diagram_);
+    simulator_->context().Set(cart_->force, 4.0);
+  }
+  DiagramBuilder builder_;
+  Cart* cart_;
+  OutputPort<Tension>* cable_;
+  OutputPort<Eigen::VectorXd>* list_;
+  std::unique_ptr<Diagram> diagram_;
+  std::unique_ptr<Simulator> simulator_;
+};
+
+TEST_F(SignalLogTest, ColumnsHaveNamesAndUnits) {
+  const auto log = simulator_->AddLog(Hz(10), {&cart_->state, &cart_->force, cable_});
+  simulator_->AdvanceTo(0.2);
+  EXPECT_THAT(log->names(), ElementsAre("time", "cart.x.position", "cart.x.velocity", "cart.force",
+                                        "cable.output.force", "cable.output.point.x", "cable.output.point.y",
+                                        "cable.output.point.z", "cable.output.slack"));
+  EXPECT_THAT(log->units(), ElementsAre("s", "m", "m/s", "N", "N", "m", "m", "m", ""));
+  ASSERT_EQ(log->rows(), 3);
+  const auto near = [](double x) { return testing::DoubleNear(x, 1e-9); };
+  EXPECT_THAT(log->row(2), ElementsAre(0.2, near(0.04), near(0.4), 4, 20, 0.2, 2, 3, 1));
+  EXPECT_THAT(log->column("cable.output.slack"), ElementsAre(0, 0, 1));
+}
+
+TEST_F(SignalLogTest, UnknownColumnSuggestsTheNearest) {
+  const auto log = simulator_->AddLog(Hz(10), {&cart_->state});
+  simulator_->Initialize();
+  EXPECT_THAT([&] { log->column("cart.x.positon"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("no column 'cart.x.positon'"),
+                                         HasSubstr("did you mean 'cart.x.position'?"))));
+}
+
+TEST_F(SignalLogTest, SizesKnownAtRunTimeShow) {
+  const auto log = simulator_->AddLog(Hz(10), {list_});
+  simulator_->AdvanceTo(0.3);
+  EXPECT_THAT(log->names(), ElementsAre("time", "list.output.0", "list.output.1"));
+  EXPECT_THAT(log->units(), ElementsAre("s", "m", "m"));
+  EXPECT_THAT(log->row(3), ElementsAre(0.3, 0.3, 0.3));
+}
+
+TEST_F(SignalLogTest, SignalThatChangesItsSizeIsAnError) {
+  simulator_->AddLog(Hz(10), {list_});
+  EXPECT_THAT([&] { simulator_->AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'list.output' had 2 elements"),
+                                            HasSubstr("has 3 at t = 0.5 s"), HasSubstr("constant size"))));
+}
+
+TEST_F(SignalLogTest, RowsShowSamplesOfTheirTickAndStatesBeforeItsUpdates) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  auto& sample =
+      builder.AddFunction("sample", Sampled{Hz(10)}, Uses(builder.time), [](double t) { return t; });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto log = simulator.AddLog(Hz(5), {&sample, &counter.n, &counter.count});
+  simulator.AdvanceTo(0.45);
+  EXPECT_THAT(log->column("sample.output"), ElementsAre(0, 0.2, 0.4));
+  EXPECT_THAT(log->column("counter.n"), ElementsAre(0, 2, 4));
+}
+
+TEST_F(SignalLogTest, LogsDoNotDisturbTheRun) {
+  simulator_->AdvanceTo(1);
+  Simulator logged(*diagram_);
+  logged.context().Set(cart_->force, 4.0);
+  logged.AddLog(Hz(10), {&cart_->state, cable_});  // the rate of `list`: no other ticks
+  logged.AdvanceTo(1);
+  EXPECT_EQ(logged.context().Eval(cart_->x), simulator_->context().Eval(cart_->x));
+}
+
+TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
+  const auto file = std::filesystem::temp_directory_path() / "tenon_signal_log_test.csv";
+  simulator_->AddLog(Hz(10), {&cart_->force, cable_}, {std::make_shared<CsvLog>(file)});
+  simulator_->AdvanceTo(0.2);  // readable while the run pauses
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  EXPECT_EQ(
+      text.str(),
+      "time [s],cart.force [N],cable.output.force [N],cable.output.point.x [m],cable.output.point.y [m],"
+      "cable.output.point.z [m],cable.output.slack\n"
+      "0,4,0,0,2,3,0\n"
+      "0.1,4,10,0.1,2,3,0\n"
+      "0.2,4,20,0.2,2,3,1\n");
+  std::filesystem::remove(file);
+}
+
+TEST_F(SignalLogTest, CsvHoldsExtremeNumbers) {
+  const auto file = std::filesystem::temp_directory_path() / "tenon_signal_log_extremes.csv";
+  {
+    CsvLog log(file);
+    log.Begin({"time", "a", "b"}, {"s", "", "m"});
+    log.Row(std::vector<double>{1234.56789012345, -1.234567890123e-300, -HUGE_VAL});
+    log.Row(std::vector<double>{0.1 + 0.2, 1.0 / 3, std::nan("")});
+  }
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  EXPECT_EQ(text.str(), "time [s],a,b [m]\n1234.56789012345,-1.23456789e-300,-inf\n0.3,0.333333333,nan\n");
+  std::filesystem::remove(file);
+}
+
+TEST_F(SignalLogTest, FileThatCannotBeWrittenIsNamed) {
+  EXPECT_THAT([] { CsvLog("/nonexistent/log.csv"); },
+              ThrowsMessage<RunError>(HasSubstr("cannot write the log '/nonexistent/log.csv'")));
+}
+
+TEST_F(SignalLogTest, FullDiskIsReported) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this machine";
+  CsvLog log("/dev/full");
+  log.Begin({"time"}, {"s"});
+  EXPECT_THAT(
+      [&] {
+        for (int i = 0; i < 100000; ++i) log.Row(std::vector<double>{1.0 * i});
+      },
+      ThrowsMessage<RunError>(
+          AllOf(HasSubstr("cannot write on to the log '/dev/full'"), HasSubstr("disk full"))));
+}
+
+TEST_F(SignalLogTest, OneLogFeedsSeveralSinks) {
+  const auto a = std::make_shared<MemoryLog>(), b = std::make_shared<MemoryLog>();
+  a->Reserve(100);
+  simulator_->AddLog(Hz(10), {&cart_->force}, {a, b});
+  simulator_->AddLog(Hz(20), {&cart_->state}, {});
+  simulator_->AdvanceTo(0.3);
+  EXPECT_EQ(a->rows(), 4);
+  EXPECT_EQ(b->rows(), 4);
+}
+
+}  // namespace
+}  // namespace tenon

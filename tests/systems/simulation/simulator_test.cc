@@ -1,0 +1,687 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/simulation/simulator.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+using ::testing::ThrowsMessage;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// ---- Closed loops ----
+
+/// x[n+1] = e^{AT} x[n] + ∫e^{As}B ds u[n], both from one exponential of [A B; 0 0] T.
+TEST(SimulatorTest, ClosedLoopFollowsTheExactSampledSolution) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant", 3.0);
+  auto& pd = builder.Add<Pd>("pd", PdParams{.kp = 4, .kd = 1, .rate = Hz(50)});
+  auto& ref = builder.AddFunction("ref", Uses(builder.time), [](double t) { return t < 0.5 ? 0.0 : 0.2; });
+  builder.Connect(plant.state, pd.x);
+  builder.Connect(ref, pd.ref);
+  builder.Connect(pd.u, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.rtol = 1e-10, .atol = 1e-12});
+  const auto log = simulator.AddLog(Hz(50), {&plant.state, &pd.u});
+  simulator.AdvanceTo(2);
+
+  Eigen::Matrix3d continuous = Eigen::Matrix3d::Zero();
+  continuous << 0, 1, 0, -9, 0, 1, 0, 0, 0;
+  const Eigen::Matrix3d step = Eigen::Matrix3d(continuous * 0.02).exp();
+  ASSERT_EQ(log->rows(), 101);
+  Eigen::Vector2d x(1, 0);
+  for (int n = 0; n <= 100; ++n) {
+    const double u = 4 * ((n < 25 ? 0.0 : 0.2) - x[0]) - x[1];
+    EXPECT_NEAR(log->row(n)[1], x[0], 1e-8) << n;
+    EXPECT_NEAR(log->row(n)[3], u, 1e-7) << n;
+    x = (step * Eigen::Vector3d(x[0], x[1], u)).head<2>();
+  }
+}
+
+TEST(SimulatorTest, SampledOutputsRunAtTheStartOnTheInitialState) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& pd = builder.Add<Pd>("pd");
+  builder.Connect(plant.state, pd.x);
+  builder.Connect(pd.u, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.Initialize();
+  EXPECT_EQ(simulator.context().time(), 0);
+  EXPECT_EQ(simulator.context().Eval(pd.u), -10);
+}
+
+TEST(SimulatorTest, SampledOutputIsRefusedBeforeItHasRun) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& pd = builder.Add<Pd>("pd");
+  builder.Connect(plant.state, pd.x);
+  const auto diagram = builder.Build();
+  const auto context = diagram->CreateContext();
+  EXPECT_THAT([&] { context->Eval(pd.u); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("sampled output 'pd.u'"),
+                                            HasSubstr("before it has run"), HasSubstr("initial value"))));
+  context->Set(pd.u, 3.0);  // or it is given by hand
+  EXPECT_EQ(context->Eval(pd.u), 3);
+}
+
+TEST(SimulatorTest, StartBetweenTicksIsRefusedUnlessTheSampleIsGiven) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& pd = builder.Add<Pd>("pd", PdParams{.rate = Hz(10)});
+  builder.Connect(plant.state, pd.x);
+  builder.Connect(pd.u, plant.u);
+  const auto diagram = builder.Build();
+  const auto context = diagram->CreateContext();
+  context->SetTime(0.15);
+  Simulator refused(context->Clone());
+  EXPECT_THAT([&] { refused.AdvanceTo(1); },
+              ThrowsMessage<RunError>(HasSubstr("'pd.u' is read at t = 0.15 s")));
+  context->Set(pd.u, 0.0);
+  Simulator given(context->Clone());
+  EXPECT_EQ(given.AdvanceTo(1).time, 1);
+  context->SetTime(0.2);  // a tick: everything runs
+  Simulator at_tick(context->Clone());
+  at_tick.Initialize();
+  EXPECT_EQ(at_tick.context().Eval(pd.u), -10);
+}
+
+// ---- Ticks ----
+
+TEST(SimulatorTest, ChainOfSampledBlocksHasNoHiddenDelay) {
+  DiagramBuilder builder;
+  const Sampled at{Hz(100)};
+  // Added against the order of the data.
+  auto& last = builder.Add<SampledMap>("last", SampledMapParams{[](double u) { return u + 100; }, at});
+  auto& middle = builder.Add<SampledMap>("middle", SampledMapParams{[](double u) { return u + 10; }, at});
+  auto& first = builder.Add<SampledMap>("first", SampledMapParams{[](double u) { return u; }, at});
+  auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return t; });
+  builder.Connect(clock, first.u);
+  builder.Connect(first.y, middle.u);
+  builder.Connect(middle.y, last.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  for (const double t : {0.0, 0.01, 0.25}) {
+    simulator.AdvanceTo(t);
+    EXPECT_EQ(simulator.context().Eval(last.y), t + 10 + 100);
+  }
+  simulator.AdvanceTo(0.255);  // held
+  EXPECT_EQ(simulator.context().Eval(last.y), 0.25 + 110);
+}
+
+TEST(SimulatorTest, ManyRatesTickExactly) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  std::vector<const Counter*> counters;
+  for (const double period : {1.0, 2.5, 5.0, 10.0, 260.0}) {
+    counters.push_back(&builder.Add<Counter>("every_" + std::to_string(static_cast<int>(period * 10)),
+                                             Sampled{Milliseconds(period)}));
+  }
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.rtol = 1e-4});
+  simulator.AdvanceTo(2);
+  std::vector<int> counts;
+  for (const Counter* counter : counters) counts.push_back(simulator.context().Eval(counter->n));
+  EXPECT_THAT(counts, ElementsAre(2001, 801, 401, 201, 8));
+  EXPECT_GT(simulator.statistics().smallest_step, 0.4e-3);  // the least distance of two ticks is 0.5 ms
+  EXPECT_LT(simulator.statistics().steps, 2500);
+}
+
+TEST(SimulatorTest, ThreeHundredHertzIsExact) {
+  DiagramBuilder builder;
+  auto& at_300 = builder.Add<Counter>("at_300", Sampled{Hz(300)});
+  auto& at_1000 = builder.Add<Counter>("at_1000", Sampled{Hz(1000)});
+  builder.Add<Oscillator>("plant");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto log = simulator.AddLog(Hz(100), {&at_300.count, &at_1000.count});
+  simulator.AdvanceTo(100);
+  EXPECT_EQ(simulator.context().Eval(at_300.n), 30001);
+  EXPECT_EQ(simulator.context().Eval(at_1000.n), 100001);
+  for (std::size_t i = 0; i < log->rows(); ++i) {  // common ticks are common
+    ASSERT_EQ(log->row(i)[1], 3 * i);
+    ASSERT_EQ(log->row(i)[2], 10 * i);
+  }
+  EXPECT_GT(simulator.statistics().smallest_step, 0.3e-3);
+}
+
+TEST(SimulatorTest, ShortIntervalsBetweenTicksDoNotSpoilTheStepSize) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  builder.Add<Counter>("at_100", Sampled{Hz(100)});
+  builder.Add<Counter>("at_100_1", Sampled{Hz(100.1)});  // 10 us apart at first
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.rtol = 1e-4, .atol = 1e-6});
+  simulator.AdvanceTo(10);
+  EXPECT_LT(simulator.statistics().steps, 2010);  // one step for each of 2000 intervals
+  EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(10), 1e-6);
+}
+
+TEST(SimulatorTest, OffsetsDelayTheFirstTick) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10), 0.05});
+  struct Late final : LeafSystem<void> {
+    OutputPort<double> y{this, "y", -1.0, Sampled{Hz(10), 0.25}, Uses(time), [](double t) { return t; }};
+  };
+  auto& late = builder.Add<Late>("late");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0);
+  EXPECT_EQ(simulator.context().Eval(counter.n), 0);
+  EXPECT_EQ(simulator.next_tick_time(), 0.05);
+  simulator.AdvanceTo(0.2);
+  EXPECT_EQ(simulator.context().Eval(counter.n), 2);  // at 0.05 and 0.15
+  EXPECT_EQ(simulator.context().Eval(late.y), -1);    // the initial value
+  simulator.AdvanceTo(0.4);
+  EXPECT_EQ(simulator.context().Eval(late.y), 0.35);
+}
+
+TEST(SimulatorTest, UpdatesCommitTogether) {
+  struct Swap final : LeafSystem<void> {
+    DiscreteState<double> a{this, "a", 1.0};
+    DiscreteState<double> b{this, "b", 2.0};
+    Update<double> next_a{a, Sampled{Hz(10)}, Uses(b), [](double b) { return b; }};
+    Update<double> next_b{b, Sampled{Hz(10)}, Uses(a), [](double a) { return a; }};
+  };
+  DiagramBuilder builder;
+  auto& swap = builder.Add<Swap>("swap");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.Initialize();
+  EXPECT_EQ(simulator.context().Eval(swap.a), 2);
+  EXPECT_EQ(simulator.context().Eval(swap.b), 1);
+  simulator.AdvanceTo(0.1);
+  EXPECT_EQ(simulator.context().Eval(swap.a), 1);
+  EXPECT_EQ(simulator.context().Eval(swap.b), 2);
+}
+
+TEST(SimulatorTest, SampledOutputsReadStatesBeforeTheUpdatesOfTheirTick) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  auto& read = builder.AddFunction("read", Sampled{Hz(10)}, Uses(counter.count), [](int n) { return n; });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.3);
+  EXPECT_EQ(simulator.context().Eval(read), 3);
+  EXPECT_EQ(simulator.context().Eval(counter.count), 4);
+}
+
+TEST(SimulatorTest, AdvanceIncludesTheTickAtItsEnd) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.5);
+  EXPECT_EQ(simulator.context().Eval(counter.n), 6);
+  simulator.AdvanceTo(0.5);  // once only
+  EXPECT_EQ(simulator.context().Eval(counter.n), 6);
+}
+
+struct Loop {
+  Loop() {
+    DiagramBuilder builder;
+    plant = &builder.Add<Oscillator>("plant", 5.0);
+    pd = &builder.Add<Pd>("pd", PdParams{.rate = Hz(100)});
+    builder.Connect(plant->state, pd->x);
+    builder.Connect(pd->u, plant->u);
+    builder.Add<Counter>("other", Sampled{Hz(30)});
+    diagram = builder.Build();
+  }
+  Oscillator* plant;
+  Pd* pd;
+  std::unique_ptr<Diagram> diagram;
+};
+
+TEST(SimulatorTest, AdvancesSplitAtTicksAreOneAdvanceBitForBit) {
+  const Loop loop;
+  Simulator whole(*loop.diagram), split(*loop.diagram), summed(*loop.diagram);
+  whole.AdvanceTo(1);
+  for (int i = 0; i <= 100; ++i) split.AdvanceTo(i / 100.0);
+  double t = 0;
+  for (int i = 0; i < 100; ++i) summed.AdvanceTo(t += 0.01);  // misses ticks by rounding errors
+  const Vec<2> x = whole.context().Eval(loop.plant->x);
+  EXPECT_EQ(split.context().Eval(loop.plant->x), x);
+  EXPECT_EQ(summed.context().Eval(loop.plant->x), x);
+  EXPECT_EQ(summed.context().time(), 1);
+  EXPECT_EQ(summed.statistics().steps, whole.statistics().steps);
+}
+
+TEST(SimulatorTest, EveryMethodTakesEndsThatMissTicksByRounding) {
+  const Loop loop;
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    Simulator simulator(*loop.diagram, {.method = method});
+    double t = 0;
+    for (int i = 0; i < 30; ++i) simulator.AdvanceTo(t += 0.01);
+    EXPECT_GT(simulator.statistics().smallest_step, 1e-6);
+  }
+}
+
+TEST(SimulatorTest, BackwardsIsRefused) {
+  const Loop loop;
+  Simulator simulator(*loop.diagram);
+  simulator.AdvanceTo(1);
+  EXPECT_THAT([&] { simulator.AdvanceTo(0.5); },
+              ThrowsMessage<RunError>(
+                  AllOf(HasSubstr("cannot advance to t = 0.5 s"), HasSubstr("at t = 1 s already"))));
+  for (const double t : {kNan, HUGE_VAL}) {
+    EXPECT_THAT([&] { simulator.AdvanceTo(t); }, ThrowsMessage<RunError>(HasSubstr("give a finite time")));
+  }
+}
+
+// ---- What is computed when ----
+
+/// Calls of a function that each block's function counts.
+struct Calls {
+  int varying = 0, held = 0, shared = 0, derivative = 0;
+};
+
+struct CountingParams {
+  Calls* calls;
+};
+class Counting final : public LeafSystem<CountingParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> u{this, "u", 0.0};
+  ContinuousState<double> x{this, "x", 1.0};
+  OutputPort<double> y{this, x};
+  Shared<double> shared{this, "shared", Uses(x), &Counting::CalcShared};
+  OutputPort<double> held{this, "held", Uses(u), &Counting::CalcHeld};
+  OutputPort<double> varying{this, "varying", Uses(shared, u), &Counting::CalcVarying};
+  TimeDerivative<double> dx{x, Uses(shared, u), &Counting::CalcDx};
+
+ private:
+  double CalcShared(double x) const { return ++params.calls->shared, 2 * x; }
+  double CalcHeld(double u) const { return ++params.calls->held, u; }
+  double CalcVarying(double s, double u) const { return ++params.calls->varying, s + u; }
+  double CalcDx(double s, double u) const { return ++params.calls->derivative, -s + u; }
+};
+
+TEST(SimulatorTest, DerivativeEvaluationsComputeOnlyWhatVariesAndThatOnce) {
+  Calls calls;
+  DiagramBuilder builder;
+  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
+  auto& other = builder.Add<Oscillator>("other");
+  auto& controller =
+      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  builder.Connect(block.y, controller.u);
+  builder.Connect(controller.y, block.u);
+  builder.Connect(block.held, other.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.fixed_step = 0.01});
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(calls.held, 10);    // once per tick at which an integration starts
+  EXPECT_EQ(calls.varying, 0);  // nobody wants it
+  EXPECT_EQ(calls.derivative, simulator.statistics().evaluations);
+  EXPECT_EQ(calls.shared, calls.derivative - 9);  // 9 intervals start with what the last one ended with
+  EXPECT_EQ(simulator.context().Eval(block.held), simulator.context().Eval(controller.y));
+  EXPECT_EQ(calls.held, 11);
+}
+
+TEST(SimulatorTest, FirstDerivativeAfterATickSkipsWhatTheTickComputed) {
+  Calls calls;
+  DiagramBuilder builder;
+  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
+  auto& controller =
+      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  builder.Connect(block.varying, controller.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.fixed_step = 0.1});
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(calls.varying, 11);
+  // A step of order 3 takes four evaluations, the last at its end. The tick there takes `shared` from it, and
+  // so does the first stage of the next step.
+  EXPECT_EQ(simulator.statistics().evaluations, 40);
+  EXPECT_EQ(calls.shared, 1 + 10 * 3);
+}
+
+TEST(SimulatorTest, MidpointRuleEvaluatesTwiceAStep) {
+  Calls calls;
+  DiagramBuilder builder;
+  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
+  auto& controller =
+      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  builder.Connect(block.y, controller.u);
+  builder.Connect(controller.y, block.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.order = 2, .fixed_step = 0.05});
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(simulator.statistics().steps, 20);
+  EXPECT_EQ(simulator.statistics().evaluations, 40);
+  EXPECT_EQ(calls.derivative, 40);
+}
+
+TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
+  // An output that depends on a discrete state, which the tick changes after the output was computed for a
+  // log.
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  auto& twice = builder.AddFunction("twice", Uses(counter.count), [](int n) { return 2.0 * n; });
+  auto& plant = builder.Add<Oscillator>("plant");
+  builder.Connect(twice, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto log = simulator.AddLog(Hz(10), {&twice});
+  simulator.AdvanceTo(0.2);
+  EXPECT_THAT(log->column("twice.output"), ElementsAre(0, 2, 4));
+  EXPECT_EQ(simulator.context().Eval(twice), 6);
+  EXPECT_EQ(simulator.context().EvalTimeDerivatives()[1], -simulator.context().Eval(plant.x)[0] + 6);
+}
+
+// ---- Events ----
+
+struct UpdatedAtStart final : LeafSystem<void> {
+  DiscreteState<int> n{this, "n", 5};
+  ContinuousState<double> x{this, "x", 1.0};
+  TimeDerivative<double> dx{x, Uses(), [] { return 0.0; }};
+  Update<int> n0{n, AtStart{}, Uses(n), [](int n) { return n + 1; }};
+  Update<double> x0{x, AtStart{}, Uses(n), [](int n) { return 10.0 * n; }};
+  OutputPort<int> seen{this, "seen", Sampled{Hz(10)}, Uses(n), [](int n) { return n; }};
+};
+
+TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
+  DiagramBuilder builder;
+  auto& block = builder.Add<UpdatedAtStart>("block");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.Initialize();
+  EXPECT_EQ(simulator.context().Eval(block.seen), 6);
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(simulator.context().Eval(block.n), 6);
+  EXPECT_EQ(simulator.context().Eval(block.x), 50);  // both read the old n
+}
+
+TEST(SimulatorTest, AtStartRefusesSamplesThatHaveNotRun) {
+  struct Block final : LeafSystem<void> {
+    InputPort<double> u{this, "u"};
+    DiscreteState<double> s{this, "s"};
+    Update<double> s0{s, AtStart{}, Uses(u), [](double u) { return u; }};
+  };
+  DiagramBuilder builder;
+  auto& block = builder.Add<Block>("block");
+  builder.Connect(builder.AddFunction("one", Sampled{Hz(1)}, Uses(), [] { return 1.0; }), block.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_THAT([&] { simulator.Initialize(); },
+              ThrowsMessage<RunError>(HasSubstr("'one.output' is read at t = 0 s")));
+}
+
+struct UpdatedEachStep final : LeafSystem<void> {
+  ContinuousState<Vec<2>> x{this, "x", Vec<2>(1, 0)};
+  DiscreteState<int> steps{this, "steps"};
+  TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -x[0]); }};
+  Update<int> count{steps, EachStep{}, Uses(steps), [](int n) { return n + 1; }};
+  // Projection on the circle, as for a unit quaternion.
+  Update<Vec<2>> project{x, EachStep{}, Uses(x), [](const Vec<2>& x) { return Vec<2>(x / x.norm()); }};
+};
+
+TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    DiagramBuilder builder;
+    auto& block = builder.Add<UpdatedEachStep>("block");
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method, .rtol = 1e-4, .atol = 1e-6});
+    simulator.AdvanceTo(1);
+    EXPECT_EQ(simulator.context().Eval(block.steps), simulator.statistics().steps);
+    EXPECT_NEAR(simulator.context().Eval(block.x).norm(), 1, 1e-14);
+    EXPECT_NEAR(simulator.context().Eval(block.x)[0], std::cos(1), 1e-2);
+  }
+}
+
+TEST(SimulatorTest, ModesSwitchTheDynamics) {
+  enum class Gear { kForward, kReverse };
+  struct Car final : LeafSystem<void> {
+    Mode<Gear> gear{this, "gear", Gear::kForward};
+    ContinuousState<double> x{this, "x"};
+    TimeDerivative<double> dx{x, Uses(gear), [](Gear gear) { return gear == Gear::kForward ? 1.0 : -2.0; }};
+    Update<Gear> shift{gear, Sampled{Seconds(10), 1}, Uses(), [] { return Gear::kReverse; }};
+  };
+  DiagramBuilder builder;
+  auto& car = builder.Add<Car>("car");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(1);
+  EXPECT_EQ(simulator.context().Eval(car.gear), Gear::kReverse);
+  EXPECT_NEAR(simulator.context().Eval(car.x), 1, 1e-12);
+  simulator.AdvanceTo(3);
+  EXPECT_NEAR(simulator.context().Eval(car.x), 1 - 4, 1e-12);
+}
+
+struct Sawtooth final : LeafSystem<void> {
+  ContinuousState<double> x{this, "x"};
+  TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
+  Update<double> reset{x, Sampled{Seconds(0.5)}, Uses(), [] { return 0.0; }};
+};
+
+TEST(SimulatorTest, ContinuousStatesCanBeUpdatedAtTicks) {
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    DiagramBuilder builder;
+    auto& saw = builder.Add<Sawtooth>("saw");
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method});
+    const auto log = simulator.AddLog(Seconds(0.5), {&saw.x});
+    simulator.AdvanceTo(1.25);
+    EXPECT_NEAR(log->row(1)[1], 0.5, 1e-9);  // a log shows what was before the updates
+    EXPECT_NEAR(log->row(2)[1], 0.5, 1e-9);
+    EXPECT_NEAR(simulator.context().Eval(saw.x), 0.25, 1e-9);
+  }
+}
+
+TEST(SimulatorTest, SampledMonitorEndsTheRunWithItsReason) {
+  struct Guard final : LeafSystem<void> {
+    Monitor late{this, "late", Sampled{Hz(10)}, Uses(time),
+                 [](double t) { return t > 0.35 ? Verdict("it is late") : Verdict(); }};
+  };
+  DiagramBuilder builder;
+  builder.Add<Guard>("guard");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_FALSE(simulator.AdvanceTo(0.3).ended);
+  for (int i = 0; i < 2; ++i) {  // and it stays ended
+    const RunStatus status = simulator.AdvanceTo(1);
+    EXPECT_TRUE(status.ended);
+    EXPECT_EQ(status.time, 0.4);
+    EXPECT_EQ(status.reason, "guard.late: it is late");
+  }
+}
+
+TEST(SimulatorTest, EachStepMonitorEndsTheRunInsideAnInterval) {
+  struct Fall final : LeafSystem<void> {
+    ContinuousState<double> height{this, "height", 1.0};
+    TimeDerivative<double> d{height, Uses(), [] { return -1.0; }};
+    Monitor floor{this, "floor", EachStep{}, Uses(height),
+                  [](double h) { return h < 0.5 ? Verdict("below 0.5 m") : Verdict(); }};
+  };
+  DiagramBuilder builder;
+  auto& fall = builder.Add<Fall>("fall");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.max_step = 0.01});
+  const RunStatus status = simulator.AdvanceTo(2);
+  EXPECT_TRUE(status.ended);
+  EXPECT_EQ(status.reason, "fall.floor: below 0.5 m");
+  EXPECT_NEAR(status.time, 0.5, 0.011);
+  EXPECT_NEAR(simulator.context().Eval(fall.height), 1 - status.time, 1e-12);
+}
+
+TEST(SimulatorTest, RestoredRunGoesOnAfterItHadEnded) {
+  struct Guard final : LeafSystem<void> {
+    DiscreteState<bool> armed{this, "armed", true};
+    Monitor late{this, "late", Sampled{Hz(10)}, Uses(time, armed),
+                 [](double t, bool armed) { return armed && t > 0.35 ? Verdict("late") : Verdict(); }};
+  };
+  DiagramBuilder builder;
+  auto& guard = builder.Add<Guard>("guard");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.2);
+  const auto snapshot = simulator.context().Save();
+  EXPECT_TRUE(simulator.AdvanceTo(1).ended);
+  simulator.context().Restore(snapshot);
+  simulator.context().Set(guard.armed, false);
+  EXPECT_FALSE(simulator.AdvanceTo(1).ended);
+  EXPECT_EQ(simulator.context().time(), 1);
+}
+
+TEST(SimulatorTest, RestoreToBeforeTheStartStartsAgain) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto snapshot = simulator.context().Save();
+  simulator.Initialize();
+  simulator.context().Restore(snapshot);
+  simulator.Initialize();
+  EXPECT_EQ(simulator.context().Eval(counter.n), 1);
+  EXPECT_EQ(simulator.next_tick_time(), 0.1);
+}
+
+TEST(SimulatorTest, LogsCanBeAddedUnderWay) {
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(0.30000001);
+  const auto log = simulator.AddLog(Hz(5), {&counter.count});
+  simulator.AdvanceTo(0.8);
+  EXPECT_THAT(log->column("time"), ElementsAre(0.4, 0.6, 0.8));
+  EXPECT_THAT(log->column("counter.n"), ElementsAre(4, 6, 8));
+  EXPECT_EQ(simulator.context().Eval(counter.n), 9);
+}
+
+TEST(SimulatorTest, PacesToRealTime) {
+  DiagramBuilder builder;
+  builder.Add<Counter>("counter", Sampled{Hz(100)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.real_time_rate = 4});
+  const auto begin = std::chrono::steady_clock::now();
+  simulator.AdvanceTo(0.1);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(elapsed.count(), 0.1 / 4);
+}
+
+// ---- Errors ----
+
+TEST(SimulatorTest, OpenInputMustBeFixed) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  const auto diagram = builder.BuildWithOpenInputs();
+  Simulator simulator(*diagram);
+  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("input 'cart.force' is open"), HasSubstr("fix it"))));
+  simulator.context().Set(cart.force, 4.0);
+  simulator.AdvanceTo(1);
+  EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1, 1e-9);
+}
+
+TEST(SimulatorTest, SampledNanIsReportedWhereItArises) {
+  DiagramBuilder builder;
+  auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return t; });
+  auto& root =
+      builder.Add<SampledMap>("root", SampledMapParams{[](double t) { return std::sqrt(0.25 - t); }});
+  auto& after = builder.Add<SampledMap>("after", SampledMapParams{[](double u) { return u; }});
+  builder.Connect(clock, root.u);
+  builder.Connect(root.y, after.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'root.y' is"), HasSubstr("nan at t = 0.26 s"),
+                                            HasSubstr("check that block and what feeds it"))));
+}
+
+TEST(SimulatorTest, ContinuousNanIsReportedAtTheFirstPort) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& root = builder.AddFunction("root", Uses(builder.time), [](double t) { return std::sqrt(0.25 - t); });
+  auto& gain = builder.Add<Map>("gain", [](double u) { return 2 * u; });
+  builder.Connect(root, gain.u);
+  builder.Connect(gain.y, plant.u);
+  const auto diagram = builder.Build();
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    Simulator simulator(*diagram, {.method = method});
+    EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+                ThrowsMessage<RunError>(AllOf(HasSubstr("'root.output' is"), HasSubstr("nan at t = 0.25"))));
+  }
+}
+
+TEST(SimulatorTest, HeldNanIsReportedAtTheFirstPort) {
+  // Not sampled, but of held values: computed once per tick, and first met in a derivative.
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  auto& bad = builder.AddFunction("bad", Uses(counter.count), [](int n) { return n == 3 ? kNan : 0.0; });
+  builder.Connect(bad, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'bad.output' is nan"), HasSubstr("at t = 0.2 s"))));
+}
+
+TEST(SimulatorTest, InfinityIsReportedWhenItReachesADerivative) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& pole =
+      builder.AddFunction("pole", Sampled{Hz(4)}, Uses(builder.time), [](double t) { return 1 / (0.5 - t); });
+  auto& bound = builder.AddFunction("bound", Sampled{Hz(1)}, Uses(), [] { return HUGE_VAL; });  // legitimate
+  builder.Connect(pole, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'pole.output' is inf"), HasSubstr("at t = 0.5 s"))));
+  EXPECT_EQ(simulator.context().Eval(bound), HUGE_VAL);
+}
+
+TEST(SimulatorTest, ExceptionGetsPathAndTime) {
+  const auto refuse = [](double t) -> double {
+    if (t > 0.21) throw std::runtime_error("no solution");
+    return 0;
+  };
+  for (const bool sampled : {true, false}) {
+    DiagramBuilder builder;
+    auto& plant = builder.Add<Oscillator>("plant");
+    builder.Connect(sampled ? builder.AddFunction("solver", Sampled{Hz(10)}, Uses(builder.time), refuse)
+                            : builder.AddFunction("solver", Uses(builder.time), refuse),
+                    plant.u);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram);
+    EXPECT_THAT(
+        [&] { simulator.AdvanceTo(1); },
+        ThrowsMessage<RunError>(AllOf(HasSubstr("'solver.output' failed at t = 0."), HasSubstr("no solution"),
+                                      HasSubstr(sampled ? "t = 0.3 s: " : " s: "))));
+  }
+}
+
+class CountFlushes final : public LogSink {
+ public:
+  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
+  void Row(std::span<const double>) override { ++rows; }
+  void Flush() override { flushed_rows = rows; }
+  int rows = 0, flushed_rows = 0;
+};
+
+TEST(SimulatorTest, LogsAreFlushedAfterAnError) {
+  DiagramBuilder builder;
+  auto& bad = builder.AddFunction("bad", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    if (t > 0.45) throw std::runtime_error("no");
+    return t;
+  });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto sink = std::make_shared<CountFlushes>();
+  simulator.AddLog(Hz(10), {&bad}, {sink});
+  EXPECT_THROW(simulator.AdvanceTo(1), RunError);
+  EXPECT_EQ(sink->flushed_rows, 5);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,279 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tuple>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
+
+/// x' = -x² from 1: x = 1 / (1 + t). And x' = cos(t) x from 1: x = exp(sin t).
+class Scalars final : public LeafSystem<void> {
+ public:
+  ContinuousState<Vec<2>> x{this, {"x", "", "decay, wave"}, Vec<2>(1, 1)};
+  TimeDerivative<Vec<2>> dx{
+      x, Uses(x, time), [](const Vec<2>& x, double t) { return Vec<2>(-x[0] * x[0], std::cos(t) * x[1]); }};
+};
+
+double ErrorAt(double end, const SimulatorOptions& options) {
+  DiagramBuilder builder;
+  auto& scalars = builder.Add<Scalars>("scalars");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, options);
+  simulator.AdvanceTo(end);
+  const Vec<2> x = simulator.context().Eval(scalars.x);
+  return std::max(std::abs(x[0] - 1 / (1 + end)), std::abs(x[1] - std::exp(std::sin(end))));
+}
+
+// ---- Accuracy ----
+
+class FixedStepTest : public testing::TestWithParam<std::tuple<Method, int>> {};
+
+TEST_P(FixedStepTest, ConvergesWithItsOrder) {
+  const auto [method, order] = GetParam();
+  const auto error = [&, method = method, order = order](double step) {
+    return ErrorAt(2, {.method = method, .order = order, .rtol = 1e-10, .atol = 1e-12, .fixed_step = step});
+  };
+  const double coarse = error(0.1), fine = error(0.05);
+  EXPECT_LT(coarse, 1e-2);
+  EXPECT_GT(std::log2(coarse / fine), order - 0.3);
+  EXPECT_LT(std::log2(coarse / fine), order + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(RungeKutta, FixedStepTest,
+                         testing::Combine(testing::Values(Method::kErk, Method::kDirk),
+                                          testing::Range(2, 6)));
+
+class AdaptiveTest : public testing::TestWithParam<std::tuple<Method, int, double>> {};
+
+TEST_P(AdaptiveTest, MeetsTheTolerance) {
+  const auto [method, order, rtol] = GetParam();
+  EXPECT_LT(ErrorAt(5, {.method = method, .order = order, .rtol = rtol, .atol = rtol / 10}), 50 * rtol);
+}
+
+INSTANTIATE_TEST_SUITE_P(RungeKutta, AdaptiveTest,
+                         testing::Combine(testing::Values(Method::kErk, Method::kDirk), testing::Range(2, 6),
+                                          testing::Values(1e-3, 1e-5, 1e-7)));
+INSTANTIATE_TEST_SUITE_P(Multistep, AdaptiveTest,
+                         testing::Combine(testing::Values(Method::kBdf, Method::kAdams),
+                                          testing::Values(2, 5), testing::Values(1e-3, 1e-5, 1e-7)));
+
+TEST(SundialsIntegratorTest, OscillatorKeepsItsPhase) {
+  for (const Method method : kMethods) {
+    DiagramBuilder builder;
+    auto& oscillator = builder.Add<Oscillator>("oscillator", 2.0);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method, .order = 5, .rtol = 1e-8, .atol = 1e-10});
+    simulator.AdvanceTo(10);
+    EXPECT_NEAR(simulator.context().Eval(oscillator.x)[0], std::cos(20), 1e-5);
+    EXPECT_NEAR(simulator.context().Eval(oscillator.x)[1], -2 * std::sin(20), 1e-5);
+  }
+}
+
+TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
+  // Newton's method with a matrix of another step size stops early and errs by a hundred tolerances.
+  class Cooling final : public LeafSystem<void> {
+   public:
+    ContinuousState<double> x{this, "x", 10.0};
+    TimeDerivative<double> dx{x, Uses(x), [](double x) { return 20 - x; }};
+  };
+  DiagramBuilder builder;
+  auto& cooling = builder.Add<Cooling>("cooling");
+  const auto diagram = builder.Build();
+  for (const int order : {2, 3, 4, 5}) {
+    Simulator simulator(*diagram, {.method = Method::kDirk, .order = order, .rtol = 1e-8, .atol = 1e-10});
+    simulator.AdvanceTo(0.5);
+    EXPECT_NEAR(simulator.context().Eval(cooling.x), 20 - 10 * std::exp(-0.5), 2e-7) << order;
+  }
+}
+
+/// Prothero and Robinson: x' = -1e5 (x - cos t) - sin t from 1: x = cos t.
+class Stiff final : public LeafSystem<void> {
+ public:
+  ContinuousState<double> x{this, "x", 1.0};
+  TimeDerivative<double> dx{x, Uses(x, time),
+                            [](double x, double t) { return -1e5 * (x - std::cos(t)) - std::sin(t); }};
+};
+
+TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
+  for (const Method method : {Method::kDirk, Method::kBdf}) {
+    DiagramBuilder builder;
+    auto& stiff = builder.Add<Stiff>("stiff");
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method, .rtol = 1e-5, .atol = 1e-7});
+    simulator.AdvanceTo(3);
+    EXPECT_NEAR(simulator.context().Eval(stiff.x), std::cos(3), 1e-4);
+    EXPECT_LT(simulator.statistics().steps, 200);  // stability would demand 100000 of an explicit method
+    EXPECT_GT(simulator.statistics().largest_step, 0.01);
+  }
+}
+
+/// A slow large state and a small one: a tolerance for the mean of both lets the small one go astray.
+class TwoScales final : public LeafSystem<void> {
+ public:
+  ContinuousState<double> large{this, "large", 1.0};
+  ContinuousState<Vec<2>> small{this, "small", Vec<2>(1e-6, 0)};
+  TimeDerivative<double> dl{large, Uses(), [] { return 0.0; }};
+  TimeDerivative<Vec<2>> ds{small, Uses(small), [](const Vec<2>& x) { return Vec<2>(x[1], -100 * x[0]); }};
+};
+
+TEST(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
+  const auto error = [](std::vector<StateTolerance> own) {
+    DiagramBuilder builder;
+    auto& block = builder.Add<TwoScales>("block");
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)});
+    simulator.AdvanceTo(5);
+    return std::abs(simulator.context().Eval(block.small)[0] - 1e-6 * std::cos(50)) / 1e-6;
+  };
+  EXPECT_GT(error({}), 0.1);  // relative to the state's size
+  EXPECT_LT(error({{"block.small", 1e-12}}), 1e-3);
+}
+
+// ---- Options ----
+
+TEST(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  const auto diagram = builder.Build();
+  const auto refused = [&](const SimulatorOptions& options, const std::string& text) {
+    EXPECT_THAT([&] { Simulator simulator(*diagram, options); },
+                ThrowsMessage<ParameterError>(AllOf(HasSubstr("SimulatorOptions: "), HasSubstr(text))));
+  };
+  refused({.order = 1}, "order 1 does not exist for this method: choose 2 to 5");
+  refused({.order = 6}, "order 6 does not exist");
+  refused({.method = Method::kDirk, .order = 1}, "choose 2 to 5");
+  refused({.method = Method::kBdf, .order = 6}, "choose 1 to 5");
+  refused({.method = Method::kAdams, .order = 13}, "choose 1 to 12");
+  refused({.rtol = 0}, "rtol = 0 must be positive");
+  refused({.rtol = std::nan("")}, "rtol = nan must be positive");
+  refused({.atol = -1}, "atol = -1 must be positive");
+  refused({.state_atol = {{"plant.x", 0}}}, "atol = 0 of 'plant.x' must be positive");
+  refused({.fixed_step = -0.1}, "fixed_step = -0.1 s must not be negative");
+  refused({.max_step = -0.1}, "max_step = -0.1 s must not be negative");
+  refused({.method = Method::kBdf, .fixed_step = 0.1}, "fixed_step is for Runge-Kutta methods");
+  EXPECT_THAT(
+      [&] {
+        Simulator simulator(*diagram, {.state_atol = {{"plan.x", 1e-9}}});
+      },
+      ThrowsMessage<ParameterError>(HasSubstr("no continuous state's path begins with 'plan.x'")));
+}
+
+TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
+  for (const Method method : kMethods) {
+    DiagramBuilder builder;
+    builder.Add<Oscillator>("plant", 0.01);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method, .max_step = 0.03});
+    simulator.AdvanceTo(1);
+    EXPECT_LE(simulator.statistics().largest_step, 0.03 * (1 + 1e-12));
+    EXPECT_GE(simulator.statistics().steps, 34);
+  }
+}
+
+TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  builder.Add<Counter>("ticks", Sampled{Hz(100)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
+  simulator.AdvanceTo(1);
+  const IntegratorStatistics statistics = simulator.statistics();
+  EXPECT_EQ(statistics.steps, 400);
+  EXPECT_NEAR(statistics.smallest_step, 0.0025, 1e-15);
+  EXPECT_NEAR(statistics.largest_step, 0.0025, 1e-15);
+}
+
+// ---- Statistics ----
+
+TEST(SundialsIntegratorTest, StatisticsCount) {
+  for (const Method method : kMethods) {
+    DiagramBuilder builder;
+    builder.Add<Oscillator>("plant");
+    builder.Add<Counter>("ticks", Sampled{Hz(10)});
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method});
+    EXPECT_EQ(simulator.statistics().steps, 0);
+    simulator.AdvanceTo(1);
+    const IntegratorStatistics statistics = simulator.statistics();
+    EXPECT_GE(statistics.steps, 10);
+    EXPECT_LT(statistics.steps, 2000);
+    EXPECT_LT(statistics.failed_steps, statistics.steps);
+    EXPECT_GT(statistics.evaluations, statistics.steps);
+    EXPECT_GT(statistics.smallest_step, 1e-9);
+    EXPECT_LE(statistics.largest_step, 0.1);
+    EXPECT_GE(statistics.last_order, 1);
+    EXPECT_LE(statistics.last_order, 3);
+  }
+}
+
+TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  builder.Add<Counter>("ticks", Sampled{Hz(1000)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.AdvanceTo(10);
+  const IntegratorStatistics statistics = simulator.statistics();
+  EXPECT_EQ(statistics.steps, 10000);
+  EXPECT_EQ(statistics.failed_steps, 0);
+  EXPECT_NEAR(statistics.smallest_step, 1e-3, 1e-12);
+  EXPECT_LE(statistics.evaluations, 4 * statistics.steps + 1);
+}
+
+// ---- Failures ----
+
+/// Blows up at t = 1: x = 1 / (1 - t).
+class Explosion final : public LeafSystem<void> {
+ public:
+  ContinuousState<Vec<2>> x{this, {"x", "", "calm, wild"}, Vec<2>(0, 1)};
+  TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(1, x[1] * x[1]); }};
+};
+
+TEST(SundialsIntegratorTest, FailureNamesTheWorstStateAndTheTime) {
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf}) {
+    DiagramBuilder builder;
+    builder.Add<Explosion>("bomb");
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.method = method, .max_steps = 300});
+    EXPECT_THAT([&] { simulator.AdvanceTo(2); },
+                ThrowsMessage<RunError>(AllOf(HasSubstr("the integrator fails at t = "),
+                                              HasSubstr("'bomb.x.wild'"), HasSubstr("times its tolerance"),
+                                              HasSubstr("rtol 1e-06"), HasSubstr("Loosen the tolerance"))));
+  }
+}
+
+TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
+  DiagramBuilder builder;
+  builder.Add<Stiff>("stiff");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.max_steps = 50});
+  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'stiff.x'"), HasSubstr("use Method::kBdf or kDirk"))));
+}
+
+TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
+  // A first guess far too large makes x negative in a stage; smaller steps never do.
+  class Tank final : public LeafSystem<void> {
+   public:
+    ContinuousState<double> level{this, "level", 1.0};
+    TimeDerivative<double> d{level, Uses(level), [](double h) { return -100 * std::sqrt(h) * h; }};
+  };
+  DiagramBuilder builder;
+  auto& tank = builder.Add<Tank>("tank");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, {.rtol = 1e-5});
+  simulator.AdvanceTo(1);
+  EXPECT_NEAR(simulator.context().Eval(tank.level), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,459 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+enum class Gait { kStand, kTrot };
+constexpr auto EnumNames(Gait) {
+  return std::array{std::pair{Gait::kStand, "stand"}, std::pair{Gait::kTrot, "trot"}};
+}
+
+struct Leg {
+  double mass = 1;
+  Eigen::Vector3d hip = Eigen::Vector3d::Zero();
+  static constexpr auto Fields() {
+    return std::tuple{Required("mass_kg", &Leg::mass), Field{"hip_m", &Leg::hip}};
+  }
+  void Validate() const {
+    if (mass <= 0) throw ParameterError("the mass must be positive");
+  }
+};
+
+struct Robot {
+  std::string name = "walker";
+  Gait gait = Gait::kStand;
+  double speed = 0.25;
+  int steps = 3;
+  std::uint64_t seed = 1;
+  bool verbose = false;
+  std::optional<double> limit;
+  std::vector<Leg> legs;
+  std::vector<double> knots;
+  std::vector<bool> flags;
+  std::array<int, 2> pair = {1, 2};
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();
+  std::map<std::string, Leg> spare;
+  std::optional<Leg> tail;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &Robot::name},     Field{"gait", &Robot::gait}, Field{"speed_m_per_s", &Robot::speed},
+        Field{"steps", &Robot::steps},   Field{"seed", &Robot::seed}, Field{"verbose", &Robot::verbose},
+        Field{"limit_N", &Robot::limit}, Field{"legs", &Robot::legs}, Field{"knots", &Robot::knots},
+        Field{"flags", &Robot::flags},   Field{"pair", &Robot::pair}, Field{"inertia_kg_m2", &Robot::inertia},
+        Field{"spare", &Robot::spare},   Field{"tail", &Robot::tail}};
+  }
+};
+
+Robot ReadRobot(const std::string& text) {
+  return YamlDocument::Parse(text, "robot.yaml").Read<Robot>();
+}
+
+template <class Call>
+std::string ErrorOf(Call&& call) {
+  try {
+    call();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+std::string ReadError(const std::string& text) {
+  return ErrorOf([&] { ReadRobot(text); });
+}
+std::string SetError(const std::string& text, const std::string& key, const std::string& value) {
+  return ErrorOf([&] {
+    auto document = YamlDocument::Parse(text, "robot.yaml");
+    document.Set(key, value);
+    document.Read<Robot>();
+  });
+}
+
+// Reading.
+
+TEST(YamlReadTest, EveryKindOfMember) {
+  const Robot robot = ReadRobot(R"(
+name: "dog: one"
+gait: trot
+speed_m_per_s: +2.5e-1
+steps: -4
+seed: 18446744073709551615
+verbose: true
+limit_N: 7
+legs:
+  - {mass_kg: 2, hip_m: [1, 2, 3]}
+  - mass_kg: .5
+knots: [0, 0.5, 1.]
+flags: [true, false]
+pair: [5, 6]
+inertia_kg_m2: [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+spare:
+  front: {mass_kg: 3}
+tail: {mass_kg: 4}
+)");
+  EXPECT_EQ(robot.name, "dog: one");
+  EXPECT_EQ(robot.gait, Gait::kTrot);
+  EXPECT_EQ(robot.speed, 0.25);
+  EXPECT_EQ(robot.steps, -4);
+  EXPECT_EQ(robot.seed, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_TRUE(robot.verbose);
+  EXPECT_EQ(robot.limit, 7.0);
+  ASSERT_EQ(robot.legs.size(), 2u);
+  EXPECT_EQ(robot.legs[0].hip, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(robot.legs[1].mass, 0.5);
+  EXPECT_EQ(robot.knots, (std::vector<double>{0, 0.5, 1}));
+  EXPECT_EQ(robot.flags, (std::vector<bool>{true, false}));
+  EXPECT_EQ(robot.pair, (std::array<int, 2>{5, 6}));
+  EXPECT_EQ(robot.inertia(1, 2), 6);
+  EXPECT_EQ(robot.spare.at("front").mass, 3);
+  EXPECT_EQ(robot.tail->mass, 4);
+}
+
+TEST(YamlReadTest, MissingKeysKeepTheirDefaults) {
+  for (const char* text : {"", "# nothing\n", "steps: 3\n"}) {
+    const Robot robot = ReadRobot(text);
+    EXPECT_EQ(robot.name, "walker");
+    EXPECT_EQ(robot.pair[1], 2);
+    EXPECT_FALSE(robot.limit);
+  }
+}
+
+TEST(YamlReadTest, NullEmptiesAnOptional) {
+  Robot robot;
+  robot.limit = 3;
+  YamlDocument::Parse("limit_N: null", "robot.yaml").ReadInto(robot);
+  EXPECT_FALSE(robot.limit);
+}
+
+TEST(YamlReadTest, ThreeNumbersAreADiagonal) {
+  const Robot robot = ReadRobot("inertia_kg_m2: [1, 2, 3]");
+  EXPECT_EQ(robot.inertia, Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal()));
+}
+
+TEST(YamlReadTest, AliasesRepeatAValue) {
+  EXPECT_EQ(ReadRobot("legs: [&leg {mass_kg: 7}, *leg]").legs[1].mass, 7);
+}
+
+TEST(YamlReadTest, ReadIntoKeepsWhatTheFileLeavesOutAndIsAllOrNothing) {
+  Robot robot;
+  robot.steps = 9;
+  YamlDocument::Parse("speed_m_per_s: 4", "robot.yaml").ReadInto(robot);
+  EXPECT_EQ(robot.steps, 9);
+  EXPECT_EQ(robot.speed, 4);
+  EXPECT_THROW(YamlDocument::Parse("{speed_m_per_s: 5, steps: x}", "robot.yaml").ReadInto(robot),
+               ParameterError);
+  EXPECT_EQ(robot.speed, 4);
+}
+
+TEST(YamlReadTest, LoadNamesTheFile) {
+  const std::string path = ::testing::TempDir() + "tenon_yaml_test.yaml";
+  std::ofstream(path) << "name: a\nsteps: 7.5\n";
+  EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(path).Read<Robot>(); }), StartsWith(path + ":2:8: steps: "));
+}
+
+// Errors of keys.
+
+TEST(YamlErrorTest, UnknownKeyNamesPlaceAndNearestAndValidKeys) {
+  EXPECT_THAT(ReadError("name: a\nlegs:\n  - mass_kg: 1\n    hop_m: [1, 2, 3]\n"),
+              AllOf(StartsWith("robot.yaml:4:5: legs.0.hop_m: unknown key"),
+                    HasSubstr("nearest valid key is 'hip_m'"), HasSubstr("Valid keys: mass_kg, hip_m")));
+}
+
+TEST(YamlErrorTest, WrongUnitIsCalledSo) {
+  EXPECT_THAT(ReadError("legs:\n  - mass_g: 1\n"),
+              AllOf(HasSubstr("robot.yaml:2:5: legs.0.mass_g: unknown key"), HasSubstr("the unit is wrong"),
+                    HasSubstr("from g to kg"), HasSubstr("'mass_kg'")));
+  EXPECT_THAT(ReadError("speed_km_per_h: 1"), HasSubstr("from km_per_h to m_per_s"));
+  EXPECT_THAT(ReadError("inertia_g_mm2: 1"), HasSubstr("from g_mm2 to kg_m2"));
+}
+
+TEST(YamlErrorTest, MissingOrNeedlessUnitIsCalledSo) {
+  EXPECT_THAT(ReadError("speed: 1"),
+              HasSubstr("the unit is missing: give the value in m_per_s as 'speed_m_per_s'"));
+  EXPECT_THAT(ReadError("steps_s: 1"), HasSubstr("'steps' takes no unit"));
+}
+
+TEST(YamlErrorTest, UnknownKeyInAStructWithoutKeys) {
+  struct Empty {
+    static constexpr auto Fields() { return std::tuple{}; }
+  };
+  EXPECT_THAT(ErrorOf([] { YamlDocument::Parse("a: 1", "e.yaml").Read<Empty>(); }),
+              HasSubstr("no keys are valid here; remove it"));
+}
+
+TEST(YamlErrorTest, MissingRequiredKey) {
+  EXPECT_THAT(
+      ReadError("name: a\nlegs:\n  - hip_m: [1, 2, 3]\n"),
+      AllOf(StartsWith("robot.yaml:3:5: legs.0: required but missing: mass_kg;"), HasSubstr("add it")));
+  EXPECT_THAT(ErrorOf([] { YamlDocument::Parse("", "leg.yaml").Read<Leg>(); }),
+              StartsWith("leg.yaml:1:1: required but missing: mass_kg"));
+}
+
+TEST(YamlErrorTest, DuplicateKey) {
+  EXPECT_THAT(ReadError("name: a\nsteps: 3\nname: b\n"),
+              AllOf(StartsWith("robot.yaml:3:1: the key 'name' is given twice"),
+                    HasSubstr("first at robot.yaml:1:1"), HasSubstr("remove one")));
+  EXPECT_THAT(ReadError("legs: [{mass_kg: 1, mass_kg: 2}]"), HasSubstr("'mass_kg' is given twice"));
+}
+
+TEST(YamlErrorTest, KeysMustBeWords) {
+  EXPECT_THAT(ReadError("[1, 2]: 3"), HasSubstr("robot.yaml:1:1: a key must be a word"));
+  EXPECT_THAT(ReadError("~: 3"), HasSubstr("a key must be a word"));
+}
+
+// Errors of values.
+
+TEST(YamlErrorTest, NotANumber) {
+  EXPECT_THAT(
+      ReadError("speed_m_per_s: abc"),
+      StartsWith("robot.yaml:1:16: speed_m_per_s: expected a number, found 'abc'; write a number alone"));
+  EXPECT_THAT(ReadError("speed_m_per_s: 1 m/s"), HasSubstr("expected a number, found '1 m/s'"));
+  EXPECT_THAT(ReadError("speed_m_per_s: 0x10"), HasSubstr("expected a number, found '0x10'"));
+  EXPECT_THAT(ReadError("speed_m_per_s: '3'"), HasSubstr("expected a number, found the quoted text '3'"));
+  EXPECT_THAT(ReadError("speed_m_per_s:"), HasSubstr("expected a number, found nothing"));
+  EXPECT_THAT(ReadError("speed_m_per_s: [1]"), HasSubstr("expected a number, found a list of 1"));
+  EXPECT_THAT(ReadError("speed_m_per_s: {a: 1}"), HasSubstr("expected a number, found a map"));
+}
+
+TEST(YamlErrorTest, NotFinite) {
+  for (const char* text : {".nan", ".inf", "-.inf", "+.Inf", ".NaN", "nan", "inf", "-infinity"})
+    EXPECT_THAT(ReadError(std::string("speed_m_per_s: ") + text),
+                AllOf(HasSubstr("expected a finite number"), HasSubstr(text), HasSubstr("refused")));
+  EXPECT_THAT(ReadError("speed_m_per_s: 1e999"), HasSubstr("outside the range of a double"));
+}
+
+TEST(YamlErrorTest, NotAnInteger) {
+  EXPECT_THAT(
+      ReadError("steps: 2.5"),
+      HasSubstr(
+          "steps: expected an integer from -2147483648 to 2147483647, found '2.5'; write digits alone"));
+  EXPECT_THAT(ReadError("steps: 3000000000"), HasSubstr("expected an integer"));
+  EXPECT_THAT(ReadError("seed: -1"),
+              HasSubstr("expected an integer from 0 to 18446744073709551615, found '-1'"));
+}
+
+TEST(YamlErrorTest, NotABool) {
+  EXPECT_THAT(ReadError("verbose: yes"), HasSubstr("verbose: expected true or false, found 'yes'"));
+}
+
+TEST(YamlErrorTest, NotText) {
+  EXPECT_THAT(ReadError("name: [a]"), HasSubstr("name: expected text, found a list of 1"));
+  EXPECT_THAT(ReadError("name:"), HasSubstr("name: expected text, found nothing"));
+}
+
+TEST(YamlErrorTest, BadEnumListsTheNames) {
+  EXPECT_THAT(ReadError("gait: gallop"), HasSubstr("gait: expected one of stand, trot; found 'gallop'"));
+}
+
+TEST(YamlErrorTest, WrongLength) {
+  EXPECT_THAT(
+      ReadError("legs:\n  - mass_kg: 1\n    hip_m: [1, 2]\n"),
+      HasSubstr("robot.yaml:3:12: legs.0.hip_m: expected a list of 3, found a list of 2; write 3 values"));
+  EXPECT_THAT(ReadError("pair: [1, 2, 3]"), HasSubstr("pair: expected a list of 2, found a list of 3"));
+  EXPECT_THAT(ReadError("inertia_kg_m2: [[1, 2, 3], [1, 2], [1, 2, 3]]"),
+              HasSubstr("inertia_kg_m2.1: expected a list of 3, found a list of 2"));
+  EXPECT_THAT(ReadError("inertia_kg_m2: [1, 2, [3]]"), HasSubstr("inertia_kg_m2.2: expected a number"));
+}
+
+TEST(YamlErrorTest, NotAListOrAMap) {
+  EXPECT_THAT(ReadError("knots: 3"), HasSubstr("knots: expected a list, found '3'; write it in brackets"));
+  EXPECT_THAT(ReadError("spare: 3"), HasSubstr("spare: expected a map of keys and values, found '3'"));
+  EXPECT_THAT(ReadError("legs: [3]"),
+              HasSubstr("legs.0: expected a map, found '3'; valid keys: mass_kg, hip_m"));
+  EXPECT_THAT(ReadError("hello"), HasSubstr("robot.yaml:1:1: expected a map, found 'hello'"));
+}
+
+TEST(YamlErrorTest, ValidationNamesPlaceAndPath) {
+  EXPECT_THAT(ReadError("tail:\n  mass_kg: -1\n"),
+              StartsWith("robot.yaml:2:3: tail: the mass must be positive"));
+}
+
+// Errors of files.
+
+TEST(YamlErrorTest, SyntaxError) {
+  EXPECT_THAT(ReadError("name: a\nknots: [1, 2\nsteps: 3\n"),
+              AllOf(HasSubstr("robot.yaml:3:"), HasSubstr("not valid YAML")));
+  EXPECT_THAT(ReadError("name: a\n  steps: 3\n"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(ReadError("legs: &a [*a]"), HasSubstr("the alias stands inside its own anchor"));
+}
+
+TEST(YamlErrorTest, SecondDocumentAndTags) {
+  EXPECT_THAT(ReadError("name: a\n---\nname: b\n"), HasSubstr("a second document begins here"));
+  EXPECT_THAT(ReadError("speed_m_per_s: !!float 3"), HasSubstr("has no meaning here; remove it"));
+}
+
+TEST(YamlErrorTest, UnreadableFile) {
+  EXPECT_THAT(ErrorOf([] { YamlDocument::Load("no/such.yaml"); }),
+              AllOf(StartsWith("cannot read 'no/such.yaml': no such file"), HasSubstr("check the path")));
+  EXPECT_THAT(ErrorOf([] { YamlDocument::Load(::testing::TempDir()); }), HasSubstr("not a readable file"));
+}
+
+// Overrides.
+
+TEST(YamlSetTest, ReplacesAndAdds) {
+  auto document = YamlDocument::Parse("legs: [{mass_kg: 1}, {mass_kg: 2}]", "robot.yaml");
+  const auto before = document;
+  document.Set("legs.1.mass_kg", "5");
+  document.Set("legs.1.hip_m", "[1, 2, 3]");
+  document.Set("tail.mass_kg", "6");
+  document.Set("knots", "[1, 2]");
+  document.Set("knots.0", "9");
+  document.Set("gait", "trot");
+  const Robot robot = document.Read<Robot>();
+  EXPECT_EQ(robot.legs[0].mass, 1);
+  EXPECT_EQ(robot.legs[1].mass, 5);
+  EXPECT_EQ(robot.legs[1].hip.z(), 3);
+  EXPECT_EQ(robot.tail->mass, 6);
+  EXPECT_EQ(robot.knots, (std::vector<double>{9, 2}));
+  EXPECT_EQ(robot.gait, Gait::kTrot);
+  EXPECT_EQ(before.Read<Robot>().legs[1].mass, 2) << "a copy does not change";
+}
+
+// One document over another.
+
+TEST(YamlAddMissingTest, MapsMergeWhileListsAndScalarsStand) {
+  const auto base = YamlDocument::Parse(
+      "name: base\nspeed_m_per_s: 3\nknots: [1, 2, 3]\ntail: {mass_kg: 2, hip_m: [1, 2, 3]}\nextra: x",
+      "base.yaml");
+  auto document = YamlDocument::Parse("name: own\nknots: [7]\ntail: {mass_kg: 5}\nsteps: 4", "robot.yaml");
+  document.AddMissing(base);
+  EXPECT_THAT(ErrorOf([&] { document.Read<Robot>(); }),
+              AllOf(StartsWith("base.yaml:5:1"), HasSubstr("extra")));
+  document.Remove("extra");
+  document.Remove("not there");
+  const Robot robot = document.Read<Robot>();
+  EXPECT_EQ(robot.name, "own");
+  EXPECT_EQ(robot.speed, 3);
+  EXPECT_EQ(robot.steps, 4);
+  EXPECT_EQ(robot.knots, std::vector<double>{7});
+  EXPECT_EQ(robot.tail->mass, 5);
+  EXPECT_EQ(robot.tail->hip.z(), 3);
+}
+
+TEST(YamlSetTest, ErrorsNameTheOverride) {
+  EXPECT_THAT(SetError("steps: 1", "steps", "x"), StartsWith("--set steps=x: steps: expected an integer"));
+  EXPECT_THAT(SetError("steps: 1", "stops", "2"),
+              StartsWith("--set stops=2: stops: unknown key; the nearest"));
+  EXPECT_THAT(SetError("steps: 1", "tail.hip_m", "[1, 2, 3]"),
+              StartsWith("--set tail.hip_m=[1, 2, 3]: tail: required but missing: mass_kg"));
+  EXPECT_THAT(SetError("steps: 1", "knots", "[1"), StartsWith("--set knots=[1: not valid YAML"));
+  EXPECT_THAT(SetError("steps: 1", "tail", "{mass_kg: 1, mass_kg: 2}"), HasSubstr("is given twice"));
+}
+
+TEST(YamlSetTest, ErrorsOfTheRestNameTheFile) {
+  EXPECT_THAT(SetError("name: a\nsteps: x", "seed", "3"), StartsWith("robot.yaml:2:8: steps: "));
+}
+
+TEST(YamlSetTest, ValidationNamesFileAndOverride) {
+  EXPECT_THAT(SetError("tail: {mass_kg: 1}", "tail.mass_kg", "-1"),
+              StartsWith("robot.yaml:1:7: tail: the mass must be positive (with --set tail.mass_kg=-1)"));
+  EXPECT_THAT(
+      SetError("", "tail.mass_kg", "-1"),
+      AllOf(StartsWith("--set tail.mass_kg=-1: tail: the mass must be positive"), Not(HasSubstr("with"))));
+}
+
+TEST(YamlSetTest, PathsThatLeadNowhere) {
+  EXPECT_THAT(SetError("knots: [1, 2]", "knots.2", "3"),
+              AllOf(StartsWith("--set knots.2=3: 'knots' is a list of 2, '2' is no index of it"),
+                    HasSubstr("from 0")));
+  EXPECT_THAT(SetError("knots: [1, 2]", "knots.a", "3"), HasSubstr("'a' is no index of it"));
+  EXPECT_THAT(SetError("steps: 1", "steps.a", "3"),
+              HasSubstr("'steps' is '1' and has nothing inside; set 'steps' itself"));
+  for (const char* key : {"", ".", "a.", ".a", "a..b"})
+    EXPECT_THAT(SetError("", key, "3"), HasSubstr("a key is empty"));
+}
+
+// Writing.
+
+TEST(YamlWriteTest, BlockStyleWithListsInOneLine) {
+  Robot robot;
+  robot.legs = {Leg{2, {1, 0.5, -0.1}}};
+  robot.knots = {1, 2};
+  EXPECT_EQ(WriteYaml(robot), R"(name: walker
+gait: stand
+speed_m_per_s: 0.25
+steps: 3
+seed: 1
+verbose: false
+limit_N: null
+legs:
+  - mass_kg: 2
+    hip_m: [1, 0.5, -0.1]
+knots: [1, 2]
+flags: []
+pair: [1, 2]
+inertia_kg_m2: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+spare: {}
+tail: null
+)");
+}
+
+TEST(YamlWriteTest, RoundTripIsExact) {
+  const double nasty[] = {0.1,
+                          -0.0,
+                          1.0 / 3.0,
+                          1e22,
+                          1e-300,
+                          std::numeric_limits<double>::denorm_min(),
+                          std::numeric_limits<double>::max(),
+                          std::nextafter(1.0, 2.0)};
+  Robot robot;
+  robot.gait = Gait::kTrot;
+  robot.steps = std::numeric_limits<int>::min();
+  robot.seed = std::numeric_limits<std::uint64_t>::max();
+  robot.verbose = true;
+  robot.limit = 0.1 + 0.2;
+  robot.legs = {Leg{M_PI, {M_E, -0.0, 1e-7}}, Leg{}};
+  robot.knots.assign(std::begin(nasty), std::end(nasty));
+  robot.flags = {true, false, true};
+  robot.inertia << 0.1, -0.0, 3, 4, 5, 6, 7, 8, 1.0 / 7.0;
+  robot.spare = {{"a b", Leg{3}}, {"12", Leg{4}}, {"null", Leg{5}}, {"x: y #", Leg{6}}};
+  robot.tail = Leg{8};
+  const std::string text = WriteYaml(robot);
+  const Robot read = ReadRobot(text);
+  EXPECT_EQ(WriteYaml(read), text);
+  ASSERT_EQ(read.knots.size(), robot.knots.size());
+  EXPECT_EQ(std::memcmp(read.knots.data(), robot.knots.data(), sizeof nasty), 0);
+  EXPECT_EQ(std::memcmp(read.inertia.data(), robot.inertia.data(), sizeof(double) * 9), 0);
+  EXPECT_EQ(read.limit, robot.limit);
+  EXPECT_EQ(read.seed, robot.seed);
+  EXPECT_EQ(read.steps, robot.steps);
+  EXPECT_EQ(read.legs[0].mass, M_PI);
+  EXPECT_EQ(read.flags, robot.flags);
+  EXPECT_EQ(read.spare.at("null").mass, 5);
+  EXPECT_EQ(read.tail->mass, 8);
+}
+
+TEST(YamlWriteTest, RoundTripOfText) {
+  Robot robot;
+  for (const char* name :
+       {"",     " ", "a",  "true", "null", "~",  "3",         "-1.5",     ".inf", "- a", "a: b", "a:", "#x",
+        "x #y", "'", "\"", "\\",   "a\nb", "\n", "a\tb",      "\x01",     "[a]",  "{",   "&a",   "*a", "!t",
+        "%",    "@", "`",  "|",    ">",    "?",  "trailing ", " leading", "---",  "...", "µ°é",  "a,b"}) {
+    robot.name = name;
+    EXPECT_EQ(ReadRobot(WriteYaml(robot)).name, name);
+  }
+}
+
+TEST(YamlWriteTest, RefusesWhatCannotBeReadAgain) {
+  Robot robot;
+  robot.speed = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(ErrorOf([&] { WriteYaml(robot); }), HasSubstr("speed_m_per_s: inf cannot be written to YAML"));
+  robot = Robot{};
+  robot.gait = static_cast<Gait>(7);
+  EXPECT_THAT(ErrorOf([&] { WriteYaml(robot); }), HasSubstr("gait: the value 7 has no name"));
+}
+
+}  // namespace
+}  // namespace tenon
