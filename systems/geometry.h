@@ -2,7 +2,6 @@
 
 #include <array>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,10 +20,10 @@ enum class ShapeKind {
   kTrace,     ///< the path that p_W takes in the whole run; size: radius of a ball at p_W, or 0 [m]
 };
 constexpr auto EnumNames(ShapeKind) {
-  return std::array{std::pair{ShapeKind::kBox, "box"},           std::pair{ShapeKind::kSphere, "sphere"},
-                    std::pair{ShapeKind::kCylinder, "cylinder"}, std::pair{ShapeKind::kCapsule, "capsule"},
-                    std::pair{ShapeKind::kSegment, "segment"},   std::pair{ShapeKind::kArrow, "arrow"},
-                    std::pair{ShapeKind::kTrace, "trace"}};
+  return std::array{Named{ShapeKind::kBox, "box"},           Named{ShapeKind::kSphere, "sphere"},
+                    Named{ShapeKind::kCylinder, "cylinder"}, Named{ShapeKind::kCapsule, "capsule"},
+                    Named{ShapeKind::kSegment, "segment"},   Named{ShapeKind::kArrow, "arrow"},
+                    Named{ShapeKind::kTrace, "trace"}};
 }
 
 /// What a shape stands for: decides its colour, and can be shown and hidden together.
@@ -41,12 +40,11 @@ enum class ShapeRole {
   kReference
 };
 constexpr auto EnumNames(ShapeRole) {
-  return std::array{
-      std::pair{ShapeRole::kRobot, "robot"},        std::pair{ShapeRole::kCable, "cables"},
-      std::pair{ShapeRole::kPayload, "payload"},    std::pair{ShapeRole::kPerson, "person"},
-      std::pair{ShapeRole::kGround, "ground"},      std::pair{ShapeRole::kFixture, "fixtures"},
-      std::pair{ShapeRole::kForce, "forces"},       std::pair{ShapeRole::kDisturbance, "disturbances"},
-      std::pair{ShapeRole::kEstimate, "estimates"}, std::pair{ShapeRole::kReference, "reference"}};
+  return std::array{Named{ShapeRole::kRobot, "robot"},        Named{ShapeRole::kCable, "cables"},
+                    Named{ShapeRole::kPayload, "payload"},    Named{ShapeRole::kPerson, "person"},
+                    Named{ShapeRole::kGround, "ground"},      Named{ShapeRole::kFixture, "fixtures"},
+                    Named{ShapeRole::kForce, "forces"},       Named{ShapeRole::kDisturbance, "disturbances"},
+                    Named{ShapeRole::kEstimate, "estimates"}, Named{ShapeRole::kReference, "reference"}};
 }
 
 /// One thing to look at. What stays the same during a run is set once, in the initial value of the port that
@@ -88,10 +86,12 @@ struct Shape {
   }
 
   /// What moves.
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_W", &Shape::p_W, "m"}, Field{"q_W", &Shape::q_W},
-                      Field{"vector_W", &Shape::vector_W}, Field{"value", &Shape::value},
-                      Field{"visible", &Shape::visible}};
+  static FieldList Fields() {
+    return {{"p_W", &Shape::p_W, "m"},
+            {"q_W", &Shape::q_W},
+            {"vector_W", &Shape::vector_W},
+            {"value", &Shape::value},
+            {"visible", &Shape::visible}};
   }
 };
 
@@ -106,3 +106,5 @@ struct Shape {
 using Geometry = std::vector<Shape>;
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::Geometry);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
@@ -17,8 +16,8 @@ namespace tenon::apps {
 
 enum class PathKind { kHold, kLine, kCircle, kSpline };
 constexpr auto EnumNames(PathKind) {
-  return std::array{std::pair{PathKind::kHold, "hold"}, std::pair{PathKind::kLine, "line"},
-                    std::pair{PathKind::kCircle, "circle"}, std::pair{PathKind::kSpline, "spline"}};
+  return std::array{Named{PathKind::kHold, "hold"}, Named{PathKind::kLine, "line"},
+                    Named{PathKind::kCircle, "circle"}, Named{PathKind::kSpline, "spline"}};
 }
 
 /// The path of the platform's CoM, in the world.
@@ -33,12 +32,11 @@ struct PathScenario {
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Required("kind", &PathScenario::kind),      Field{"center_m", &PathScenario::center_m},
-        Field{"radius_m", &PathScenario::radius_m}, Field{"period_s", &PathScenario::period_s},
-        Field{"ramp_s", &PathScenario::ramp_s},     Field{"points_m", &PathScenario::points_m},
-        Field{"times_s", &PathScenario::times_s},   Field{"attitude_rad", &PathScenario::attitude_rad}};
+  static FieldList Fields() {
+    return {Required("kind", &PathScenario::kind), {"center_m", &PathScenario::center_m},
+            {"radius_m", &PathScenario::radius_m}, {"period_s", &PathScenario::period_s},
+            {"ramp_s", &PathScenario::ramp_s},     {"points_m", &PathScenario::points_m},
+            {"times_s", &PathScenario::times_s},   {"attitude_rad", &PathScenario::attitude_rad}};
   }
   void Validate() const;  ///< throws ParameterError
   Path Make() const;
@@ -49,10 +47,10 @@ struct PdScenario {
   double damping_N_s_per_m = 0;
   double rate_hz = 1000;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
-                      Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m),
-                      Field{"rate_hz", &PdScenario::rate_hz}};
+  static FieldList Fields() {
+    return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
+            Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m),
+            {"rate_hz", &PdScenario::rate_hz}};
   }
 };
 
@@ -64,12 +62,12 @@ struct MpcWeightsScenario {
   double angular_velocity = 0;
   double tension = 0;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("position_per_m2", &MpcWeightsScenario::position),
-                      Required("velocity_s2_per_m2", &MpcWeightsScenario::velocity),
-                      Required("attitude_per_rad2", &MpcWeightsScenario::attitude),
-                      Required("angular_velocity_s2_per_rad2", &MpcWeightsScenario::angular_velocity),
-                      Required("tension_per_N2", &MpcWeightsScenario::tension)};
+  static FieldList Fields() {
+    return {Required("position_per_m2", &MpcWeightsScenario::position),
+            Required("velocity_s2_per_m2", &MpcWeightsScenario::velocity),
+            Required("attitude_per_rad2", &MpcWeightsScenario::attitude),
+            Required("angular_velocity_s2_per_rad2", &MpcWeightsScenario::angular_velocity),
+            Required("tension_per_N2", &MpcWeightsScenario::tension)};
   }
 };
 
@@ -83,15 +81,15 @@ struct MpcScenario {
   double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
   int max_fallbacks_in_a_row = 50;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"horizon_s", &MpcScenario::horizon_s},
-                      Field{"num_steps", &MpcScenario::num_steps},
-                      Field{"rate_hz", &MpcScenario::rate_hz},
-                      Field{"command_rate_hz", &MpcScenario::command_rate_hz},
-                      Required("weights", &MpcScenario::weights),
-                      Field{"method", &MpcScenario::method},
-                      Field{"mass_error", &MpcScenario::mass_error},
-                      Field{"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
+  static FieldList Fields() {
+    return {{"horizon_s", &MpcScenario::horizon_s},
+            {"num_steps", &MpcScenario::num_steps},
+            {"rate_hz", &MpcScenario::rate_hz},
+            {"command_rate_hz", &MpcScenario::command_rate_hz},
+            Required("weights", &MpcScenario::weights),
+            {"method", &MpcScenario::method},
+            {"mass_error", &MpcScenario::mass_error},
+            {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
   }
 };
 
@@ -102,10 +100,11 @@ struct PayloadScenario {
   double attach_s = 0;
   double release_s = 0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"mass_kg", &PayloadScenario::mass_kg}, Field{"position_m", &PayloadScenario::position_m},
-        Field{"attach_s", &PayloadScenario::attach_s}, Field{"release_s", &PayloadScenario::release_s}};
+  static FieldList Fields() {
+    return {{"mass_kg", &PayloadScenario::mass_kg},
+            {"position_m", &PayloadScenario::position_m},
+            {"attach_s", &PayloadScenario::attach_s},
+            {"release_s", &PayloadScenario::release_s}};
   }
 };
 
@@ -117,13 +116,13 @@ struct NoiseScenario {
   double pose_rate_hz = 200;
   double imu_rate_hz = 200;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"position_m", &NoiseScenario::position_m},
-                      Field{"attitude_rad", &NoiseScenario::attitude_rad},
-                      Field{"angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s},
-                      Field{"acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2},
-                      Field{"pose_rate_hz", &NoiseScenario::pose_rate_hz},
-                      Field{"imu_rate_hz", &NoiseScenario::imu_rate_hz}};
+  static FieldList Fields() {
+    return {{"position_m", &NoiseScenario::position_m},
+            {"attitude_rad", &NoiseScenario::attitude_rad},
+            {"angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s},
+            {"acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2},
+            {"pose_rate_hz", &NoiseScenario::pose_rate_hz},
+            {"imu_rate_hz", &NoiseScenario::imu_rate_hz}};
   }
 };
 
@@ -134,16 +133,17 @@ struct IntegratorScenario {
   double rtol = 1e-3;
   double atol = 1e-5;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"order", &IntegratorScenario::order}, Field{"rtol", &IntegratorScenario::rtol},
-                      Field{"atol", &IntegratorScenario::atol}};
+  static FieldList Fields() {
+    return {{"order", &IntegratorScenario::order},
+            {"rtol", &IntegratorScenario::rtol},
+            {"atol", &IntegratorScenario::atol}};
   }
 };
 
 enum class CdprController { kPd, kMpcEquilibrium, kMpcZero };
 constexpr auto EnumNames(CdprController) {
-  return std::array{std::pair{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
-                    std::pair{CdprController::kMpcZero, "mpc_zero"}, std::pair{CdprController::kPd, "pd"}};
+  return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
+                    Named{CdprController::kMpcZero, "mpc_zero"}, Named{CdprController::kPd, "pd"}};
 }
 
 /// A run of tenon-cdpr, as its YAML file says it.
@@ -167,25 +167,25 @@ struct CdprScenario {
   bool forbid_slack = true;  ///< a slack cable ends the run, exit code 3
   ReportScenario report;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("app", &CdprScenario::app),
-                      Field{"description", &CdprScenario::description},
-                      Required("case", &CdprScenario::case_name),
-                      Field{"robot", &CdprScenario::robot},
-                      Field{"duration_s", &CdprScenario::duration_s},
-                      Field{"seed", &CdprScenario::seed},
-                      Field{"controller", &CdprScenario::controller},
-                      Required("path", &CdprScenario::path),
-                      Required("pd", &CdprScenario::pd),
-                      Field{"mpc", &CdprScenario::mpc},
-                      Field{"start_offset_m", &CdprScenario::start_offset_m},
-                      Field{"start_turn_rad", &CdprScenario::start_turn_rad},
-                      Field{"payload", &CdprScenario::payload},
-                      Field{"noise", &CdprScenario::noise},
-                      Field{"integrator", &CdprScenario::integrator},
-                      Field{"log_rate_hz", &CdprScenario::log_rate_hz},
-                      Field{"forbid_slack", &CdprScenario::forbid_slack},
-                      Field{"report", &CdprScenario::report}};
+  static FieldList Fields() {
+    return {Required("app", &CdprScenario::app),
+            {"description", &CdprScenario::description},
+            Required("case", &CdprScenario::case_name),
+            {"robot", &CdprScenario::robot},
+            {"duration_s", &CdprScenario::duration_s},
+            {"seed", &CdprScenario::seed},
+            {"controller", &CdprScenario::controller},
+            Required("path", &CdprScenario::path),
+            Required("pd", &CdprScenario::pd),
+            {"mpc", &CdprScenario::mpc},
+            {"start_offset_m", &CdprScenario::start_offset_m},
+            {"start_turn_rad", &CdprScenario::start_turn_rad},
+            {"payload", &CdprScenario::payload},
+            {"noise", &CdprScenario::noise},
+            {"integrator", &CdprScenario::integrator},
+            {"log_rate_hz", &CdprScenario::log_rate_hz},
+            {"forbid_slack", &CdprScenario::forbid_slack},
+            {"report", &CdprScenario::report}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -36,9 +36,10 @@ struct ReportScenario {
   std::vector<std::string> events;  ///< signals of which every change is marked
   std::vector<Band> bands;          ///< modes
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"plots", &ReportScenario::plots}, Field{"events", &ReportScenario::events},
-                      Field{"bands", &ReportScenario::bands}};
+  static FieldList Fields() {
+    return {{"plots", &ReportScenario::plots},
+            {"events", &ReportScenario::events},
+            {"bands", &ReportScenario::bands}};
   }
 };
 

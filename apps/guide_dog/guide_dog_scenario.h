@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <tuple>
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
@@ -36,30 +35,30 @@ struct GuideDogScenario {
   double log_rate_hz = 100;
   ReportScenario report;
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using S = GuideDogScenario;
-    return std::tuple{Required("app", &S::app),
-                      Field{"description", &S::description},
-                      Required("case", &S::case_name),
-                      Field{"robot", &S::robot},
-                      Field{"duration_s", &S::duration_s},
-                      Field{"seed", &S::seed},
-                      Required("walk", &S::walk),
-                      Field{"profile", &S::profile},
-                      Field{"observer", &S::observer},
-                      Field{"supervisor", &S::supervisor},
-                      Field{"admittance", &S::admittance},
-                      Required("person", &S::person),
-                      Field{"leash", &S::leash},
-                      Field{"surroundings", &S::surroundings},
-                      Field{"terrain", &S::terrain},
-                      Field{"forces", &S::forces},
-                      Field{"sensors", &S::sensors},
-                      Field{"fall", &S::fall},
-                      Field{"limit_speed", &S::limit_speed},
-                      Field{"integrator", &S::integrator},
-                      Field{"log_rate_hz", &S::log_rate_hz},
-                      Field{"report", &S::report}};
+    return {Required("app", &S::app),
+            {"description", &S::description},
+            Required("case", &S::case_name),
+            {"robot", &S::robot},
+            {"duration_s", &S::duration_s},
+            {"seed", &S::seed},
+            Required("walk", &S::walk),
+            {"profile", &S::profile},
+            {"observer", &S::observer},
+            {"supervisor", &S::supervisor},
+            {"admittance", &S::admittance},
+            Required("person", &S::person),
+            {"leash", &S::leash},
+            {"surroundings", &S::surroundings},
+            {"terrain", &S::terrain},
+            {"forces", &S::forces},
+            {"sensors", &S::sensors},
+            {"fall", &S::fall},
+            {"limit_speed", &S::limit_speed},
+            {"integrator", &S::integrator},
+            {"log_rate_hz", &S::log_rate_hz},
+            {"report", &S::report}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/quaternion.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,18 +23,18 @@ struct JointPdScenario {
   bool gravity_compensation = true;
   double rate_hz = 1000;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad),
-                      Required("damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad),
-                      Field{"gravity_compensation", &JointPdScenario::gravity_compensation},
-                      Field{"rate_hz", &JointPdScenario::rate_hz}};
+  static FieldList Fields() {
+    return {Required("stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad),
+            Required("damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad),
+            {"gravity_compensation", &JointPdScenario::gravity_compensation},
+            {"rate_hz", &JointPdScenario::rate_hz}};
   }
 };
 
 /// What the walking controller knows of the robot's pose and motion.
 enum class StateSource { kTrue, kEstimated };
 constexpr auto EnumNames(StateSource) {
-  return std::array{std::pair{StateSource::kTrue, "true"}, std::pair{StateSource::kEstimated, "estimated"}};
+  return std::array{Named{StateSource::kTrue, "true"}, Named{StateSource::kEstimated, "estimated"}};
 }
 
 /// What the walking robot is to do, and what the user chooses of the way it does that.
@@ -51,16 +50,16 @@ struct WalkScenario {
   double mass_error_ratio = 0;  ///< 0.3: the controller believes in masses 30 % too large
   double judged_from_s = 0;     ///< figures count from here
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("path", &WalkScenario::path),
-                      Field{"gaits", &WalkScenario::gaits},
-                      Field{"com_reference", &WalkScenario::com_reference},
-                      Field{"zmp", &WalkScenario::zmp},
-                      Field{"step", &WalkScenario::step},
-                      Field{"state", &WalkScenario::state},
-                      Field{"friction", &WalkScenario::friction},
-                      Field{"mass_error_ratio", &WalkScenario::mass_error_ratio},
-                      Field{"judged_from_s", &WalkScenario::judged_from_s}};
+  static FieldList Fields() {
+    return {Required("path", &WalkScenario::path),
+            {"gaits", &WalkScenario::gaits},
+            {"com_reference", &WalkScenario::com_reference},
+            {"zmp", &WalkScenario::zmp},
+            {"step", &WalkScenario::step},
+            {"state", &WalkScenario::state},
+            {"friction", &WalkScenario::friction},
+            {"mass_error_ratio", &WalkScenario::mass_error_ratio},
+            {"judged_from_s", &WalkScenario::judged_from_s}};
   }
 };
 
@@ -71,9 +70,10 @@ struct SweepScenario {
   double period_s = 0;
   int directions = 8;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"phases", &SweepScenario::phases}, Required("period_s", &SweepScenario::period_s),
-                      Field{"directions", &SweepScenario::directions}};
+  static FieldList Fields() {
+    return {{"phases", &SweepScenario::phases},
+            Required("period_s", &SweepScenario::period_s),
+            {"directions", &SweepScenario::directions}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -83,9 +83,9 @@ struct FallScenario {
   double min_height_ratio = 0.5;  ///< of the trunk above the ground, to that in the nominal stance
   double max_tilt_rad = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"min_height_ratio", &FallScenario::min_height_ratio},
-                      Field{"max_tilt_rad", &FallScenario::max_tilt_rad}};
+  static FieldList Fields() {
+    return {{"min_height_ratio", &FallScenario::min_height_ratio},
+            {"max_tilt_rad", &FallScenario::max_tilt_rad}};
   }
 };
 
@@ -98,12 +98,12 @@ struct EncoderScenario {
   double speed_noise_rad_per_s = 0;
   double speed_bias_rad_per_s = 0;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"rate_hz", &EncoderScenario::rate_hz},
-                      Field{"angle_noise_rad", &EncoderScenario::angle_noise_rad},
-                      Field{"angle_bias_rad", &EncoderScenario::angle_bias_rad},
-                      Field{"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
-                      Field{"speed_bias_rad_per_s", &EncoderScenario::speed_bias_rad_per_s}};
+  static FieldList Fields() {
+    return {{"rate_hz", &EncoderScenario::rate_hz},
+            {"angle_noise_rad", &EncoderScenario::angle_noise_rad},
+            {"angle_bias_rad", &EncoderScenario::angle_bias_rad},
+            {"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
+            {"speed_bias_rad_per_s", &EncoderScenario::speed_bias_rad_per_s}};
   }
 };
 
@@ -113,10 +113,10 @@ struct TorqueSensorScenario {
   double noise_ratio = 0;
   double bias_N_m = 0;  ///< the same at all joints
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"rate_hz", &TorqueSensorScenario::rate_hz},
-                      Field{"noise_ratio", &TorqueSensorScenario::noise_ratio},
-                      Field{"bias_N_m", &TorqueSensorScenario::bias_N_m}};
+  static FieldList Fields() {
+    return {{"rate_hz", &TorqueSensorScenario::rate_hz},
+            {"noise_ratio", &TorqueSensorScenario::noise_ratio},
+            {"bias_N_m", &TorqueSensorScenario::bias_N_m}};
   }
 };
 
@@ -126,10 +126,10 @@ struct FootForceSensorScenario {
   double noise_ratio = 0;
   double bias_N = 0;  ///< the same in all components of all feet
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"rate_hz", &FootForceSensorScenario::rate_hz},
-                      Field{"noise_ratio", &FootForceSensorScenario::noise_ratio},
-                      Field{"bias_N", &FootForceSensorScenario::bias_N}};
+  static FieldList Fields() {
+    return {{"rate_hz", &FootForceSensorScenario::rate_hz},
+            {"noise_ratio", &FootForceSensorScenario::noise_ratio},
+            {"bias_N", &FootForceSensorScenario::bias_N}};
   }
 };
 
@@ -140,13 +140,12 @@ struct ImuScenario {
   double acceleration_noise_m_per_s2 = 0;
   Eigen::Vector3d acceleration_bias_m_per_s2 = Eigen::Vector3d::Zero();  ///< in the trunk's frame
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"rate_hz", &ImuScenario::rate_hz},
-        Field{"angular_velocity_noise_rad_per_s", &ImuScenario::angular_velocity_noise_rad_per_s},
-        Field{"angular_velocity_bias_rad_per_s", &ImuScenario::angular_velocity_bias_rad_per_s},
-        Field{"acceleration_noise_m_per_s2", &ImuScenario::acceleration_noise_m_per_s2},
-        Field{"acceleration_bias_m_per_s2", &ImuScenario::acceleration_bias_m_per_s2}};
+  static FieldList Fields() {
+    return {{"rate_hz", &ImuScenario::rate_hz},
+            {"angular_velocity_noise_rad_per_s", &ImuScenario::angular_velocity_noise_rad_per_s},
+            {"angular_velocity_bias_rad_per_s", &ImuScenario::angular_velocity_bias_rad_per_s},
+            {"acceleration_noise_m_per_s2", &ImuScenario::acceleration_noise_m_per_s2},
+            {"acceleration_bias_m_per_s2", &ImuScenario::acceleration_bias_m_per_s2}};
   }
 };
 
@@ -156,17 +155,19 @@ struct SensorScenario {
   FootForceSensorScenario foot_force;
   ImuScenario imu;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"encoders", &SensorScenario::encoders}, Field{"torque", &SensorScenario::torque},
-                      Field{"foot_force", &SensorScenario::foot_force}, Field{"imu", &SensorScenario::imu}};
+  static FieldList Fields() {
+    return {{"encoders", &SensorScenario::encoders},
+            {"torque", &SensorScenario::torque},
+            {"foot_force", &SensorScenario::foot_force},
+            {"imu", &SensorScenario::imu}};
   }
 };
 
 enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
 constexpr auto EnumNames(Part) {
-  return std::array{std::pair{Part::kTrunk, "trunk"}, std::pair{Part::kFrontLeft, "front_left"},
-                    std::pair{Part::kFrontRight, "front_right"}, std::pair{Part::kRearLeft, "rear_left"},
-                    std::pair{Part::kRearRight, "rear_right"}};
+  return std::array{Named{Part::kTrunk, "trunk"}, Named{Part::kFrontLeft, "front_left"},
+                    Named{Part::kFrontRight, "front_right"}, Named{Part::kRearLeft, "rear_left"},
+                    Named{Part::kRearRight, "rear_right"}};
 }
 
 /// A constant force, or a sine of the time since its start if there is a frequency.
@@ -179,14 +180,14 @@ struct ForceScenario {
   double duration_s = 0;
   double frequency_rad_per_s = 0;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"on", &ForceScenario::on},
-                      Field{"height", &ForceScenario::height},
-                      Field{"force_N", &ForceScenario::force_N},
-                      Field{"torque_N_m", &ForceScenario::torque_N_m},
-                      Field{"start_s", &ForceScenario::start_s},
-                      Required("duration_s", &ForceScenario::duration_s),
-                      Field{"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
+  static FieldList Fields() {
+    return {{"on", &ForceScenario::on},
+            {"height", &ForceScenario::height},
+            {"force_N", &ForceScenario::force_N},
+            {"torque_N_m", &ForceScenario::torque_N_m},
+            {"start_s", &ForceScenario::start_s},
+            Required("duration_s", &ForceScenario::duration_s),
+            {"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
   }
 };
 
@@ -197,11 +198,11 @@ struct RandomForceScenario {
   double upper_N = 0;
   double period_s = 2;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"on_trunk", &RandomForceScenario::on_trunk},
-                      Required("lower_N", &RandomForceScenario::lower_N),
-                      Required("upper_N", &RandomForceScenario::upper_N),
-                      Field{"period_s", &RandomForceScenario::period_s}};
+  static FieldList Fields() {
+    return {{"on_trunk", &RandomForceScenario::on_trunk},
+            Required("lower_N", &RandomForceScenario::lower_N),
+            Required("upper_N", &RandomForceScenario::upper_N),
+            {"period_s", &RandomForceScenario::period_s}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -212,10 +213,10 @@ struct TrunkLoadScenario {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of its centre in the trunk's frame
   Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"mass_kg", &TrunkLoadScenario::mass_kg},
-                      Field{"position_m", &TrunkLoadScenario::position_m},
-                      Field{"edges_m", &TrunkLoadScenario::edges_m}};
+  static FieldList Fields() {
+    return {{"mass_kg", &TrunkLoadScenario::mass_kg},
+            {"position_m", &TrunkLoadScenario::position_m},
+            {"edges_m", &TrunkLoadScenario::edges_m}};
   }
   RigidInertia Make() const;
 };
@@ -228,12 +229,12 @@ struct LeggedIntegratorScenario {
   double atol_velocity = 1e-2;  ///< [m/s, rad/s]
   double atol_bristles = 1e-6;  ///< [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"order", &LeggedIntegratorScenario::order},
-                      Field{"rtol", &LeggedIntegratorScenario::rtol},
-                      Field{"atol_position", &LeggedIntegratorScenario::atol_position},
-                      Field{"atol_velocity", &LeggedIntegratorScenario::atol_velocity},
-                      Field{"atol_bristles", &LeggedIntegratorScenario::atol_bristles}};
+  static FieldList Fields() {
+    return {{"order", &LeggedIntegratorScenario::order},
+            {"rtol", &LeggedIntegratorScenario::rtol},
+            {"atol_position", &LeggedIntegratorScenario::atol_position},
+            {"atol_velocity", &LeggedIntegratorScenario::atol_velocity},
+            {"atol_bristles", &LeggedIntegratorScenario::atol_bristles}};
   }
 };
 
@@ -263,30 +264,30 @@ struct QuadrupedScenario {
   double log_rate_hz = 200;
   ReportScenario report;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("app", &QuadrupedScenario::app),
-                      Field{"description", &QuadrupedScenario::description},
-                      Required("case", &QuadrupedScenario::case_name),
-                      Field{"robot", &QuadrupedScenario::robot},
-                      Field{"duration_s", &QuadrupedScenario::duration_s},
-                      Field{"seed", &QuadrupedScenario::seed},
-                      Field{"start_height_m", &QuadrupedScenario::start_height_m},
-                      Field{"terrain", &QuadrupedScenario::terrain},
-                      Field{"pd", &QuadrupedScenario::pd},
-                      Field{"walk", &QuadrupedScenario::walk},
-                      Field{"observer", &QuadrupedScenario::observer},
-                      Field{"profile", &QuadrupedScenario::profile},
-                      Field{"sensors", &QuadrupedScenario::sensors},
-                      Field{"forces", &QuadrupedScenario::forces},
-                      Field{"random_forces", &QuadrupedScenario::random_forces},
-                      Field{"payload", &QuadrupedScenario::payload},
-                      Field{"sweep", &QuadrupedScenario::sweep},
-                      Field{"compare", &QuadrupedScenario::compare},
-                      Field{"fall", &QuadrupedScenario::fall},
-                      Field{"limit_speed", &QuadrupedScenario::limit_speed},
-                      Field{"integrator", &QuadrupedScenario::integrator},
-                      Field{"log_rate_hz", &QuadrupedScenario::log_rate_hz},
-                      Field{"report", &QuadrupedScenario::report}};
+  static FieldList Fields() {
+    return {Required("app", &QuadrupedScenario::app),
+            {"description", &QuadrupedScenario::description},
+            Required("case", &QuadrupedScenario::case_name),
+            {"robot", &QuadrupedScenario::robot},
+            {"duration_s", &QuadrupedScenario::duration_s},
+            {"seed", &QuadrupedScenario::seed},
+            {"start_height_m", &QuadrupedScenario::start_height_m},
+            {"terrain", &QuadrupedScenario::terrain},
+            {"pd", &QuadrupedScenario::pd},
+            {"walk", &QuadrupedScenario::walk},
+            {"observer", &QuadrupedScenario::observer},
+            {"profile", &QuadrupedScenario::profile},
+            {"sensors", &QuadrupedScenario::sensors},
+            {"forces", &QuadrupedScenario::forces},
+            {"random_forces", &QuadrupedScenario::random_forces},
+            {"payload", &QuadrupedScenario::payload},
+            {"sweep", &QuadrupedScenario::sweep},
+            {"compare", &QuadrupedScenario::compare},
+            {"fall", &QuadrupedScenario::fall},
+            {"limit_speed", &QuadrupedScenario::limit_speed},
+            {"integrator", &QuadrupedScenario::integrator},
+            {"log_rate_hz", &QuadrupedScenario::log_rate_hz},
+            {"report", &QuadrupedScenario::report}};
   }
   void Validate() const;  ///< throws ParameterError
 };

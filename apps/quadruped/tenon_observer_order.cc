@@ -27,10 +27,10 @@ struct VariantScenario {
   std::vector<double> gains_per_s;
   std::optional<ButterworthDesign> butterworth;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("name", &VariantScenario::name),
-                      Field{"gains_per_s", &VariantScenario::gains_per_s},
-                      Field{"butterworth", &VariantScenario::butterworth}};
+  static FieldList Fields() {
+    return {Required("name", &VariantScenario::name),
+            {"gains_per_s", &VariantScenario::gains_per_s},
+            {"butterworth", &VariantScenario::butterworth}};
   }
   void Validate() const {
     Demand(gains_per_s.empty() || !butterworth,
@@ -57,19 +57,19 @@ struct ObserverOrderScenario {
   double log_rate_hz = 1000;
   ReportScenario report;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("app", &ObserverOrderScenario::app),
-                      Field{"description", &ObserverOrderScenario::description},
-                      Required("case", &ObserverOrderScenario::case_name),
-                      Field{"robot", &ObserverOrderScenario::robot},
-                      Field{"duration_s", &ObserverOrderScenario::duration_s},
-                      Field{"seed", &ObserverOrderScenario::seed},
-                      Required("pd", &ObserverOrderScenario::pd),
-                      Field{"force_N", &ObserverOrderScenario::force_N},
-                      Field{"start_s", &ObserverOrderScenario::start_s},
-                      Required("variants", &ObserverOrderScenario::variants),
-                      Field{"log_rate_hz", &ObserverOrderScenario::log_rate_hz},
-                      Field{"report", &ObserverOrderScenario::report}};
+  static FieldList Fields() {
+    return {Required("app", &ObserverOrderScenario::app),
+            {"description", &ObserverOrderScenario::description},
+            Required("case", &ObserverOrderScenario::case_name),
+            {"robot", &ObserverOrderScenario::robot},
+            {"duration_s", &ObserverOrderScenario::duration_s},
+            {"seed", &ObserverOrderScenario::seed},
+            Required("pd", &ObserverOrderScenario::pd),
+            {"force_N", &ObserverOrderScenario::force_N},
+            {"start_s", &ObserverOrderScenario::start_s},
+            Required("variants", &ObserverOrderScenario::variants),
+            {"log_rate_hz", &ObserverOrderScenario::log_rate_hz},
+            {"report", &ObserverOrderScenario::report}};
   }
   void Validate() const {
     Demand(start_s >= 0 && duration_s > start_s,

@@ -104,3 +104,5 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, Memory& memory) const {
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::PlatformEstimate);

@@ -6,8 +6,6 @@
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
-#include <tuple>
-
 namespace tenon {
 
 /// A platform's state as it is believed to have been at a time.
@@ -15,9 +13,8 @@ struct PlatformEstimate {
   double time = 0;  ///< [s]
   PlatformState platform;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"time", &PlatformEstimate::time, "s"},
-                      Field{"platform", &PlatformEstimate::platform}};
+  static FieldList Fields() {
+    return {{"time", &PlatformEstimate::time, "s"}, {"platform", &PlatformEstimate::platform}};
   }
 };
 
@@ -61,9 +58,11 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
     ImuMeasurement inertial;
     Covariance covariance = Covariance::Zero();
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"platform", &Memory::platform},
-                        Field{"inertial", &Memory::inertial}, Field{"covariance", &Memory::covariance}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"platform", &Memory::platform},
+              {"inertial", &Memory::inertial},
+              {"covariance", &Memory::covariance}};
     }
   };
 
@@ -84,3 +83,5 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::PlatformEstimate);

@@ -60,3 +60,6 @@ Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan) const {
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::CdprPlan);
+TENON_DEFINE_SIGNAL(tenon::CdprMpcDiagnostics);

@@ -2,7 +2,6 @@
 
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
-#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -15,11 +14,12 @@ struct CdprMpcDiagnostics {
   double cost = 0;        ///< of the nominal trajectory
   double solve_time = 0;  ///< wall-clock time that the last solve took [s]; nothing depends on it
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"solves", &CdprMpcDiagnostics::solves}, Field{"fallbacks", &CdprMpcDiagnostics::fallbacks},
-        Field{"fallbacks_in_a_row", &CdprMpcDiagnostics::fallbacks_in_a_row},
-        Field{"cost", &CdprMpcDiagnostics::cost}, Field{"solve_time", &CdprMpcDiagnostics::solve_time, "s"}};
+  static FieldList Fields() {
+    return {{"solves", &CdprMpcDiagnostics::solves},
+            {"fallbacks", &CdprMpcDiagnostics::fallbacks},
+            {"fallbacks_in_a_row", &CdprMpcDiagnostics::fallbacks_in_a_row},
+            {"cost", &CdprMpcDiagnostics::cost},
+            {"solve_time", &CdprMpcDiagnostics::solve_time, "s"}};
   }
 };
 
@@ -31,9 +31,8 @@ struct CdprPlan {
     CableVector u;                ///< nominal tensions [N]
     Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign, kMaxCables, 12> K;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"time", &Node::time, "s"}, Field{"x", &Node::x}, Field{"u", &Node::u, "N"},
-                        Field{"K", &Node::K}};
+    static FieldList Fields() {
+      return {{"time", &Node::time, "s"}, {"x", &Node::x}, {"u", &Node::u, "N"}, {"K", &Node::K}};
     }
   };
 
@@ -41,9 +40,10 @@ struct CdprPlan {
   std::vector<Node> nodes;
   CdprMpcDiagnostics diagnostics;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"start", &CdprPlan::start, "s"}, Field{"nodes", &CdprPlan::nodes},
-                      Field{"diagnostics", &CdprPlan::diagnostics}};
+  static FieldList Fields() {
+    return {{"start", &CdprPlan::start, "s"},
+            {"nodes", &CdprPlan::nodes},
+            {"diagnostics", &CdprPlan::diagnostics}};
   }
 
   /// The tensions at `time`, for a state that was estimated at `estimated`, not after `time` [s]. Not
@@ -52,3 +52,6 @@ struct CdprPlan {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::CdprPlan);
+TENON_DECLARE_SIGNAL(tenon::CdprMpcDiagnostics);

@@ -307,3 +307,5 @@ CdprReference EquilibriumPath::At(double time) const {
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::CdprReference);

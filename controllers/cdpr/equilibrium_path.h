@@ -4,7 +4,6 @@
 #include <tenon/systems/framework/fields.h>
 
 #include <Eigen/Core>
-#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -71,15 +70,15 @@ struct CdprReference {
   CableVector length, length_rate;                   ///< of the pose and the twist above [m, m/s]
   CableVector tension;                               ///< of the equilibrium at `position` [N]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"position", &CdprReference::position, "m"},
-                      Field{"velocity", &CdprReference::velocity, "m/s"},
-                      Field{"acceleration", &CdprReference::acceleration, "m/s^2"},
-                      Field{"euler", &CdprReference::euler, "rad"},
-                      Field{"euler_rate", &CdprReference::euler_rate, "rad/s"},
-                      Field{"length", &CdprReference::length, "m"},
-                      Field{"length_rate", &CdprReference::length_rate, "m/s"},
-                      Field{"tension", &CdprReference::tension, "N"}};
+  static FieldList Fields() {
+    return {{"position", &CdprReference::position, "m"},
+            {"velocity", &CdprReference::velocity, "m/s"},
+            {"acceleration", &CdprReference::acceleration, "m/s^2"},
+            {"euler", &CdprReference::euler, "rad"},
+            {"euler_rate", &CdprReference::euler_rate, "rad/s"},
+            {"length", &CdprReference::length, "m"},
+            {"length_rate", &CdprReference::length_rate, "m/s"},
+            {"tension", &CdprReference::tension, "N"}};
   }
 };
 
@@ -128,3 +127,5 @@ class EquilibriumPath {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::CdprReference);

@@ -78,3 +78,5 @@ WalkCommand AdmittanceFilter::CalcWalk(const WalkCommand& command, const Admitta
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::AdmittanceMotion);

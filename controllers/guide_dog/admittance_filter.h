@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <tuple>
 
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
@@ -23,13 +22,12 @@ struct AdmittanceFilterParams {
   double acceleration = 0.5;    ///< of each velocity, at most [m/s^2]
   Rate rate = Hz(100);
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using P = AdmittanceFilterParams;
-    return std::tuple{
-        Field{"desired_tension_N", &P::desired_tension}, Field{"mass_kg", &P::mass},
-        Field{"damping_N_s_per_m", &P::damping},         Field{"stiffness_N_per_m", &P::stiffness},
-        Field{"min_forward_m_per_s", &P::min_forward},   Field{"max_forward_m_per_s", &P::max_forward},
-        Field{"max_left_m_per_s", &P::max_left},         Field{"acceleration_m_per_s2", &P::acceleration}};
+    return {{"desired_tension_N", &P::desired_tension}, {"mass_kg", &P::mass},
+            {"damping_N_s_per_m", &P::damping},         {"stiffness_N_per_m", &P::stiffness},
+            {"min_forward_m_per_s", &P::min_forward},   {"max_forward_m_per_s", &P::max_forward},
+            {"max_left_m_per_s", &P::max_left},         {"acceleration_m_per_s2", &P::acceleration}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -43,11 +41,11 @@ struct AdmittanceMotion {
   double offset = 0;                   ///< x~ across the path, to the left [m]
   bool walks = false;                  ///< the command has a gait
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using M = AdmittanceMotion;
-    return std::tuple{Field{"tension", &M::tension, "N"},     Field{"direction", &M::direction},
-                      Field{"velocity", &M::velocity, "m/s"}, Field{"correction", &M::correction, "m/s"},
-                      Field{"offset", &M::offset, "m"},       Field{"walks", &M::walks}};
+    return {{"tension", &M::tension, "N"},     {"direction", &M::direction},
+            {"velocity", &M::velocity, "m/s"}, {"correction", &M::correction, "m/s"},
+            {"offset", &M::offset, "m"},       {"walks", &M::walks}};
   }
 };
 
@@ -103,3 +101,5 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::AdmittanceMotion);

@@ -110,3 +110,5 @@ WalkCommand Supervisor::CalcWalk(const WalkCommand& command, const GuideStatus& 
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::GuideStatus);

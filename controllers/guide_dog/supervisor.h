@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 #include <utility>
 
 #include <tenon/plants/model/disturbance_signals.h>
@@ -18,8 +17,8 @@ enum class GuideMode {
   kStop,  ///< stands and waits for a pull
 };
 constexpr auto EnumNames(GuideMode) {
-  return std::array{std::pair{GuideMode::kMove, "move"}, std::pair{GuideMode::kTurn, "turn"},
-                    std::pair{GuideMode::kStop, "stop"}};
+  return std::array{Named{GuideMode::kMove, "move"}, Named{GuideMode::kTurn, "turn"},
+                    Named{GuideMode::kStop, "stop"}};
 }
 
 /// Defaults: see docs/guide_dog.md.
@@ -35,17 +34,17 @@ struct SupervisorParams {
   double align_time = 0.3;          ///< for which it must; in a stumble the trunk passes through [s]
   Rate rate = Hz(100);
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using P = SupervisorParams;
-    return std::tuple{Field{"threshold_N", &P::threshold},
-                      Field{"release_N", &P::release},
-                      Field{"stop_time_s", &P::stop_time},
-                      Field{"start_time_s", &P::start_time},
-                      Field{"dwell_s", &P::dwell},
-                      Field{"turn_rate_rad_per_s", &P::turn_rate},
-                      Field{"turn_gain_per_s", &P::turn_gain},
-                      Field{"heading_tolerance_rad", &P::heading_tolerance},
-                      Field{"align_time_s", &P::align_time}};
+    return {{"threshold_N", &P::threshold},
+            {"release_N", &P::release},
+            {"stop_time_s", &P::stop_time},
+            {"start_time_s", &P::start_time},
+            {"dwell_s", &P::dwell},
+            {"turn_rate_rad_per_s", &P::turn_rate},
+            {"turn_gain_per_s", &P::turn_gain},
+            {"heading_tolerance_rad", &P::heading_tolerance},
+            {"align_time_s", &P::align_time}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -82,18 +81,18 @@ struct GuideStatus {
   double aligned_time = 0;         ///< evidence that the turn is done [s]
   double yaw_rate = 0;             ///< of a turn [rad/s]
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using S = GuideStatus;
-    return std::tuple{Field{"mode", &S::mode},
-                      Field{"since", &S::since, "s"},
-                      Field{"yaw", &S::yaw, "rad"},
-                      Field{"pull_time", &S::pull_time, "s"},
-                      Field{"pull_W", &S::pull_W, "N"},
-                      Field{"calm_time", &S::calm_time, "s"},
-                      Field{"released", &S::released},
-                      Field{"seen", &S::seen},
-                      Field{"aligned_time", &S::aligned_time, "s"},
-                      Field{"yaw_rate", &S::yaw_rate, "rad/s"}};
+    return {{"mode", &S::mode},
+            {"since", &S::since, "s"},
+            {"yaw", &S::yaw, "rad"},
+            {"pull_time", &S::pull_time, "s"},
+            {"pull_W", &S::pull_W, "N"},
+            {"calm_time", &S::calm_time, "s"},
+            {"released", &S::released},
+            {"seen", &S::seen},
+            {"aligned_time", &S::aligned_time, "s"},
+            {"yaw_rate", &S::yaw_rate, "rad/s"}};
   }
 };
 
@@ -141,3 +140,5 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::GuideStatus);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <tenon/systems/framework/fields.h>
+
 namespace tenon {
 
 /// Matrices of constraints: one constraint a row, rows contiguous.
@@ -35,12 +37,12 @@ enum class QpStatus {
 };
 
 constexpr auto EnumNames(QpStatus) {
-  return std::array{std::pair{QpStatus::kSolved, "solved"},
-                    std::pair{QpStatus::kInfeasible, "infeasible"},
-                    std::pair{QpStatus::kNotConvex, "not_convex"},
-                    std::pair{QpStatus::kNotFinite, "not_finite"},
-                    std::pair{QpStatus::kIterationLimit, "iteration_limit"},
-                    std::pair{QpStatus::kInaccurate, "inaccurate"}};
+  return std::array{Named{QpStatus::kSolved, "solved"},
+                    Named{QpStatus::kInfeasible, "infeasible"},
+                    Named{QpStatus::kNotConvex, "not_convex"},
+                    Named{QpStatus::kNotFinite, "not_finite"},
+                    Named{QpStatus::kIterationLimit, "iteration_limit"},
+                    Named{QpStatus::kInaccurate, "inaccurate"}};
 }
 
 struct QpReport {

@@ -3,14 +3,16 @@
 #include <array>
 #include <utility>
 
+#include <tenon/systems/framework/fields.h>
+
 namespace tenon {
 
 /// How a continuous f(x, u) becomes x' = F(x, u) over a step, u constant.
 enum class StepMethod { kEuler, kMidpoint, kRungeKutta4 };
 
 constexpr auto EnumNames(StepMethod) {
-  return std::array{std::pair{StepMethod::kEuler, "euler"}, std::pair{StepMethod::kMidpoint, "midpoint"},
-                    std::pair{StepMethod::kRungeKutta4, "runge_kutta_4"}};
+  return std::array{Named{StepMethod::kEuler, "euler"}, Named{StepMethod::kMidpoint, "midpoint"},
+                    Named{StepMethod::kRungeKutta4, "runge_kutta_4"}};
 }
 
 enum class SlqBounds {

@@ -20,13 +20,13 @@ enum class ObserverKind {
   kNdoInverse,  ///< the same, reading kInverse
 };
 constexpr auto EnumNames(ObserverKind) {
-  return std::array{std::pair{ObserverKind::kNone, "none"},
-                    std::pair{ObserverKind::kLegs, "legs"},
-                    std::pair{ObserverKind::kCom, "com"},
-                    std::pair{ObserverKind::kHybrid, "hybrid"},
-                    std::pair{ObserverKind::kFocchi, "focchi"},
-                    std::pair{ObserverKind::kNdoM, "ndo_m"},
-                    std::pair{ObserverKind::kNdoInverse, "ndo_inverse"}};
+  return std::array{Named{ObserverKind::kNone, "none"},
+                    Named{ObserverKind::kLegs, "legs"},
+                    Named{ObserverKind::kCom, "com"},
+                    Named{ObserverKind::kHybrid, "hybrid"},
+                    Named{ObserverKind::kFocchi, "focchi"},
+                    Named{ObserverKind::kNdoM, "ndo_m"},
+                    Named{ObserverKind::kNdoInverse, "ndo_inverse"}};
 }
 
 /// The kind decides which of the blocks there are; `focchi` takes its gains from CentroidalMomentumObserver,

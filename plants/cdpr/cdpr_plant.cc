@@ -174,3 +174,5 @@ WinchState CdprPlant::CalcWinchRate(const WinchState& winches, const CableForces
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::WinchState);

@@ -6,8 +6,6 @@
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
-#include <tuple>
-
 namespace tenon {
 
 struct CdprPlantParams {
@@ -30,10 +28,10 @@ struct WinchState {
   Vec<kMaxCables> motor_tension = Vec<kMaxCables>::Zero();  ///< what the motor pulls at the drum [N]
   Vec<kMaxCables> reel_speed = Vec<kMaxCables>::Zero();     ///< dl0/dt in torque mode, else unused [m/s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"rest_length", &WinchState::rest_length, "m"},
-                      Field{"motor_tension", &WinchState::motor_tension, "N"},
-                      Field{"reel_speed", &WinchState::reel_speed, "m/s"}};
+  static FieldList Fields() {
+    return {{"rest_length", &WinchState::rest_length, "m"},
+            {"motor_tension", &WinchState::motor_tension, "N"},
+            {"reel_speed", &WinchState::reel_speed, "m/s"}};
   }
 };
 
@@ -142,3 +140,5 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::WinchState);

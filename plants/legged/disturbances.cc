@@ -12,8 +12,7 @@ void CheckForce(const ExternalForce& force) {
   Demand(force.body >= 0 && force.body <= kNumJoints,
          fmt::format("body {} is not there; give 0 for the trunk or 1 to {} for the body that a joint moves",
                      force.body, kNumJoints));
-  Demand(internal::FinitenessOf(force) == internal::Finiteness::kFinite,
-         "point, force and torque must be finite: give m, N and N m");
+  Demand(internal::IsFinite(force), "point, force and torque must be finite: give m, N and N m");
 }
 
 }  // namespace

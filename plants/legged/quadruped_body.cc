@@ -3,6 +3,8 @@
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <array>
 #include <utility>
 

@@ -48,7 +48,7 @@ void QuadrupedPlantParams::Validate() const {
     throw ParameterError(
         fmt::format("the feet of '{}' have a radius of {} m, but the terrain takes at most {} m", robot.name,
                     robot.foot_radius, Terrain::kMaxRadius));
-  if (internal::FinitenessOf(initial) != internal::Finiteness::kFinite || initial.q_WB.norm() == 0)
+  if (!internal::IsFinite(initial) || initial.q_WB.norm() == 0)
     throw ParameterError(
         "the initial state has entries that are not finite, or a quaternion of length 0; give "
         "all in SI units and a unit quaternion");
@@ -183,3 +183,7 @@ FootBristles QuadrupedPlant::CalcBristleRate(const FootContacts& contacts) const
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::FootBristles);
+TENON_DEFINE_SIGNAL(tenon::LeggedEnergy);
+TENON_DEFINE_SIGNAL(tenon::FootContacts);

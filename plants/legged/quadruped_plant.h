@@ -28,7 +28,7 @@ struct QuadrupedPlantParams {
 /// The bristles of the feet, see foot_contact.h.
 struct FootBristles {
   Vec<8> z = Vec<8>::Zero();  ///< two for each leg [m]
-  static constexpr auto Fields() { return std::tuple{Field{"z", &FootBristles::z, "m"}}; }
+  static FieldList Fields() { return {{"z", &FootBristles::z, "m"}}; }
 };
 
 /// How the feet stand on the ground.
@@ -41,9 +41,8 @@ struct LeggedEnergy {
   double kinetic = 0;
   double potential = 0;
   double total() const { return kinetic + potential; }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"kinetic", &LeggedEnergy::kinetic, "J"},
-                      Field{"potential", &LeggedEnergy::potential, "J"}};
+  static FieldList Fields() {
+    return {{"kinetic", &LeggedEnergy::kinetic, "J"}, {"potential", &LeggedEnergy::potential, "J"}};
   }
 };
 
@@ -148,3 +147,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::FootBristles);
+TENON_DECLARE_SIGNAL(tenon::LeggedEnergy);
+TENON_DECLARE_SIGNAL(tenon::FootContacts);

@@ -78,7 +78,7 @@ void CdprDescription::Validate() const {
   winch.Validate();
 }
 
-CdprDescription LoadCdpr(const std::filesystem::path& path) {
+CdprDescription LoadCdpr(const std::string& path) {
   return YamlDocument::Load(path).Read<CdprDescription>();
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/signal.h>
 
 #include <Eigen/Core>
 #include <array>
-#include <filesystem>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,9 +23,9 @@ struct CableDescription {
   Eigen::Vector3d attachment_B =
       Eigen::Vector3d::Zero();  ///< attachment, from the CoM, in the platform frame [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("anchor_m", &CableDescription::anchor_W),
-                      Required("attachment_m", &CableDescription::attachment_B)};
+  static FieldList Fields() {
+    return {Required("anchor_m", &CableDescription::anchor_W),
+            Required("attachment_m", &CableDescription::attachment_B)};
   }
 };
 
@@ -37,11 +36,11 @@ struct CableProperties {
   double tension_min = 0;      ///< lower bound of the commanded tension [N]
   double tension_max = 0;      ///< upper bound of the commanded tension [N]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("axial_stiffness_N", &CableProperties::axial_stiffness),
-                      Required("axial_damping_N_s", &CableProperties::axial_damping),
-                      Required("tension_min_N", &CableProperties::tension_min),
-                      Required("tension_max_N", &CableProperties::tension_max)};
+  static FieldList Fields() {
+    return {Required("axial_stiffness_N", &CableProperties::axial_stiffness),
+            Required("axial_damping_N_s", &CableProperties::axial_damping),
+            Required("tension_min_N", &CableProperties::tension_min),
+            Required("tension_max_N", &CableProperties::tension_max)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -52,7 +51,7 @@ enum class WinchMode {
 };
 
 constexpr auto EnumNames(WinchMode) {
-  return std::array{std::pair{WinchMode::kTension, "tension"}, std::pair{WinchMode::kTorque, "torque"}};
+  return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
 }
 
 /// The winch of a cable, reduced to the drum.
@@ -64,11 +63,11 @@ struct WinchProperties {
   double effective_mass =
       0;  ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"mode", &WinchProperties::mode},
-                      Required("time_constant_s", &WinchProperties::time_constant),
-                      Required("reel_damping_N_s_per_m", &WinchProperties::reel_damping),
-                      Field{"effective_mass_kg", &WinchProperties::effective_mass}};
+  static FieldList Fields() {
+    return {{"mode", &WinchProperties::mode},
+            Required("time_constant_s", &WinchProperties::time_constant),
+            Required("reel_damping_N_s_per_m", &WinchProperties::reel_damping),
+            {"effective_mass_kg", &WinchProperties::effective_mass}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -88,13 +87,13 @@ struct CdprDescription {
 
   int num_cables() const { return static_cast<int>(cables.size()); }
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("name", &CdprDescription::name),
-                      Required("mass_kg", &CdprDescription::mass),
-                      Required("inertia_kg_m2", &CdprDescription::inertia_B),
-                      Required("cables", &CdprDescription::cables),
-                      Required("cable_properties", &CdprDescription::cable),
-                      Required("winch", &CdprDescription::winch)};
+  static FieldList Fields() {
+    return {Required("name", &CdprDescription::name),
+            Required("mass_kg", &CdprDescription::mass),
+            Required("inertia_kg_m2", &CdprDescription::inertia_B),
+            Required("cables", &CdprDescription::cables),
+            Required("cable_properties", &CdprDescription::cable),
+            Required("winch", &CdprDescription::winch)};
   }
   /// Throws ParameterError for what no robot can have: a mass that is not positive, an inertia that no rigid
   /// body has, too few or too many cables, two cables in one place, and what the parts refuse.
@@ -102,6 +101,8 @@ struct CdprDescription {
 };
 
 /// Reads a robot from a YAML file, such as plants/robots/cdpr_4.yaml. Throws ParameterError.
-CdprDescription LoadCdpr(const std::filesystem::path& path);
+CdprDescription LoadCdpr(const std::string& path);
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::CableVector);

@@ -5,8 +5,6 @@
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/signal.h>
 
-#include <tuple>
-
 namespace tenon {
 
 /// What the ports of a cable-driven parallel robot carry. W is the world, z up; B is fixed to the platform
@@ -20,9 +18,11 @@ struct PlatformState {
   Vec<3> w_W = Vec<3>::Zero();   ///< angular velocity [rad/s]
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_WB", &PlatformState::p_WB, "m"}, Field{"q_WB", &PlatformState::q_WB},
-                      Field{"v_W", &PlatformState::v_W, "m/s"}, Field{"w_W", &PlatformState::w_W, "rad/s"}};
+  static FieldList Fields() {
+    return {{"p_WB", &PlatformState::p_WB, "m"},
+            {"q_WB", &PlatformState::q_WB},
+            {"v_W", &PlatformState::v_W, "m/s"},
+            {"w_W", &PlatformState::w_W, "rad/s"}};
   }
 };
 
@@ -31,9 +31,9 @@ struct PlatformAcceleration {
   Vec<3> a_W = Vec<3>::Zero();      ///< of the CoM [m/s^2]
   Vec<3> alpha_W = Vec<3>::Zero();  ///< angular [rad/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"a_W", &PlatformAcceleration::a_W, "m/s^2"},
-                      Field{"alpha_W", &PlatformAcceleration::alpha_W, "rad/s^2"}};
+  static FieldList Fields() {
+    return {{"a_W", &PlatformAcceleration::a_W, "m/s^2"},
+            {"alpha_W", &PlatformAcceleration::alpha_W, "rad/s^2"}};
   }
 };
 
@@ -42,9 +42,8 @@ struct PlatformWrench {
   Vec<3> force_W = Vec<3>::Zero();   ///< [N]
   Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"force_W", &PlatformWrench::force_W, "N"},
-                      Field{"torque_W", &PlatformWrench::torque_W, "N m"}};
+  static FieldList Fields() {
+    return {{"force_W", &PlatformWrench::force_W, "N"}, {"torque_W", &PlatformWrench::torque_W, "N m"}};
   }
 };
 
@@ -53,9 +52,7 @@ struct Payload {
   double mass = 0;              ///< [kg]
   Vec<3> p_B = Vec<3>::Zero();  ///< where, from the CoM of the empty platform [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"mass", &Payload::mass, "kg"}, Field{"p_B", &Payload::p_B, "m"}};
-  }
+  static FieldList Fields() { return {{"mass", &Payload::mass, "kg"}, {"p_B", &Payload::p_B, "m"}}; }
 };
 
 /// The cables, one entry each.
@@ -69,10 +66,11 @@ struct CableSignals {
     const CableVector zero = CableVector::Zero(num_cables);
     return {zero, zero, zero, zero};
   }
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"length", &CableSignals::length, "m"}, Field{"length_rate", &CableSignals::length_rate, "m/s"},
-        Field{"tension", &CableSignals::tension, "N"}, Field{"rest_length", &CableSignals::rest_length, "m"}};
+  static FieldList Fields() {
+    return {{"length", &CableSignals::length, "m"},
+            {"length_rate", &CableSignals::length_rate, "m/s"},
+            {"tension", &CableSignals::tension, "N"},
+            {"rest_length", &CableSignals::rest_length, "m"}};
   }
 };
 
@@ -82,8 +80,8 @@ struct PoseMeasurement {
   Vec<4> q_WB{1, 0, 0, 0};       ///< attitude, (w, x, y, z)
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_WB", &PoseMeasurement::p_WB, "m"}, Field{"q_WB", &PoseMeasurement::q_WB}};
+  static FieldList Fields() {
+    return {{"p_WB", &PoseMeasurement::p_WB, "m"}, {"q_WB", &PoseMeasurement::q_WB}};
   }
 };
 
@@ -94,11 +92,19 @@ struct CdprEnergy {
   double elastic = 0;
 
   double total() const { return kinetic + potential + elastic; }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"kinetic", &CdprEnergy::kinetic, "J"},
-                      Field{"potential", &CdprEnergy::potential, "J"},
-                      Field{"elastic", &CdprEnergy::elastic, "J"}};
+  static FieldList Fields() {
+    return {{"kinetic", &CdprEnergy::kinetic, "J"},
+            {"potential", &CdprEnergy::potential, "J"},
+            {"elastic", &CdprEnergy::elastic, "J"}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::PlatformState);
+TENON_DECLARE_SIGNAL(tenon::PlatformAcceleration);
+TENON_DECLARE_SIGNAL(tenon::PlatformWrench);
+TENON_DECLARE_SIGNAL(tenon::CableSignals);
+TENON_DECLARE_SIGNAL(tenon::CdprEnergy);
+TENON_DECLARE_SIGNAL(tenon::PoseMeasurement);
+TENON_DECLARE_SIGNAL(tenon::Payload);

@@ -9,9 +9,8 @@ struct WrenchEstimate {
   Vec<3> force_W = Vec<3>::Zero();   ///< [N]
   Vec<3> torque_W = Vec<3>::Zero();  ///< about the CoM [N m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"force_W", &WrenchEstimate::force_W, "N"},
-                      Field{"torque_W", &WrenchEstimate::torque_W, "N m"}};
+  static FieldList Fields() {
+    return {{"force_W", &WrenchEstimate::force_W, "N"}, {"torque_W", &WrenchEstimate::torque_W, "N m"}};
   }
 };
 
@@ -20,10 +19,13 @@ struct LegForceEstimate {
   Vec<12> joint_torque = Vec<12>::Zero();  ///< [N m]
   FootForces foot_force;                   ///< in W [N]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"joint_torque", &LegForceEstimate::joint_torque, "N m"},
-                      Field{"foot_force", &LegForceEstimate::foot_force}};
+  static FieldList Fields() {
+    return {{"joint_torque", &LegForceEstimate::joint_torque, "N m"},
+            {"foot_force", &LegForceEstimate::foot_force}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::WrenchEstimate);
+TENON_DECLARE_SIGNAL(tenon::LegForceEstimate);

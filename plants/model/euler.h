@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 
 namespace tenon {
 
@@ -12,32 +11,12 @@ namespace tenon {
 /// inverse.
 
 /// The rotation R_WB that takes components in B to components in W.
-inline Eigen::Matrix3d RotationFromEuler(const Eigen::Vector3d& euler) {
-  const double sr = std::sin(euler[0]), cr = std::cos(euler[0]);
-  const double sp = std::sin(euler[1]), cp = std::cos(euler[1]);
-  const double sy = std::sin(euler[2]), cy = std::cos(euler[2]);
-  Eigen::Matrix3d R_WB;
-  R_WB << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
-      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,      //
-      -sp, cp * sr, cp * cr;
-  return R_WB;
-}
+Eigen::Matrix3d RotationFromEuler(const Eigen::Vector3d& euler);
 
 /// The angles of a rotation: roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2].
-inline Eigen::Vector3d EulerFromRotation(const Eigen::Matrix3d& R_WB) {
-  return {std::atan2(R_WB(2, 1), R_WB(2, 2)), std::atan2(-R_WB(2, 0), std::hypot(R_WB(0, 0), R_WB(1, 0))),
-          std::atan2(R_WB(1, 0), R_WB(0, 0))};
-}
+Eigen::Vector3d EulerFromRotation(const Eigen::Matrix3d& R_WB);
 
 /// E(Theta) with w_W = E(Theta) dTheta/dt: the axes of roll, pitch and yaw in W, as columns.
-inline Eigen::Matrix3d EulerRateMatrix(const Eigen::Vector3d& euler) {
-  const double sp = std::sin(euler[1]), cp = std::cos(euler[1]);
-  const double sy = std::sin(euler[2]), cy = std::cos(euler[2]);
-  Eigen::Matrix3d E;
-  E << cy * cp, -sy, 0,  //
-      sy * cp, cy, 0,    //
-      -sp, 0, 1;
-  return E;
-}
+Eigen::Matrix3d EulerRateMatrix(const Eigen::Vector3d& euler);
 
 }  // namespace tenon

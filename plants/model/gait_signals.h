@@ -5,7 +5,6 @@
 #include <tenon/systems/framework/signal.h>
 
 #include <array>
-#include <tuple>
 #include <utility>
 
 namespace tenon {
@@ -13,9 +12,8 @@ namespace tenon {
 /// Legs that swing together: none, one after the other, diagonal pairs, lateral pairs, front and rear pairs.
 enum class Gait { kStand, kCrawl, kTrot, kPace, kGallop };
 constexpr auto EnumNames(Gait) {
-  return std::array{std::pair{Gait::kStand, "stand"}, std::pair{Gait::kCrawl, "crawl"},
-                    std::pair{Gait::kTrot, "trot"}, std::pair{Gait::kPace, "pace"},
-                    std::pair{Gait::kGallop, "gallop"}};
+  return std::array{Named{Gait::kStand, "stand"}, Named{Gait::kCrawl, "crawl"}, Named{Gait::kTrot, "trot"},
+                    Named{Gait::kPace, "pace"}, Named{Gait::kGallop, "gallop"}};
 }
 
 /// What a leg does.
@@ -26,8 +24,8 @@ enum class ContactState {
   kSearching,  ///< should stand but feels no ground: lowers, and the gait clock goes on
 };
 constexpr auto EnumNames(ContactState) {
-  return std::array{std::pair{ContactState::kStance, "stance"}, std::pair{ContactState::kSwing, "swing"},
-                    std::pair{ContactState::kLate, "late"}, std::pair{ContactState::kSearching, "searching"}};
+  return std::array{Named{ContactState::kStance, "stance"}, Named{ContactState::kSwing, "swing"},
+                    Named{ContactState::kLate, "late"}, Named{ContactState::kSearching, "searching"}};
 }
 
 /// One leg in the schedule.
@@ -39,10 +37,11 @@ struct LegContact {
       0;  ///< until the next planned touchdown; 0 while late or searching, or if none is planned [s]
 
   bool stance() const { return state == ContactState::kStance; }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"state", &LegContact::state}, Field{"phase", &LegContact::phase},
-                      Field{"time_to_lift_off", &LegContact::time_to_lift_off, "s"},
-                      Field{"time_to_touchdown", &LegContact::time_to_touchdown, "s"}};
+  static FieldList Fields() {
+    return {{"state", &LegContact::state},
+            {"phase", &LegContact::phase},
+            {"time_to_lift_off", &LegContact::time_to_lift_off, "s"},
+            {"time_to_touchdown", &LegContact::time_to_touchdown, "s"}};
   }
 };
 
@@ -65,9 +64,11 @@ struct GaitTiming {
     if (num_steps == 0) return 0;
     return (step[static_cast<std::size_t>(leg)] * step_duration() + stance) / cycle();
   }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"num_steps", &GaitTiming::num_steps}, Field{"step", &GaitTiming::step},
-                      Field{"stance", &GaitTiming::stance, "s"}, Field{"swing", &GaitTiming::swing, "s"}};
+  static FieldList Fields() {
+    return {{"num_steps", &GaitTiming::num_steps},
+            {"step", &GaitTiming::step},
+            {"stance", &GaitTiming::stance, "s"},
+            {"swing", &GaitTiming::swing, "s"}};
   }
 };
 
@@ -85,13 +86,13 @@ struct ContactSchedule {
     for (const LegContact& leg : legs) count += leg.stance();
     return count;
   }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"legs", &ContactSchedule::legs},
-                      Field{"gait", &ContactSchedule::gait},
-                      Field{"timing", &ContactSchedule::timing},
-                      Field{"step", &ContactSchedule::step},
-                      Field{"step_time", &ContactSchedule::step_time, "s"},
-                      Field{"footsteps", &ContactSchedule::footsteps}};
+  static FieldList Fields() {
+    return {{"legs", &ContactSchedule::legs},
+            {"gait", &ContactSchedule::gait},
+            {"timing", &ContactSchedule::timing},
+            {"step", &ContactSchedule::step},
+            {"step_time", &ContactSchedule::step_time, "s"},
+            {"footsteps", &ContactSchedule::footsteps}};
   }
 };
 
@@ -103,12 +104,16 @@ struct WalkCommand {
   double yaw_rate = 0;             ///< [rad/s]
   Vec<3> height = Vec<3>::Zero();  ///< of the CoM above the nominal one, with its rates [m, m/s, m/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"gait", &WalkCommand::gait}, Field{"forward", &WalkCommand::forward, "m/s"},
-                      Field{"left", &WalkCommand::left, "m/s"},
-                      Field{"yaw_rate", &WalkCommand::yaw_rate, "rad/s"},
-                      Field{"height", &WalkCommand::height}};
+  static FieldList Fields() {
+    return {{"gait", &WalkCommand::gait},
+            {"forward", &WalkCommand::forward, "m/s"},
+            {"left", &WalkCommand::left, "m/s"},
+            {"yaw_rate", &WalkCommand::yaw_rate, "rad/s"},
+            {"height", &WalkCommand::height}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::ContactSchedule);
+TENON_DECLARE_SIGNAL(tenon::WalkCommand);

@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/signal.h>
 
-#include <tuple>
-
 namespace tenon {
 
 /// What an inertial measurement unit on a body reports, in the body's frame B.
@@ -12,10 +10,12 @@ struct ImuMeasurement {
   Vec<3> angular_velocity_B = Vec<3>::Zero();  ///< [rad/s]
   Vec<3> specific_force_B = Vec<3>::Zero();    ///< acceleration minus gravity: 9.81 upwards at rest [m/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"angular_velocity_B", &ImuMeasurement::angular_velocity_B, "rad/s"},
-                      Field{"specific_force_B", &ImuMeasurement::specific_force_B, "m/s^2"}};
+  static FieldList Fields() {
+    return {{"angular_velocity_B", &ImuMeasurement::angular_velocity_B, "rad/s"},
+            {"specific_force_B", &ImuMeasurement::specific_force_B, "m/s^2"}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::ImuMeasurement);

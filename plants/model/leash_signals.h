@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/signal.h>
 
-#include <tuple>
-
 namespace tenon {
 
 /// What a person on a leash and the leash put out. W is the world, z up. SI units.
@@ -15,9 +13,10 @@ struct PersonState {
   Vec<3> v_W = Vec<3>::Zero();     ///< [m/s]
   Vec<3> hand_W = Vec<3>::Zero();  ///< that holds the leash, and moves with v_W [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_W", &PersonState::p_W, "m"}, Field{"v_W", &PersonState::v_W, "m/s"},
-                      Field{"hand_W", &PersonState::hand_W, "m"}};
+  static FieldList Fields() {
+    return {{"p_W", &PersonState::p_W, "m"},
+            {"v_W", &PersonState::v_W, "m/s"},
+            {"hand_W", &PersonState::hand_W, "m"}};
   }
 };
 
@@ -29,10 +28,14 @@ struct LeashState {
   Vec<3> direction_W =
       Vec<3>::Zero();  ///< unit vector from the hand to the robot; 0 if they are in one place
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"length", &LeashState::length, "m"}, Field{"tension", &LeashState::tension, "N"},
-                      Field{"direction_W", &LeashState::direction_W}};
+  static FieldList Fields() {
+    return {{"length", &LeashState::length, "m"},
+            {"tension", &LeashState::tension, "N"},
+            {"direction_W", &LeashState::direction_W}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::PersonState);
+TENON_DECLARE_SIGNAL(tenon::LeashState);

@@ -6,7 +6,6 @@
 #include <tenon/systems/framework/signal.h>
 
 #include <array>
-#include <tuple>
 
 namespace tenon {
 
@@ -23,10 +22,10 @@ struct LeggedState {
   Vec<12> qd = Vec<12>::Zero();  ///< joint speeds [rad/s]
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_WB", &LeggedState::p_WB, "m"},   Field{"q_WB", &LeggedState::q_WB},
-                      Field{"q", &LeggedState::q, "rad"},       Field{"v_W", &LeggedState::v_W, "m/s"},
-                      Field{"w_W", &LeggedState::w_W, "rad/s"}, Field{"qd", &LeggedState::qd, "rad/s"}};
+  static FieldList Fields() {
+    return {{"p_WB", &LeggedState::p_WB, "m"},   {"q_WB", &LeggedState::q_WB},
+            {"q", &LeggedState::q, "rad"},       {"v_W", &LeggedState::v_W, "m/s"},
+            {"w_W", &LeggedState::w_W, "rad/s"}, {"qd", &LeggedState::qd, "rad/s"}};
   }
 };
 
@@ -36,10 +35,10 @@ struct LeggedAcceleration {
   Vec<3> alpha_W = Vec<3>::Zero();  ///< angular, of B [rad/s^2]
   Vec<12> qdd = Vec<12>::Zero();    ///< of the joints [rad/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"a_W", &LeggedAcceleration::a_W, "m/s^2"},
-                      Field{"alpha_W", &LeggedAcceleration::alpha_W, "rad/s^2"},
-                      Field{"qdd", &LeggedAcceleration::qdd, "rad/s^2"}};
+  static FieldList Fields() {
+    return {{"a_W", &LeggedAcceleration::a_W, "m/s^2"},
+            {"alpha_W", &LeggedAcceleration::alpha_W, "rad/s^2"},
+            {"qdd", &LeggedAcceleration::qdd, "rad/s^2"}};
   }
 };
 
@@ -48,9 +47,7 @@ struct JointMotion {
   Vec<12> q = Vec<12>::Zero();   ///< [rad]
   Vec<12> qd = Vec<12>::Zero();  ///< [rad/s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"q", &JointMotion::q, "rad"}, Field{"qd", &JointMotion::qd, "rad/s"}};
-  }
+  static FieldList Fields() { return {{"q", &JointMotion::q, "rad"}, {"qd", &JointMotion::qd, "rad/s"}}; }
 };
 
 /// The force of the ground on each foot [N].
@@ -62,11 +59,11 @@ struct FootForces {
 
   Vec<3>& operator[](int leg) { return this->*kMembers[static_cast<std::size_t>(leg)]; }
   const Vec<3>& operator[](int leg) const { return this->*kMembers[static_cast<std::size_t>(leg)]; }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"front_left", &FootForces::front_left, "N"},
-                      Field{"front_right", &FootForces::front_right, "N"},
-                      Field{"rear_left", &FootForces::rear_left, "N"},
-                      Field{"rear_right", &FootForces::rear_right, "N"}};
+  static FieldList Fields() {
+    return {{"front_left", &FootForces::front_left, "N"},
+            {"front_right", &FootForces::front_right, "N"},
+            {"rear_left", &FootForces::rear_left, "N"},
+            {"rear_right", &FootForces::rear_right, "N"}};
   }
 
  private:
@@ -82,10 +79,11 @@ struct ExternalForce {
   Vec<3> force_W = Vec<3>::Zero();   ///< [N]
   Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"body", &ExternalForce::body}, Field{"p_B", &ExternalForce::p_B, "m"},
-                      Field{"force_W", &ExternalForce::force_W, "N"},
-                      Field{"torque_W", &ExternalForce::torque_W, "N m"}};
+  static FieldList Fields() {
+    return {{"body", &ExternalForce::body},
+            {"p_B", &ExternalForce::p_B, "m"},
+            {"force_W", &ExternalForce::force_W, "N"},
+            {"torque_W", &ExternalForce::torque_W, "N m"}};
   }
 };
 
@@ -94,3 +92,10 @@ inline constexpr int kMaxExternalForces = 8;
 using ExternalForces = std::array<ExternalForce, kMaxExternalForces>;
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::LeggedState);
+TENON_DECLARE_SIGNAL(tenon::LeggedAcceleration);
+TENON_DECLARE_SIGNAL(tenon::JointMotion);
+TENON_DECLARE_SIGNAL(tenon::FootForces);
+TENON_DECLARE_SIGNAL(tenon::ExternalForce);
+TENON_DECLARE_SIGNAL(tenon::ExternalForces);

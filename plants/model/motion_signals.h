@@ -5,7 +5,6 @@
 #include <tenon/systems/framework/signal.h>
 
 #include <array>
-#include <tuple>
 
 namespace tenon {
 
@@ -18,13 +17,13 @@ struct BodyReference {
   Vec<3> w_W = Vec<3>::Zero();                 ///< angular velocity [rad/s]
   Vec<3> alpha_W = Vec<3>::Zero();             ///< angular acceleration [rad/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"com_W", &BodyReference::com_W, "m"},
-                      Field{"com_velocity_W", &BodyReference::com_velocity_W, "m/s"},
-                      Field{"com_acceleration_W", &BodyReference::com_acceleration_W, "m/s^2"},
-                      Field{"q_WB", &BodyReference::q_WB},
-                      Field{"w_W", &BodyReference::w_W, "rad/s"},
-                      Field{"alpha_W", &BodyReference::alpha_W, "rad/s^2"}};
+  static FieldList Fields() {
+    return {{"com_W", &BodyReference::com_W, "m"},
+            {"com_velocity_W", &BodyReference::com_velocity_W, "m/s"},
+            {"com_acceleration_W", &BodyReference::com_acceleration_W, "m/s^2"},
+            {"q_WB", &BodyReference::q_WB},
+            {"w_W", &BodyReference::w_W, "rad/s"},
+            {"alpha_W", &BodyReference::alpha_W, "rad/s^2"}};
   }
 };
 
@@ -34,9 +33,10 @@ struct FootReference {
   Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
   Vec<3> a_W = Vec<3>::Zero();  ///< [m/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_W", &FootReference::p_W, "m"}, Field{"v_W", &FootReference::v_W, "m/s"},
-                      Field{"a_W", &FootReference::a_W, "m/s^2"}};
+  static FieldList Fields() {
+    return {{"p_W", &FootReference::p_W, "m"},
+            {"v_W", &FootReference::v_W, "m/s"},
+            {"a_W", &FootReference::a_W, "m/s^2"}};
   }
 };
 
@@ -46,7 +46,7 @@ struct FeetReference {
 
   FootReference& operator[](int leg) { return feet[static_cast<std::size_t>(leg)]; }
   const FootReference& operator[](int leg) const { return feet[static_cast<std::size_t>(leg)]; }
-  static constexpr auto Fields() { return std::tuple{Field{"feet", &FeetReference::feet}}; }
+  static FieldList Fields() { return {{"feet", &FeetReference::feet}}; }
 };
 
 /// The path over ground as it is planned: a pose in the plane at the present time and the twist with which it
@@ -61,11 +61,16 @@ struct PlanarPath {
   PlanarPath At(double t) const;
   Eigen::Matrix2d Heading() const;  ///< rotation from the frame of the heading to W
   Eigen::Vector2d VelocityW() const { return Heading() * velocity; }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"position_W", &PlanarPath::position_W, "m"},
-                      Field{"yaw", &PlanarPath::yaw, "rad"}, Field{"velocity", &PlanarPath::velocity, "m/s"},
-                      Field{"yaw_rate", &PlanarPath::yaw_rate, "rad/s"}};
+  static FieldList Fields() {
+    return {{"position_W", &PlanarPath::position_W, "m"},
+            {"yaw", &PlanarPath::yaw, "rad"},
+            {"velocity", &PlanarPath::velocity, "m/s"},
+            {"yaw_rate", &PlanarPath::yaw_rate, "rad/s"}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::BodyReference);
+TENON_DECLARE_SIGNAL(tenon::FeetReference);
+TENON_DECLARE_SIGNAL(tenon::PlanarPath);

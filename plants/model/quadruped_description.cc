@@ -17,10 +17,9 @@ template <class T>
 struct PerLeg {
   T front_left{}, front_right{}, rear_left{}, rear_right{};
   std::array<T, kNumLegs> InOrder() const { return {front_left, front_right, rear_left, rear_right}; }
-  static constexpr auto Fields() {
-    return std::tuple{
-        Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
-        Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
+  static FieldList Fields() {
+    return {Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
+            Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
   }
 };
 
@@ -35,12 +34,11 @@ struct RobotFile {
   DriveProperties drive;
   ContactProperties contact;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Required("name", &RobotFile::name),       Required("urdf", &RobotFile::urdf),
-        Required("feet", &RobotFile::feet),       Required("foot_radius_m", &RobotFile::foot_radius),
-        Field{"imu_position_m", &RobotFile::imu}, Required("nominal_stance", &RobotFile::stance),
-        Required("drive", &RobotFile::drive),     Required("contact", &RobotFile::contact)};
+  static FieldList Fields() {
+    return {Required("name", &RobotFile::name),   Required("urdf", &RobotFile::urdf),
+            Required("feet", &RobotFile::feet),   Required("foot_radius_m", &RobotFile::foot_radius),
+            {"imu_position_m", &RobotFile::imu},  Required("nominal_stance", &RobotFile::stance),
+            Required("drive", &RobotFile::drive), Required("contact", &RobotFile::contact)};
   }
   void Validate() const {
     if (!(foot_radius > 0))
@@ -169,7 +167,7 @@ QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
   return robot;
 }
 
-QuadrupedDescription LoadQuadruped(const std::filesystem::path& path) {
+QuadrupedDescription LoadQuadruped(const std::string& path) {
   const auto file = YamlDocument::Load(path).Read<RobotFile>();
   QuadrupedDescription robot;
   robot.name = file.name;
@@ -180,8 +178,8 @@ QuadrupedDescription LoadQuadruped(const std::filesystem::path& path) {
   for (int leg = 0; leg < kNumLegs; ++leg)
     robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
         file.stance.InOrder()[static_cast<std::size_t>(leg)];
-  internal::ReadUrdf(path.parent_path() / file.urdf, file.feet.InOrder(), &robot);
-  CheckStance(robot, file.feet, path.string());
+  internal::ReadUrdf(std::filesystem::path(path).parent_path() / file.urdf, file.feet.InOrder(), &robot);
+  CheckStance(robot, file.feet, path);
   return robot;
 }
 

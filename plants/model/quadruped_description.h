@@ -6,9 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <filesystem>
 #include <string>
-#include <tuple>
 
 namespace tenon {
 
@@ -48,13 +46,13 @@ struct DriveProperties {
   double stop_stiffness = 0;           ///< of the end stops [N m/rad]
   double stop_dissipation = 0;         ///< [N m s/rad]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia),
-                      Required("damping_N_m_s_per_rad", &DriveProperties::damping),
-                      Required("friction_N_m", &DriveProperties::friction),
-                      Required("full_torque_speed_ratio", &DriveProperties::full_torque_speed_ratio),
-                      Required("stop_stiffness_N_m_per_rad", &DriveProperties::stop_stiffness),
-                      Required("stop_dissipation_s_per_rad", &DriveProperties::stop_dissipation)};
+  static FieldList Fields() {
+    return {Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia),
+            Required("damping_N_m_s_per_rad", &DriveProperties::damping),
+            Required("friction_N_m", &DriveProperties::friction),
+            Required("full_torque_speed_ratio", &DriveProperties::full_torque_speed_ratio),
+            Required("stop_stiffness_N_m_per_rad", &DriveProperties::stop_stiffness),
+            Required("stop_dissipation_s_per_rad", &DriveProperties::stop_dissipation)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -69,14 +67,14 @@ struct ContactProperties {
   double full_friction = 0;      ///< N_0 [N]
   double release_time = 0;       ///< tau [s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("stiffness_N_per_m", &ContactProperties::stiffness),
-                      Required("dissipation_s_per_m", &ContactProperties::dissipation),
-                      Required("blend_m", &ContactProperties::blend),
-                      Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness),
-                      Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping),
-                      Required("full_friction_N", &ContactProperties::full_friction),
-                      Required("release_time_s", &ContactProperties::release_time)};
+  static FieldList Fields() {
+    return {Required("stiffness_N_per_m", &ContactProperties::stiffness),
+            Required("dissipation_s_per_m", &ContactProperties::dissipation),
+            Required("blend_m", &ContactProperties::blend),
+            Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness),
+            Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping),
+            Required("full_friction_N", &ContactProperties::full_friction),
+            Required("release_time_s", &ContactProperties::release_time)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -124,6 +122,6 @@ QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor);
 ///    above it; further joints that move; a joint without limits of torque and speed;
 ///  - a body without mass, or with an inertia that no rigid body has;
 ///  - feet that are not where their names say (front: x > 0, left: y > 0) in the nominal stance.
-QuadrupedDescription LoadQuadruped(const std::filesystem::path& path);
+QuadrupedDescription LoadQuadruped(const std::string& path);
 
 }  // namespace tenon

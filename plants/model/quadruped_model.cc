@@ -308,3 +308,5 @@ Vec<18> QuadrupedModel::MassRateTimes(const LeggedState& x, const QuadrupedDynam
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::QuadrupedDynamics);

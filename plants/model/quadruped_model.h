@@ -103,3 +103,5 @@ class QuadrupedModel {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::QuadrupedDynamics);

@@ -2,8 +2,7 @@
 
 #include <tenon/systems/framework/signal.h>
 
-#include <Eigen/Geometry>
-#include <cmath>
+#include <Eigen/Core>
 
 namespace tenon {
 
@@ -11,33 +10,18 @@ namespace tenon {
 /// -q are the same attitude.
 
 /// The rotation of a quaternion of any length but zero.
-inline Eigen::Matrix3d RotationFromQuaternion(const Vec<4>& q) {
-  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
-}
+Eigen::Matrix3d RotationFromQuaternion(const Vec<4>& q);
 
 /// One of the two unit quaternions of a rotation.
-inline Vec<4> QuaternionFromRotation(const Eigen::Matrix3d& R) {
-  const Eigen::Quaterniond q(R);
-  return {q.w(), q.x(), q.y(), q.z()};
-}
+Vec<4> QuaternionFromRotation(const Eigen::Matrix3d& R);
 
 /// The rotation by |v| [rad] about v.
-inline Vec<4> QuaternionFromRotationVector(const Eigen::Vector3d& v) {
-  const double angle = v.norm();
-  const double scale = angle < 1e-8 ? 0.5 : std::sin(angle / 2) / angle;
-  return {std::cos(angle / 2), scale * v[0], scale * v[1], scale * v[2]};
-}
+Vec<4> QuaternionFromRotationVector(const Eigen::Vector3d& v);
 
 /// First b, then a: R(a b) = R(a) R(b).
-inline Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b) {
-  const Eigen::Quaterniond q =
-      Eigen::Quaterniond(a[0], a[1], a[2], a[3]) * Eigen::Quaterniond(b[0], b[1], b[2], b[3]);
-  return {q.w(), q.x(), q.y(), q.z()};
-}
+Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b);
 
 /// dq/dt = (0, w) q / 2 for a body that turns with the angular velocity `w_W` [rad/s]; leaves |q| as it is.
-inline Vec<4> QuaternionRate(const Vec<4>& q_WB, const Vec<3>& w_W) {
-  return QuaternionProduct({0, w_W[0] / 2, w_W[1] / 2, w_W[2] / 2}, q_WB);
-}
+Vec<4> QuaternionRate(const Vec<4>& q_WB, const Vec<3>& w_W);
 
 }  // namespace tenon

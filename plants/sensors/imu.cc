@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tenon {

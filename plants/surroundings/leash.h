@@ -6,8 +6,6 @@
 #include <tenon/systems/framework/system.h>
 #include <tenon/systems/geometry.h>
 
-#include <tuple>
-
 namespace tenon {
 
 /// Defaults: a light elastic leash in a hanging arm, see docs/guide_dog.md.
@@ -17,11 +15,11 @@ struct LeashParams {
   double dissipation = 0.33;           ///< [s/m]
   Vec<3> attachment_B{-0.25, 0, 0.1};  ///< to the trunk, in its frame [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"nominal_length_m", &LeashParams::nominal_length},
-                      Field{"stiffness_N_per_m", &LeashParams::stiffness},
-                      Field{"dissipation_s_per_m", &LeashParams::dissipation},
-                      Field{"attachment_m", &LeashParams::attachment_B}};
+  static FieldList Fields() {
+    return {{"nominal_length_m", &LeashParams::nominal_length},
+            {"stiffness_N_per_m", &LeashParams::stiffness},
+            {"dissipation_s_per_m", &LeashParams::dissipation},
+            {"attachment_m", &LeashParams::attachment_B}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -5,7 +5,6 @@
 #include <tenon/systems/framework/system.h>
 #include <tenon/systems/geometry.h>
 
-#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -15,8 +14,8 @@ struct Obstacle {
   Vec<2> centre = Vec<2>::Zero();  ///< in W [m]
   double radius = 0;               ///< [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
+  static FieldList Fields() {
+    return {Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
   }
 };
 
@@ -25,10 +24,10 @@ struct ObstacleDetectorParams {
   double range = 1.2;       ///< ahead of B's origin [m]
   double half_width = 0.4;  ///< of the robot's way [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"obstacles", &ObstacleDetectorParams::obstacles},
-                      Field{"range_m", &ObstacleDetectorParams::range},
-                      Field{"half_width_m", &ObstacleDetectorParams::half_width}};
+  static FieldList Fields() {
+    return {{"obstacles", &ObstacleDetectorParams::obstacles},
+            {"range_m", &ObstacleDetectorParams::range},
+            {"half_width_m", &ObstacleDetectorParams::half_width}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -110,3 +110,6 @@ void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const 
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::PersonMotion);
+TENON_DEFINE_SIGNAL(tenon::PersonIntent);

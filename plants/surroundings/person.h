@@ -7,7 +7,6 @@
 #include <tenon/systems/geometry.h>
 
 #include <array>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,8 +18,8 @@ enum class Activity {
   kPull,    ///< leans with a force in a direction
 };
 constexpr auto EnumNames(Activity) {
-  return std::array{std::pair{Activity::kFollow, "follow"}, std::pair{Activity::kWalk, "walk"},
-                    std::pair{Activity::kPull, "pull"}};
+  return std::array{Named{Activity::kFollow, "follow"}, Named{Activity::kWalk, "walk"},
+                    Named{Activity::kPull, "pull"}};
 }
 
 /// What a person does for a while. The speed is speed + speed_amplitude sin(angular_frequency t), t counting
@@ -34,14 +33,14 @@ struct PersonPhase {
   double direction = 0;          ///< in W, from x towards y; nothing to kFollow [rad]
   double force = 0;              ///< of kPull [N]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("activity", &PersonPhase::activity),
-                      Required("duration_s", &PersonPhase::duration),
-                      Field{"speed_m_per_s", &PersonPhase::speed},
-                      Field{"speed_amplitude_m_per_s", &PersonPhase::speed_amplitude},
-                      Field{"angular_frequency_rad_per_s", &PersonPhase::angular_frequency},
-                      Field{"direction_rad", &PersonPhase::direction},
-                      Field{"force_N", &PersonPhase::force}};
+  static FieldList Fields() {
+    return {Required("activity", &PersonPhase::activity),
+            Required("duration_s", &PersonPhase::duration),
+            {"speed_m_per_s", &PersonPhase::speed},
+            {"speed_amplitude_m_per_s", &PersonPhase::speed_amplitude},
+            {"angular_frequency_rad_per_s", &PersonPhase::angular_frequency},
+            {"direction_rad", &PersonPhase::direction},
+            {"force_N", &PersonPhase::force}};
   }
 };
 
@@ -56,14 +55,14 @@ struct PersonParams {
   std::vector<PersonPhase> phases;  ///< one after the other, from t = 0 on; then stands
   Rate rate = Hz(100);              ///< at which the person changes intent
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"mass_kg", &PersonParams::mass},
-                      Field{"damping_N_s_per_m", &PersonParams::damping},
-                      Field{"stiffness_N_per_m", &PersonParams::stiffness},
-                      Field{"felt_tension_N", &PersonParams::felt_tension},
-                      Field{"hand_height_m", &PersonParams::hand_height},
-                      Field{"start_m", &PersonParams::start},
-                      Required("phases", &PersonParams::phases)};
+  static FieldList Fields() {
+    return {{"mass_kg", &PersonParams::mass},
+            {"damping_N_s_per_m", &PersonParams::damping},
+            {"stiffness_N_per_m", &PersonParams::stiffness},
+            {"felt_tension_N", &PersonParams::felt_tension},
+            {"hand_height_m", &PersonParams::hand_height},
+            {"start_m", &PersonParams::start},
+            Required("phases", &PersonParams::phases)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -75,10 +74,11 @@ struct PersonIntent {
   Vec<2> direction_W = Vec<2>::Zero();  ///< unit vector, unless following
   double force = 0;                     ///< [N]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"activity", &PersonIntent::activity}, Field{"speed", &PersonIntent::speed, "m/s"},
-                      Field{"direction_W", &PersonIntent::direction_W},
-                      Field{"force", &PersonIntent::force, "N"}};
+  static FieldList Fields() {
+    return {{"activity", &PersonIntent::activity},
+            {"speed", &PersonIntent::speed, "m/s"},
+            {"direction_W", &PersonIntent::direction_W},
+            {"force", &PersonIntent::force, "N"}};
   }
 };
 
@@ -88,9 +88,9 @@ struct PersonMotion {
   Vec<2> v = Vec<2>::Zero();       ///< [m/s]
   Vec<2> wanted = Vec<2>::Zero();  ///< w [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"x", &PersonMotion::x, "m"}, Field{"v", &PersonMotion::v, "m/s"},
-                      Field{"wanted", &PersonMotion::wanted, "m"}};
+  static FieldList Fields() {
+    return {
+        {"x", &PersonMotion::x, "m"}, {"v", &PersonMotion::v, "m/s"}, {"wanted", &PersonMotion::wanted, "m"}};
   }
 };
 
@@ -132,3 +132,6 @@ class Person final : public LeafSystem<PersonParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::PersonMotion);
+TENON_DECLARE_SIGNAL(tenon::PersonIntent);

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -18,9 +17,9 @@ struct TerrainBox {
   double height = 0;               ///< of its top above the plane [m]
   double friction = 0;             ///< coefficient of its faces
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
-                      Required("height_m", &TerrainBox::height), Required("friction", &TerrainBox::friction)};
+  static FieldList Fields() {
+    return {Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
+            Required("height_m", &TerrainBox::height), Required("friction", &TerrainBox::friction)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -30,8 +29,8 @@ struct BoxKind {
   double height = 0;    ///< [m]
   double friction = 0;  ///< coefficient
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
+  static FieldList Fields() {
+    return {Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
   }
 };
 
@@ -45,11 +44,14 @@ struct BoxField {
   std::vector<BoxKind> kinds;
   std::uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("lower_m", &BoxField::lower),  Required("upper_m", &BoxField::upper),
-                      Field{"size_m", &BoxField::size},       Field{"gap_m", &BoxField::gap},
-                      Field{"coverage", &BoxField::coverage}, Required("kinds", &BoxField::kinds),
-                      Field{"seed", &BoxField::seed}};
+  static FieldList Fields() {
+    return {Required("lower_m", &BoxField::lower),
+            Required("upper_m", &BoxField::upper),
+            {"size_m", &BoxField::size},
+            {"gap_m", &BoxField::gap},
+            {"coverage", &BoxField::coverage},
+            Required("kinds", &BoxField::kinds),
+            {"seed", &BoxField::seed}};
   }
   void Validate() const;  ///< throws ParameterError
   std::vector<TerrainBox> Boxes() const;
@@ -63,9 +65,11 @@ struct TerrainParams {
       boxes;  ///< in coordinates of the plane: x up its slope seen from above, z its normal
   std::optional<BoxField> field;  ///< further boxes
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"grade", &TerrainParams::grade}, Field{"friction", &TerrainParams::friction},
-                      Field{"boxes", &TerrainParams::boxes}, Field{"field", &TerrainParams::field}};
+  static FieldList Fields() {
+    return {{"grade", &TerrainParams::grade},
+            {"friction", &TerrainParams::friction},
+            {"boxes", &TerrainParams::boxes},
+            {"field", &TerrainParams::field}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <tuple>
+#include <cstddef>
+#include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -14,50 +13,58 @@ namespace tenon {
 /// The current time [s], as a prerequisite: `Uses(time, x)`.
 struct Time {
   using Argument = const double&;
+  void AppendTo(std::vector<internal::Slot>& slots) const { slots.push_back({internal::Slot::What::kTime}); }
 };
 
-/// How a calculation gets the value of a declared source. `Argument` is what its function receives.
+namespace internal {
+
+template <class>
+inline constexpr bool kFalse = false;
+
+/// What a calculation can use, and what its function receives for it.
 template <class S>
-struct SourceHandle {
-  const S* source;
-  using Argument = typename S::Argument;
-  Argument Load(std::byte* memory, const internal::Offset*& cursor) const {
-    return *std::launder(reinterpret_cast<std::remove_reference_t<Argument>*>(memory + *cursor++));
-  }
-  void Append(std::vector<Source::Slot>& slots) const {
-    slots.push_back({Source::Slot::What::kSource, source});
-  }
+concept Usable = requires {
+  typename S::Argument;
+};
+template <class S>
+struct ArgumentOf {
+  using Type = S;
+};
+template <Usable S>
+struct ArgumentOf<S> {
+  using Type = typename S::Argument;
 };
 
-template <>
-struct SourceHandle<Time> {
-  const Time* source;
-  using Argument = const double&;
-  Argument Load(std::byte* memory, const internal::Offset*&) const {
-    return *reinterpret_cast<const double*>(memory);  // time lies at the start of every context
-  }
-  void Append(std::vector<Source::Slot>& slots) const { slots.push_back({Source::Slot::What::kTime}); }
-};
+}  // namespace internal
 
-/// The declared prerequisites of a calculation, made by Uses.
-template <class... Handles>
+/// The declared prerequisites of a calculation, made by Uses: `Arguments` are what its function receives.
+template <class... Arguments>
 struct UsesList {
-  std::tuple<Handles...> handles;
+  std::vector<internal::Slot> slots;
 };
 
 /// Declares what a calculation uses: its function receives exactly these values, in this order. Inputs,
 /// outputs, states, shared values and `time` arrive as const references, scratch and random streams as
 /// references, InputPorts as a list. All must belong to the calculation's own block.
 template <class... S>
-UsesList<SourceHandle<S>...> Uses(const S&... sources) {
-  return {std::tuple<SourceHandle<S>...>{SourceHandle<S>{&sources}...}};
+auto Uses(const S&... sources) {
+  UsesList<typename internal::ArgumentOf<S>::Type...> uses;
+  if constexpr ((internal::Usable<S> && ...)) {
+    uses.slots.reserve(sizeof...(S));
+    (sources.AppendTo(uses.slots), ...);
+  } else {
+    static_assert(internal::kFalse<UsesList<S...>>,
+                  "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. What "
+                  "never changes (params) need not be declared.");
+  }
+  return uses;
 }
 
 /// What a calculation declared with UsesAtRunTime reads its sources from.
 class Reads {
  public:
-  Reads(std::byte* memory, const internal::Offset* offsets, const std::vector<const Source*>& declared)
-      : memory_(memory), offsets_(offsets), declared_(declared) {}
+  Reads(std::byte* memory, const internal::Offset* list, const Source& calculation)
+      : memory_(memory), offsets_(list + 1), calculation_(calculation) {}
   /// The value of a port or state; throws RunError, naming both, if it was not declared.
   template <class S>
   typename S::Argument operator[](const S& source) const {
@@ -68,112 +75,91 @@ class Reads {
   internal::Offset Find(const Source& source) const;
   std::byte* memory_;
   const internal::Offset* offsets_;
-  const std::vector<const Source*>& declared_;
-};
-
-/// The handle of a list of sources that is only known at run time.
-class RuntimeSources {
- public:
-  explicit RuntimeSources(std::vector<const Source*> sources) : sources_(std::move(sources)) {}
-  using Argument = Reads;
-  Argument Load(std::byte* memory, const internal::Offset*& cursor) const {
-    const internal::Offset* offsets = cursor;
-    cursor += sources_.size();
-    return Reads(memory, offsets, sources_);
-  }
-  void Append(std::vector<Source::Slot>& slots) const {
-    for (const Source* source : sources_) slots.push_back({Source::Slot::What::kSource, source});
-  }
-
- private:
-  std::vector<const Source*> sources_;
+  const Source& calculation_;
 };
 
 /// Second choice beside Uses, for blocks whose ports are only known at run time: the function receives a
 /// `const Reads&` and asks it for the values; a read that was not declared is refused.
-inline UsesList<RuntimeSources> UsesAtRunTime(std::vector<const Source*> sources) {
-  return {std::tuple<RuntimeSources>{RuntimeSources(std::move(sources))}};
-}
+UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources);
 
 namespace internal {
 
+template <class A>
+decltype(auto) LoadArgument(const Closure& closure, std::byte* memory, const Offset* args, std::size_t i) {
+  if constexpr (std::is_reference_v<A>) {
+    (void)closure;
+    return *std::launder(reinterpret_cast<std::remove_reference_t<A>*>(memory + args[1 + i]));
+  } else {
+    return A(memory, args + args[1 + i], *closure.calculation);
+  }
+}
+
+/// The parameters of a member function; any other callable has none of its own.
 template <class F>
-struct MemberFunction : std::false_type {};
-template <class R, class C, class... A>
-struct MemberFunction<R (C::*)(A...) const> : std::true_type {
+struct MemberFunction {
+  static constexpr bool kIs = false, kConst = true;
+};
+template <class R, class C, class... P>
+struct MemberFunction<R (C::*)(P...) const> {
+  static constexpr bool kIs = true, kConst = true;
   using Class = C;
-  using Parameters = std::tuple<std::remove_cvref_t<A>...>;
+  using Signature = void(std::remove_cvref_t<P>...);
 };
-template <class R, class C, class... A>
-struct MemberFunction<R (C::*)(A...)> : std::true_type {
-  static_assert(sizeof(C) == 0, "A calculation must be const: what changes lives in the context.");
+template <class R, class C, class... P>
+struct MemberFunction<R (C::*)(P...)> {
+  static constexpr bool kIs = true, kConst = false;
 };
-
-/// The function of a calculation, as it was written: a member function of the block, or any callable.
-template <class F, class... Values>
-decltype(auto) Call(const System* self, const F& function, Values&&... values) {
-  if constexpr (MemberFunction<F>::value) {
-    using Class = typename MemberFunction<F>::Class;
-    return (static_cast<const Class*>(self)->*function)(std::forward<Values>(values)...);
-  } else {
-    (void)self;
-    return function(std::forward<Values>(values)...);
-  }
-}
-
-/// Exact parameter types make wrong wirings one readable line; Eigen alone would convert and print pages.
-template <class Target, class F, class... Arguments>
-constexpr bool Fits() {
-  if constexpr (MemberFunction<F>::value) {
-    using Parameters = typename MemberFunction<F>::Parameters;
-    return std::is_same_v<Parameters, std::tuple<std::remove_cvref_t<Arguments>...>> ||
-           std::is_same_v<Parameters, std::tuple<std::remove_cvref_t<Arguments>..., Target*>>;
-  } else {
-    return std::is_invocable_v<F, Arguments...> || std::is_invocable_v<F, Arguments..., Target*>;
-  }
-}
-
-template <class F, class... Values>
-using CallResult =
-    decltype(Call(std::declval<const System*>(), std::declval<const F&>(), std::declval<Values>()...));
 
 /// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
 /// large values, takes a `Target*` after its arguments and fills it in place.
-template <class Target, class F, class... Handles>
+template <class Target, class F, class... A>
 struct Calculation {
-  static_assert(Fits<Target, F, typename Handles::Argument...>(),
-                "The function's parameters must be exactly the values of Uses(...), in that order.");
-  const System* self;
-  F function;
-  UsesList<Handles...> uses;
+  using Traits = MemberFunction<F>;
 
-  static void Run(const void* closure, std::byte* memory, const Offset* args) {
-    const auto& c = *static_cast<const Calculation*>(closure);
-    Target* target = std::launder(reinterpret_cast<Target*>(memory + *args++));
-    c.Evaluate(target, memory, args, std::index_sequence_for<Handles...>{});
+  /// Exact parameter types make wrong wirings one readable line; Eigen alone would convert and print pages.
+  static constexpr bool Returns() {
+    if constexpr (Traits::kIs) {
+      return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>...)>;
+    } else {
+      return std::is_invocable_v<const F&, A...>;
+    }
+  }
+  static constexpr bool FillsInPlace() {
+    if constexpr (Traits::kIs) {
+      return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>..., Target*)>;
+    } else {
+      return std::is_invocable_v<const F&, A..., Target*>;
+    }
+  }
+
+  /// A number may come as another kind of number; anything else exactly.
+  static constexpr bool ReturnsTarget() {
+    using Result =
+        std::remove_cvref_t<decltype(Call(std::declval<const ClosureOf<F>&>(), std::declval<A>()...))>;
+    return std::is_same_v<Result, Target> || (Scalar<Result> && Scalar<Target>);
+  }
+
+  template <class... Values>
+  static decltype(auto) Call(const ClosureOf<F>& closure, Values&&... values) {
+    if constexpr (Traits::kIs) {
+      const auto* self = static_cast<const typename Traits::Class*>(closure.self);
+      return (self->*closure.function)(std::forward<Values>(values)...);
+    } else {
+      return closure.function(std::forward<Values>(values)...);
+    }
   }
 
   template <std::size_t... I>
-  void Evaluate(Target* target, std::byte* memory, const Offset* args, std::index_sequence<I...>) const {
-    (void)memory, (void)args;
-    // Braces evaluate from left to right, which the cursor needs.
-    const std::tuple<typename Handles::Argument...> values{std::get<I>(uses.handles).Load(memory, args)...};
-    if constexpr (InPlace()) {
-      Call(self, function, std::get<I>(values)..., target);
-    } else {
-      using Result = std::remove_cvref_t<CallResult<F, typename Handles::Argument...>>;
-      static_assert(std::is_same_v<Result, Target> || (Scalar<Result> && Scalar<Target>),
-                    "The function must return exactly the type of the port, state or shared value.");
-      *target = Call(self, function, std::get<I>(values)...);
-    }
-  }
-
-  static constexpr bool InPlace() {
-    if constexpr (MemberFunction<F>::value) {
-      return std::tuple_size_v<typename MemberFunction<F>::Parameters> == sizeof...(Handles) + 1;
-    } else {
-      return !std::is_invocable_v<F, typename Handles::Argument...>;
-    }
+  static constexpr Thunk Run(std::index_sequence<I...>) {
+    return [](const void* erased, std::byte* memory, const Offset* args) {
+      const auto& closure = static_cast<const ClosureOf<F>&>(*static_cast<const Closure*>(erased));
+      auto* target = std::launder(reinterpret_cast<Target*>(memory + args[0]));
+      if constexpr (Returns()) {
+        *target = Call(closure, LoadArgument<A>(closure, memory, args, I)...);
+      } else {
+        Call(closure, LoadArgument<A>(closure, memory, args, I)..., target);
+      }
+    };
   }
 };
 

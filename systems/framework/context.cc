@@ -90,10 +90,8 @@ const void* Context::EvalAddress(const Source& source) {
 
 std::vector<double> Context::EvalDoubles(const Source& source) {
   const void* value = EvalAddress(source);
-  std::vector<Element> elements;
-  source.type_->list_elements(value, source.spec(), elements);
-  std::vector<double> doubles(elements.size());
-  source.type_->to_doubles(value, doubles.data());
+  std::vector<double> doubles(internal::CountScalars(*source.type_, value));
+  internal::ToDoubles(*source.type_, value, doubles.data());
   return doubles;
 }
 
@@ -120,13 +118,12 @@ void* Context::MutableAddress(const Source& source) {
 
 void Context::SetDoubles(const Source& source, std::span<const double> values) {
   CheckSettable(source);
-  std::vector<Element> elements;
-  source.type_->list_elements(Address(source), source.spec(), elements);
-  if (elements.size() != values.size()) {
-    throw RunError(fmt::format("'{}' has {} elements, but {} values are given", source.path(),
-                               elements.size(), values.size()));
+  const std::size_t size = internal::CountScalars(*source.type_, Address(source));
+  if (size != values.size()) {
+    throw RunError(
+        fmt::format("'{}' has {} elements, but {} values are given", source.path(), size, values.size()));
   }
-  source.type_->from_doubles(MutableAddress(source), values.data());
+  internal::FromDoubles(*source.type_, MutableAddress(source), values.data());
 }
 
 void Context::CheckFixed(const Source& origin) const {
@@ -164,7 +161,7 @@ void Context::EnsureFresh(int calculation) {
   const CalculationInfo& info = diagram_.program().calculations[calculation];
   if (IsFresh(info.op)) return;
   if (info.sampled) CheckSample(info);
-  for (const Source::Slot& slot : info.source->arguments_) {
+  for (const internal::Slot& slot : info.source->arguments_) {
     if (slot.source != nullptr && slot.source->calculation_ < 0) CheckFixed(slot.source->Resolve());
   }
   for (const int used : info.uses) EnsureFresh(used);
@@ -293,10 +290,9 @@ std::string Context::DescribeNonFinite() const {
   const internal::Program& program = diagram_.program();
   const auto describe = [&](const Source& source) {
     const void* value = Address(source);
-    std::vector<Element> elements;
-    source.type_->list_elements(value, source.spec(), elements);
+    const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
     std::vector<double> doubles(elements.size());
-    source.type_->to_doubles(value, doubles.data());
+    internal::ToDoubles(*source.type_, value, doubles.data());
     for (std::size_t i = 0; i < doubles.size(); ++i) {
       if (std::isfinite(doubles[i])) continue;
       const std::string element = elements[i].name.empty() ? "" : "." + elements[i].name;
@@ -307,15 +303,15 @@ std::string Context::DescribeNonFinite() const {
   // A NaN before an infinity: infinite bounds are legitimate.
   for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
     for (const Source* state : program.continuous) {
-      if (state->type_->finiteness(Address(*state)) == sought) return describe(*state);
+      if (internal::FinitenessOf(*state->type_, Address(*state)) == sought) return describe(*state);
     }
     for (const Source* input : program.open_inputs) {
-      if (input->type_->finiteness(Address(*input)) == sought) return describe(*input);
+      if (internal::FinitenessOf(*input->type_, Address(*input)) == sought) return describe(*input);
     }
     for (const CalculationInfo& info : program.calculations) {
       const Source& source = *info.source;
       if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor) continue;
-      if (source.type_->finiteness(Address(source)) == sought) return describe(source);
+      if (internal::FinitenessOf(*source.type_, Address(source)) == sought) return describe(source);
     }
   }
   return "";

@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <new>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -72,8 +72,8 @@ class Context {
   /// it is another or cut short.
   void Restore(std::span<const std::byte> bytes);
   /// The same with a file; throws RunError that names the file if it cannot be written or read.
-  void SaveFile(const std::filesystem::path& file) const;
-  void RestoreFile(const std::filesystem::path& file);
+  void SaveFile(const std::string& file) const;
+  void RestoreFile(const std::string& file);
 
  private:
   friend class Diagram;

@@ -24,7 +24,7 @@ std::vector<std::byte> Context::Save() const {
     const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
     internal::Save(fresh, archive);
     try {
-      source.type_->save(memory_.get() + cell.offset, archive);
+      internal::Save(*source.type_, memory_.get() + cell.offset, archive);
     } catch (const Error& error) {
       throw RunError(fmt::format("'{}' cannot be saved: {}", source.path(), error.what()));
     }
@@ -57,7 +57,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   for (const Cell& cell : program.saved) {
     bool fresh = false;
     internal::Load(fresh, archive);
-    cell.source->type_->load(memory_.get() + cell.offset, archive);
+    internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
     const int calculation = cell.source->calculation_;
     if (calculation < 0) continue;
     const std::uint64_t stamp = program.calculations[calculation].varies ? instant_ : 1;
@@ -71,24 +71,24 @@ void Context::Load(std::span<const std::byte> bytes) {
   if (!archive.exhausted()) throw RunError("the snapshot is longer than this diagram's: it is damaged");
 }
 
-void Context::SaveFile(const std::filesystem::path& file) const {
+void Context::SaveFile(const std::string& file) const {
   const std::vector<std::byte> bytes = Save();
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   out.close();
-  if (!out) throw RunError(fmt::format("cannot write the snapshot to '{}'", file.string()));
+  if (!out) throw RunError(fmt::format("cannot write the snapshot to '{}'", file));
 }
 
-void Context::RestoreFile(const std::filesystem::path& file) {
+void Context::RestoreFile(const std::string& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) throw RunError(fmt::format("cannot read the snapshot '{}'", file.string()));
+  if (!in) throw RunError(fmt::format("cannot read the snapshot '{}'", file));
   std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   try {
     Restore(bytes);
   } catch (const Error& error) {
-    throw RunError(fmt::format("cannot restore '{}': {}", file.string(), error.what()));
+    throw RunError(fmt::format("cannot restore '{}': {}", file, error.what()));
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <concepts>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -26,13 +25,19 @@ class Assembly {
 
   /// Makes a block and adds it under `name`. Throws BuildError if the name is taken or holds a dot or a
   /// blank, ParameterError (with the block's name in front) if the block refuses its parameters.
-  template <std::derived_from<System> Block, class... Args>
+  template <class Block, class... Args>
   Block& Add(std::string name, Args&&... args) {
-    CheckName(name);
-    try {
-      return static_cast<Block&>(Adopt(std::make_unique<Block>(std::forward<Args>(args)...), name));
-    } catch (...) {
-      RethrowWithName(name);
+    if constexpr (!std::is_base_of_v<System, Block>) {
+      static_assert(kFalse<Block>, "Add: what is added must derive from LeafSystem or Subdiagram.");
+    } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
+      static_assert(kFalse<Block>, "Add: these are not the parameters that the block is made of.");
+    } else {
+      CheckName(name);
+      try {
+        return static_cast<Block&>(Adopt(std::make_unique<Block>(std::forward<Args>(args)...), name));
+      } catch (...) {
+        RethrowWithName(name);
+      }
     }
   }
 
@@ -47,13 +52,13 @@ class Assembly {
 
   /// Adds a block that is one function of the values it uses, connects it to them, and returns its output.
   /// `Uses(builder.time, plant.state)` may name outputs of other blocks and own inputs.
-  template <class... S, class F>
-  auto& AddFunction(Spec spec, UsesList<SourceHandle<S>...> uses, F function) {
+  template <class... A, class F>
+  auto& AddFunction(Spec spec, UsesList<A...> uses, F function) {
     return AddFunctionBlock(std::move(spec), uses, std::move(function));
   }
   /// The same, sampled.
-  template <class... S, class F>
-  auto& AddFunction(Spec spec, Sampled sampled, UsesList<SourceHandle<S>...> uses, F function) {
+  template <class... A, class F>
+  auto& AddFunction(Spec spec, Sampled sampled, UsesList<A...> uses, F function) {
     return AddFunctionBlock(std::move(spec), uses, std::move(function), sampled);
   }
 
@@ -72,8 +77,8 @@ class Assembly {
  private:
   friend class Compiler;
 
-  template <class... S, class F, class... When>
-  auto& AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& uses, F function, When... when);
+  template <class... A, class F, class... When>
+  auto& AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
   void CheckName(const std::string& name) const;
   System& Adopt(std::unique_ptr<System> block, const std::string& name);
   void Join(const Source& from, Source& to);
@@ -84,56 +89,54 @@ class Assembly {
   std::unordered_map<std::string, const System*> by_name_;  ///< the same
 };
 
-/// The input of a function block that stands for one used port; `time` needs none.
-template <class Port>
-struct FunctionInput {
-  FunctionInput(Leaf* owner, const Port& port, std::size_t index)
-      : input(std::make_unique<InputPort<typename Port::Value>>(
-            owner, Spec("input_" + std::to_string(index), port.spec().units, port.spec().elements))) {}
-  const auto& source() const { return *input; }
-  std::unique_ptr<InputPort<typename Port::Value>> input;
-};
-template <>
-struct FunctionInput<Time> {
-  FunctionInput(Leaf* owner, const Time&, std::size_t) : time(&owner->time) {}
-  const Time& source() const { return *time; }
-  const Time* time;
+/// The inputs of a function block, one for each port that it uses; `time` needs none.
+template <class... A>
+class FunctionInputs {
+ public:
+  FunctionInputs([[maybe_unused]] Leaf* owner, [[maybe_unused]] const std::vector<Slot>& used) {
+    (Append<A>(owner, used[uses.slots.size()]), ...);
+  }
+  UsesList<A...> uses;          ///< of the calculation
+  std::vector<Source*> inputs;  ///< null stands for time
+
+ private:
+  template <class Argument>
+  void Append(Leaf* owner, const Slot& used) {
+    if (used.source == nullptr) {
+      inputs.push_back(nullptr);
+      return owner->time.AppendTo(uses.slots);
+    }
+    using Input = InputPort<std::remove_cvref_t<Argument>>;
+    const Spec& spec = used.source->spec();
+    const auto input = std::make_shared<Input>(
+        owner, Spec("input_" + std::to_string(inputs.size()), spec.units, spec.elements));
+    inputs.push_back(input.get());
+    input->AppendTo(uses.slots);
+    kept_.push_back(input);
+  }
+  std::vector<std::shared_ptr<void>> kept_;
 };
 
 /// The block behind AddFunction.
-template <class R, class F, class... S>
+template <class R, class F, class... A>
 class FunctionBlock final : public Leaf {
  public:
   template <class... When>
-  FunctionBlock(Spec spec, const std::tuple<SourceHandle<S>...>& used, F function, When... when)
-      : inputs(MakeInputs(used, std::index_sequence_for<S...>{})),
-        output(this, Spec("output", spec.units, spec.elements), when...,
-               std::apply([](const auto&... input) { return Uses(input.source()...); }, inputs),
-               std::move(function)) {}
+  FunctionBlock(Spec spec, const UsesList<A...>& used, F function, When... when)
+      : in(this, used.slots),
+        output(this, Spec("output", spec.units, spec.elements), when..., in.uses, std::move(function)) {}
 
-  std::tuple<FunctionInput<S>...> inputs;
+  FunctionInputs<A...> in;
   OutputPort<R> output;
-
- private:
-  template <std::size_t... I>
-  std::tuple<FunctionInput<S>...> MakeInputs(const std::tuple<SourceHandle<S>...>& used,
-                                             std::index_sequence<I...>) {
-    return {FunctionInput<S>(this, *std::get<I>(used).source, I)...};
-  }
 };
 
-template <class... S, class F, class... When>
-auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<SourceHandle<S>...>& uses, F function,
-                                 When... when) {
-  using R = std::remove_cvref_t<std::invoke_result_t<const F&, typename SourceHandle<S>::Argument...>>;
-  auto& block = Add<FunctionBlock<R, F, S...>>(spec.name, spec, uses.handles, std::move(function), when...);
-  const auto connect = [&]<class Port>(const SourceHandle<Port>& used, FunctionInput<Port>& input) {
-    if constexpr (!std::is_same_v<Port, Time>) Connect(*used.source, *input.input);
-  };
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (connect(std::get<I>(uses.handles), std::get<I>(block.inputs)), ...);
+template <class... A, class F, class... When>
+auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
+  using R = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
+  auto& block = Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), when...);
+  for (std::size_t i = 0; i < uses.slots.size(); ++i) {
+    if (block.in.inputs[i] != nullptr) Join(*uses.slots[i].source, *block.in.inputs[i]);
   }
-  (std::index_sequence_for<S...>{});
   return block.output;
 }
 

@@ -1,10 +1,28 @@
 #pragma once
 
-#include <tuple>
+#include <array>
+#include <concepts>
+#include <cstddef>
 #include <type_traits>
-#include <utility>
+#include <vector>
 
 namespace tenon {
+
+namespace internal {
+
+struct TypeInfo;
+template <class T>
+const TypeInfo& TypeInfoOf();
+
+/// How far inside a Struct the member lies [bytes].
+template <class Struct, class Member>
+std::size_t OffsetOf(Member Struct::*member) {
+  const auto* somewhere = reinterpret_cast<const Struct*>(alignof(Struct) * 1024);
+  return static_cast<std::size_t>(reinterpret_cast<const std::byte*>(&(somewhere->*member)) -
+                                  reinterpret_cast<const std::byte*>(somewhere));
+}
+
+}  // namespace internal
 
 /// One member of a struct that describes itself: its name, its units if it has any, and where it is.
 ///
@@ -13,43 +31,68 @@ namespace tenon {
 ///     struct CableState {
 ///       double tension = 0;
 ///       Vec<3> p_W;
-///       static constexpr auto Fields() {
-///         return std::tuple{Field{"tension", &CableState::tension, "N"}, Field{"p_W", &CableState::p_W,
-///         "m"}};
+///       static FieldList Fields() {
+///         return {{"tension", &CableState::tension, "N"}, {"p_W", &CableState::p_W, "m"}};
 ///       }
 ///     };
 ///
 /// A struct of parameters carries the unit in the key (`mass_kg`) and marks what has no default as Required.
-template <class Struct, class Member>
-struct Field {
+class Field {
+ public:
+  template <class Struct, class Member>
+  Field(const char* name, Member Struct::*member, const char* units = "")
+      : name(name), units(units), offset(internal::OffsetOf(member)), type(&internal::TypeInfoOf<Member>) {}
+
   const char* name;
-  Member Struct::*member;
-  const char* units = "";
+  const char* units;
+  std::size_t offset;                   ///< of the member in the struct [bytes]
+  const internal::TypeInfo& (*type)();  ///< of the member
   bool required = false;
 };
 
-template <class Struct, class Member>
-Field(const char*, Member Struct::*) -> Field<Struct, Member>;
-template <class Struct, class Member>
-Field(const char*, Member Struct::*, const char*) -> Field<Struct, Member>;
+/// All that logs, snapshots and files hold of a struct, in order.
+using FieldList = std::vector<Field>;
 
 /// A field without a default: a file that leaves it out is refused.
 template <class Struct, class Member>
-constexpr Field<Struct, Member> Required(const char* name, Member Struct::*member) {
-  return {name, member, "", true};
+Field Required(const char* name, Member Struct::*member) {
+  Field field(name, member);
+  field.required = true;
+  return field;
 }
 
-/// True for structs with a static `Fields()`.
+/// True for structs with a static `FieldList Fields()`.
 template <class T>
 concept HasFields = requires {
-  std::remove_cvref_t<T>::Fields();
+  { std::remove_cvref_t<T>::Fields() } -> std::same_as<FieldList>;
 };
 
-/// Calls `visit(field, value.*field.member)` for every field of `value` in order.
-template <HasFields T, class Visit>
-constexpr void ForEachField(T& value, Visit&& visit) {
-  std::apply([&](const auto&... field) { (visit(field, value.*field.member), ...); },
-             std::remove_cvref_t<T>::Fields());
+/// An enumerator and what files and pages call it.
+template <class E>
+struct Named {
+  E value;
+  const char* name;
+};
+template <class E>
+Named(E, const char*) -> Named<E>;
+
+/// An enum that is known by names. Beside the enum stands, say,
+///
+///     constexpr auto EnumNames(WinchMode) {
+///       return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
+///     }
+template <class E>
+concept NamedEnum = std::is_enum_v<E> && requires(E e) {
+  EnumNames(e);
+};
+
+/// The name of an enumerator; "?" for a value that has none.
+template <NamedEnum E>
+constexpr const char* EnumName(E value) {
+  for (const auto& [e, name] : EnumNames(value)) {
+    if (e == value) return name;
+  }
+  return "?";
 }
 
 }  // namespace tenon

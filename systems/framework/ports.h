@@ -1,9 +1,9 @@
 #pragma once
 
-#include <deque>
-#include <optional>
+#include <memory>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <tenon/systems/framework/calculation.h>
 #include <tenon/systems/framework/system.h>
@@ -24,7 +24,7 @@ class InputPort : public Source {
   using Argument = const T&;
 
   InputPort(System* owner, Spec spec)
-      : Source(owner, SourceKind::kInput, std::move(spec), internal::kTypeInfo<T>, &model_) {}
+      : Source(owner, SourceKind::kInput, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
   /// Optional: reads as `unconnected` if nothing is connected.
   InputPort(System* owner, Spec spec, T unconnected) : InputPort(owner, std::move(spec)) {
     model_ = std::move(unconnected);
@@ -40,15 +40,23 @@ template <class T>
 class Calculated : public Source {
  protected:
   Calculated(System* owner, SourceKind kind, Spec spec)
-      : Source(owner, kind, std::move(spec), internal::kTypeInfo<T>, &model_) {}
+      : Source(owner, kind, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
 
-  template <class... H, class F>
-  void Calculate(UsesList<H...> uses, F function) {
-    using Code = internal::Calculation<T, F, H...>;
-    std::vector<Slot> slots;
-    std::apply([&](const auto&... handle) { (handle.Append(slots), ...); }, uses.handles);
-    SetCalculation(&Code::Run, std::make_shared<Code>(Code{&owner(), std::move(function), std::move(uses)}),
-                   std::move(slots));
+  template <class... A, class F>
+  void Calculate(UsesList<A...> uses, F function) {
+    using Code = internal::Calculation<T, F, A...>;
+    if constexpr (!Code::Traits::kConst) {
+      static_assert(internal::kFalse<F>, "A calculation must be const: what changes lives in the context.");
+    } else if constexpr (!Code::Returns() && !Code::FillsInPlace()) {
+      static_assert(internal::kFalse<F>,
+                    "The function's parameters must be exactly the values of Uses(...), in that order.");
+    } else {
+      if constexpr (Code::Returns()) {
+        static_assert(Code::ReturnsTarget(),
+                      "The function must return exactly the type of the port, state or shared value.");
+      }
+      SetCalculation(Code::Run(std::index_sequence_for<A...>{}), std::move(function), std::move(uses.slots));
+    }
   }
 
   T model_ = internal::Zeroed<T>();
@@ -66,23 +74,23 @@ class OutputPort : public Calculated<T> {
   using Value = T;
   using Argument = const T&;
 
-  template <class... H, class F>
-  OutputPort(Leaf* owner, Spec spec, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, UsesList<A...> uses, F function)
       : Calculated<T>(owner, SourceKind::kOutput, std::move(spec)) {
     this->Calculate(std::move(uses), std::move(function));
   }
-  template <class... H, class F>
-  OutputPort(Leaf* owner, Spec spec, T initial, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, T initial, UsesList<A...> uses, F function)
       : OutputPort(owner, std::move(spec), std::move(uses), std::move(function)) {
     this->model_ = std::move(initial);
   }
-  template <class... H, class F>
-  OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<A...> uses, F function)
       : OutputPort(owner, std::move(spec), std::move(uses), std::move(function)) {
     this->SetTrigger({Trigger::When::kSampled, sampled, nullptr});
   }
-  template <class... H, class F>
-  OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function)
       : OutputPort(owner, std::move(spec), sampled, std::move(uses), std::move(function)) {
     this->model_ = std::move(initial);
     this->SetHasInitialValue();
@@ -104,8 +112,8 @@ class OutputPort : public Calculated<T> {
 template <class T>
 class Inputs {
  public:
-  Inputs(const std::byte* memory, const internal::Offset* offsets, std::size_t size)
-      : memory_(memory), offsets_(offsets), size_(size) {}
+  Inputs(const std::byte* memory, const internal::Offset* list, const Source&)
+      : memory_(memory), offsets_(list + 1), size_(*list) {}
   std::size_t size() const { return size_; }
   const T& operator[](std::size_t i) const { return *reinterpret_cast<const T*>(memory_ + offsets_[i]); }
 
@@ -119,34 +127,24 @@ class Inputs {
 template <class T>
 class InputPorts {
  public:
+  using Argument = Inputs<T>;
+
   InputPorts(Leaf* owner, const Spec& spec, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      ports_.emplace_back(owner, Spec{spec.name + "_" + std::to_string(i), spec.units, spec.elements});
+      ports_.push_back(std::make_unique<InputPort<T>>(
+          owner, Spec{spec.name + "_" + std::to_string(i), spec.units, spec.elements}));
     }
   }
   std::size_t size() const { return ports_.size(); }
-  InputPort<T>& operator[](std::size_t i) { return ports_.at(i); }
-  const InputPort<T>& operator[](std::size_t i) const { return ports_.at(i); }
+  InputPort<T>& operator[](std::size_t i) { return *ports_.at(i); }
+  const InputPort<T>& operator[](std::size_t i) const { return *ports_.at(i); }
+  void AppendTo(std::vector<internal::Slot>& slots) const {
+    slots.push_back({internal::Slot::What::kList, nullptr, static_cast<std::uint32_t>(size())});
+    for (const auto& port : ports_) port->AppendTo(slots);
+  }
 
  private:
-  std::deque<InputPort<T>> ports_;
-};
-
-template <class T>
-struct SourceHandle<InputPorts<T>> {
-  const InputPorts<T>* source;
-  using Argument = Inputs<T>;
-  Argument Load(std::byte* memory, const internal::Offset*& cursor) const {
-    const std::size_t size = *cursor++;
-    const internal::Offset* offsets = cursor;
-    cursor += size;
-    return Inputs<T>(memory, offsets, size);
-  }
-  void Append(std::vector<Source::Slot>& slots) const {
-    slots.push_back({Source::Slot::What::kCount, nullptr, static_cast<std::uint32_t>(source->size())});
-    for (std::size_t i = 0; i < source->size(); ++i)
-      slots.push_back({Source::Slot::What::kSource, &(*source)[i]});
-  }
+  std::vector<std::unique_ptr<InputPort<T>>> ports_;
 };
 
 }  // namespace tenon

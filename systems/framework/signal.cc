@@ -1,6 +1,18 @@
 #include <tenon/systems/framework/signal.h>
 
-namespace tenon::internal {
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon {
+
+Spec::Spec(const char* name) : name(name) {}
+Spec::Spec(std::string name, std::string units, std::string elements)
+    : name(std::move(name)), units(std::move(units)), elements(std::move(elements)) {}
+
+namespace internal {
 namespace {
 
 /// The `index`-th entry of a comma-separated list, trimmed; empty if there is none.
@@ -18,21 +30,185 @@ std::string ListEntry(const std::string& list, std::size_t index) {
   return list.substr(first, last - first + 1);
 }
 
-}  // namespace
-
-std::string ElementName(const Spec& spec, Eigen::Index row, Eigen::Index col, Eigen::Index rows,
-                        Eigen::Index cols) {
+/// Names for a matrix's elements: from the spec, else x, y, z for three, else their index.
+std::string ElementName(const Spec& spec, std::size_t row, std::size_t col, std::size_t rows,
+                        std::size_t cols) {
   if (cols > 1) return std::to_string(row) + "_" + std::to_string(col);
-  if (const std::string name = ListEntry(spec.elements, static_cast<std::size_t>(row)); !name.empty()) {
-    return name;
-  }
+  if (const std::string name = ListEntry(spec.elements, row); !name.empty()) return name;
   if (rows == 3) return std::string(1, "xyz"[row]);
   return std::to_string(row);
 }
 
+class ElementLister final : public ValueVisitor {
+ public:
+  explicit ElementLister(const Spec& spec) : specs_{spec} {}
+  void Number(void*, const TypeInfo&) override { elements.push_back({path_, specs_.back().units}); }
+  void Numbers(void*, ScalarKind, std::size_t rows, std::size_t cols) override {
+    const Spec& spec = specs_.back();
+    for (std::size_t c = 0; c < cols; ++c) {
+      for (std::size_t r = 0; r < rows; ++r) {
+        elements.push_back({Below(ElementName(spec, r, c, rows, cols)), ElementUnit(spec, c * rows + r)});
+      }
+    }
+  }
+  void EnterMember(const Field& field) override { Enter(Spec(field.name, field.units), field.name); }
+  void EnterItem(std::size_t index) override { Enter(Spec(specs_.back()), std::to_string(index)); }
+  void Leave() override {
+    specs_.pop_back();
+    path_.resize(lengths_.back());
+    lengths_.pop_back();
+  }
+  std::vector<Element> elements;
+
+ private:
+  std::string Below(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
+  void Enter(Spec spec, const std::string& name) {
+    specs_.push_back(std::move(spec));
+    lengths_.push_back(path_.size());
+    path_ = Below(name);
+  }
+  std::vector<Spec> specs_;
+  std::vector<std::size_t> lengths_;  ///< of the path, outside
+  std::string path_;
+};
+
+/// Calls a function for every stretch of numbers of one kind: function(data, kind, count).
+template <class Function>
+class RunVisitor final : public ValueVisitor {
+ public:
+  explicit RunVisitor(Function function) : function_(std::move(function)) {}
+  void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    function_(data, kind, rows * cols);
+  }
+
+ private:
+  Function function_;
+};
+
+template <class Function>
+void ForEachRun(const TypeInfo& type, const void* value, Function function) {
+  auto* bytes = static_cast<std::byte*>(const_cast<void*>(value));
+  if (type.fixed) {
+    for (const ScalarRun& run : type.runs) function(bytes + run.offset, run.kind, run.count);
+  } else {
+    RunVisitor<Function> visitor(std::move(function));
+    Walk(type, bytes, visitor);
+  }
+}
+
+[[noreturn]] void ThrowOpaque() {
+  throw Error("its type does not describe itself: give it a static Fields() to make it storable");
+}
+
+class Saver final : public ValueVisitor {
+ public:
+  explicit Saver(Archive& archive) : archive_(archive) {}
+  void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    archive_.Write(data, SizeOf(kind) * rows * cols);
+  }
+  void Resize(std::size_t* rows, std::size_t* cols) override {
+    Save(*rows, archive_);
+    Save(*cols, archive_);
+  }
+  void Text(std::string& text) override {
+    Save(text.size(), archive_);
+    archive_.Write(text.data(), text.size());
+  }
+  void Opaque(void* bytes, std::size_t size) override {
+    if (size == 0) ThrowOpaque();
+    archive_.Write(bytes, size);
+  }
+
+ private:
+  Archive& archive_;
+};
+
+class Loader final : public ValueVisitor {
+ public:
+  explicit Loader(Archive& archive) : archive_(archive) {}
+  void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    archive_.Read(data, SizeOf(kind) * rows * cols);
+  }
+  void Resize(std::size_t* rows, std::size_t* cols) override {
+    *rows = LoadSize();
+    *cols = LoadSize();
+  }
+  void Text(std::string& text) override {
+    text.resize(LoadSize());
+    archive_.Read(text.data(), text.size());
+  }
+  void Opaque(void* bytes, std::size_t size) override {
+    if (size == 0) ThrowOpaque();
+    archive_.Read(bytes, size);
+  }
+
+ private:
+  /// Nothing takes less than a byte: so a size that is damaged does not ask for all memory.
+  std::size_t LoadSize() {
+    std::size_t size = 0;
+    Load(size, archive_);
+    archive_.Demand(size);
+    return size;
+  }
+  Archive& archive_;
+};
+
+}  // namespace
+
 std::string ElementUnit(const Spec& spec, std::size_t index) {
-  if (spec.units.find(',') == std::string::npos) return spec.units;
-  return ListEntry(spec.units, index);
+  return spec.units.find(',') == std::string::npos ? spec.units : ListEntry(spec.units, index);
+}
+
+std::vector<Element> ListElements(const TypeInfo& type, const void* value, const Spec& spec) {
+  ElementLister lister(spec);
+  Walk(type, const_cast<void*>(value), lister);
+  return std::move(lister.elements);
+}
+
+std::size_t CountScalars(const TypeInfo& type, const void* value) {
+  if (type.fixed) return type.num_scalars;
+  std::size_t count = 0;
+  ForEachRun(type, value, [&](const void*, ScalarKind, std::size_t size) { count += size; });
+  return count;
+}
+
+double* ToDoubles(const TypeInfo& type, const void* value, double* out) {
+  ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
+    WithKind(kind, data, [&](const auto* first) { out = std::copy(first, first + count, out); });
+  });
+  return out;
+}
+
+void FromDoubles(const TypeInfo& type, void* value, const double* in) {
+  ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
+    WithKind(kind, data, [&]<class T>(T* first) {
+      for (std::size_t i = 0; i < count; ++i) first[i] = static_cast<T>(*in++);
+    });
+  });
+}
+
+Finiteness FinitenessOf(const TypeInfo& type, const void* value) {
+  Finiteness worst = Finiteness::kFinite;
+  ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
+    if (kind != ScalarKind::kDouble && kind != ScalarKind::kFloat) return;
+    WithKind(kind, data, [&](const auto* first) {
+      // The sum of 0 x is 0 unless one is not finite.
+      double zero = 0;
+      for (std::size_t i = 0; i < count; ++i) zero += 0 * static_cast<double>(first[i]);
+      if (zero == 0) return;
+      for (std::size_t i = 0; i < count; ++i) {
+        if (std::isnan(first[i])) worst = Finiteness::kNan;
+      }
+      if (worst == Finiteness::kFinite) worst = Finiteness::kInfinite;
+    });
+  });
+  return worst;
+}
+
+void SetZero(const TypeInfo& type, void* value) {
+  ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
+    std::memset(data, 0, SizeOf(kind) * count);
+  });
 }
 
 void Archive::Write(const void* data, std::size_t size) {
@@ -40,12 +216,26 @@ void Archive::Write(const void* data, std::size_t size) {
   bytes_.insert(bytes_.end(), bytes, bytes + size);
 }
 
+void Archive::Demand(std::size_t size) const {
+  if (size <= bytes_.size() - cursor_) return;
+  throw RunError("the snapshot is cut short: " + std::to_string(bytes_.size()) + " bytes, more are needed");
+}
+
 void Archive::Read(void* data, std::size_t size) {
-  if (size > bytes_.size() - cursor_) {
-    throw RunError("the snapshot is cut short: " + std::to_string(bytes_.size()) + " bytes, more are needed");
-  }
+  Demand(size);
   std::memcpy(data, bytes_.data() + cursor_, size);
   cursor_ += size;
 }
 
-}  // namespace tenon::internal
+void Save(const TypeInfo& type, const void* value, Archive& archive) {
+  Saver saver(archive);
+  Walk(type, const_cast<void*>(value), saver);
+}
+
+void Load(const TypeInfo& type, void* value, Archive& archive) {
+  Loader loader(archive);
+  Walk(type, value, loader);
+}
+
+}  // namespace internal
+}  // namespace tenon

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <tenon/systems/framework/rate.h>
@@ -13,6 +16,7 @@ namespace tenon {
 class System;
 class Diagram;
 class Context;
+class Source;
 
 namespace internal {
 
@@ -23,8 +27,36 @@ struct Program;
 /// Where a value lies in a context's memory.
 using Offset = std::uint32_t;
 
-/// Runs a calculation: reads its arguments at args[1…], writes its result at args[0].
+/// Runs a calculation: writes its result at args[0], reads its i-th argument at args[1 + i]. For a list, that
+/// entry says where the list begins in args: its length, then where its values lie.
 using Thunk = void (*)(const void* closure, std::byte* memory, const Offset* args);
+
+/// What a calculation runs with: the block, and its function as it was written.
+struct Closure {
+  const System* self;
+  const Source* calculation;
+  void (*destroy)(Closure* closure);
+
+  struct Delete {
+    void operator()(Closure* closure) const { closure->destroy(closure); }
+  };
+};
+template <class F>
+struct ClosureOf : Closure {
+  F function;
+};
+
+/// One entry of a calculation's declared arguments.
+struct Slot {
+  enum class What {
+    kSource,
+    kTime,
+    kList,  ///< the next `count` entries, one argument together
+  };
+  What what;
+  const Source* source = nullptr;
+  std::uint32_t count = 0;
+};
 
 }  // namespace internal
 
@@ -60,13 +92,6 @@ struct Trigger {
 /// share.
 class Source {
  public:
-  /// One entry of a calculation's declared arguments.
-  struct Slot {
-    enum class What { kSource, kCount, kTime } what;
-    const Source* source = nullptr;
-    std::uint32_t count = 0;  ///< length of the list of sources that follows
-  };
-
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
@@ -82,6 +107,9 @@ class Source {
   bool is_sampled() const { return trigger_.when == Trigger::When::kSampled; }
   /// What this port is connected to, one hop up; null if nothing.
   const Source* driver() const { return driver_; }
+  void AppendTo(std::vector<internal::Slot>& slots) const {
+    slots.push_back({internal::Slot::What::kSource, this});
+  }
   /// What provides this port's value: through connections up to a state, a calculation or an open input.
   const Source& Resolve() const;
 
@@ -89,7 +117,15 @@ class Source {
   Source(System* owner, SourceKind kind, Spec spec, const internal::TypeInfo& type, const void* model);
   ~Source() = default;
 
-  void SetCalculation(internal::Thunk run, std::shared_ptr<const void> closure, std::vector<Slot> arguments);
+  template <class F>
+  void SetCalculation(internal::Thunk run, F function, std::vector<internal::Slot> arguments) {
+    run_ = run;
+    const auto destroy = [](internal::Closure* closure) {
+      delete static_cast<internal::ClosureOf<F>*>(closure);
+    };
+    closure_.reset(new internal::ClosureOf<F>{{owner_, this, destroy}, std::move(function)});
+    arguments_ = std::move(arguments);
+  }
   void SetDriver(const Source& driver) { driver_ = &driver; }
   void SetTarget(const Source& target) { target_ = &target; }
   void SetTrigger(Trigger trigger) { trigger_ = trigger; }
@@ -99,11 +135,12 @@ class Source {
  private:
   friend class Context;
   friend class Diagram;
+  friend class Reads;
   friend class Simulator;
+  friend class SignalLog;
   friend class internal::Assembly;
   friend class internal::Compiler;
   friend struct internal::Program;
-  friend class SignalLog;
 
   System* owner_;
   SourceKind kind_;
@@ -116,8 +153,8 @@ class Source {
   bool has_initial_value_ = false;  ///< of a sampled output: readable before its first tick
 
   internal::Thunk run_ = nullptr;
-  std::shared_ptr<const void> closure_;
-  std::vector<Slot> arguments_;
+  std::unique_ptr<internal::Closure, internal::Closure::Delete> closure_;
+  std::vector<internal::Slot> arguments_;
 
   // Set when the diagram is built.
   internal::Offset offset_ = 0;

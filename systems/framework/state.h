@@ -21,7 +21,7 @@ class ContinuousState : public Source {
   using Value = T;
   using Argument = const T&;
   ContinuousState(Leaf* owner, Spec spec, T initial = internal::Zeroed<T>())
-      : Source(owner, SourceKind::kContinuous, std::move(spec), internal::kTypeInfo<T>, &initial_),
+      : Source(owner, SourceKind::kContinuous, std::move(spec), internal::TypeInfoOf<T>(), &initial_),
         initial_(std::move(initial)) {}
 
  private:
@@ -33,8 +33,8 @@ template <class T>
 class TimeDerivative : public Calculated<T> {
  public:
   using Value = T;
-  template <class... H, class F>
-  TimeDerivative(const ContinuousState<T>& state, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  TimeDerivative(const ContinuousState<T>& state, UsesList<A...> uses, F function)
       : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kDerivative,
                       Spec{"d/dt " + state.name(), state.spec().units, state.spec().elements}) {
     this->SetTarget(state);
@@ -49,7 +49,7 @@ class DiscreteState : public Source {
   using Value = T;
   using Argument = const T&;
   DiscreteState(Leaf* owner, Spec spec, T initial = internal::Zeroed<T>())
-      : Source(owner, SourceKind::kDiscrete, std::move(spec), internal::kTypeInfo<T>, &initial_),
+      : Source(owner, SourceKind::kDiscrete, std::move(spec), internal::TypeInfoOf<T>(), &initial_),
         initial_(std::move(initial)) {}
 
  private:
@@ -74,8 +74,8 @@ class Witness : public Calculated<double> {
  public:
   using Value = double;
   using Argument = const double&;
-  template <class... H, class F>
-  Witness(Leaf* owner, std::string name, Crossing crossing, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  Witness(Leaf* owner, std::string name, Crossing crossing, UsesList<A...> uses, F function)
       : Calculated<double>(owner, SourceKind::kWitness, Spec{std::move(name)}), crossing_(crossing) {
     Calculate(std::move(uses), std::move(function));
   }
@@ -91,24 +91,24 @@ template <class T>
 class Update : public Calculated<T> {
  public:
   using Value = T;
-  template <class State, class... H, class F>
-  Update(const State& state, Sampled sampled, UsesList<H...> uses, F function)
+  template <class State, class... A, class F>
+  Update(const State& state, Sampled sampled, UsesList<A...> uses, F function)
       : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
                std::move(function)) {}
-  template <class State, class... H, class F>
-  Update(const State& state, EachStep, UsesList<H...> uses, F function)
+  template <class State, class... A, class F>
+  Update(const State& state, EachStep, UsesList<A...> uses, F function)
       : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function)) {}
-  template <class State, class... H, class F>
-  Update(const State& state, AtStart, UsesList<H...> uses, F function)
+  template <class State, class... A, class F>
+  Update(const State& state, AtStart, UsesList<A...> uses, F function)
       : Update(state, Trigger{.when = Trigger::When::kAtStart}, std::move(uses), std::move(function)) {}
-  template <class State, class... H, class F>
-  Update(const State& state, const Witness& witness, UsesList<H...> uses, F function)
+  template <class State, class... A, class F>
+  Update(const State& state, const Witness& witness, UsesList<A...> uses, F function)
       : Update(state, Trigger{.when = Trigger::When::kWitness, .witness = &witness}, std::move(uses),
                std::move(function)) {}
 
  private:
-  template <class State, class... H, class F>
-  Update(const State& state, Trigger trigger, UsesList<H...> uses, F function)
+  template <class State, class... A, class F>
+  Update(const State& state, Trigger trigger, UsesList<A...> uses, F function)
       : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kUpdate,
                       Spec{"next " + state.name(), state.spec().units, state.spec().elements}) {
     static_assert(std::is_same_v<typename State::Value, T>, "An Update has the type of its state.");
@@ -125,13 +125,13 @@ class Shared : public Calculated<T> {
  public:
   using Value = T;
   using Argument = const T&;
-  template <class... H, class F>
-  Shared(Leaf* owner, std::string name, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  Shared(Leaf* owner, std::string name, UsesList<A...> uses, F function)
       : Calculated<T>(owner, SourceKind::kShared, Spec{std::move(name)}) {
     this->Calculate(std::move(uses), std::move(function));
   }
-  template <class... H, class F>
-  Shared(Leaf* owner, std::string name, T model, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  Shared(Leaf* owner, std::string name, T model, UsesList<A...> uses, F function)
       : Shared(owner, std::move(name), std::move(uses), std::move(function)) {
     this->model_ = std::move(model);
   }
@@ -145,7 +145,7 @@ class Scratch : public Source {
   using Value = T;
   using Argument = T&;
   Scratch(Leaf* owner, std::string name, T initial = internal::Zeroed<T>())
-      : Source(owner, SourceKind::kScratch, Spec{std::move(name)}, internal::kTypeInfo<T>, &initial_),
+      : Source(owner, SourceKind::kScratch, Spec{std::move(name)}, internal::TypeInfoOf<T>(), &initial_),
         initial_(std::move(initial)) {}
 
  private:
@@ -160,7 +160,7 @@ class Workspace : public Source {
   using Value = T;
   using Argument = T&;
   Workspace(Leaf* owner, std::string name, T model = T())
-      : Source(owner, SourceKind::kWorkspace, Spec{std::move(name)}, internal::kTypeInfo<T>, &model_),
+      : Source(owner, SourceKind::kWorkspace, Spec{std::move(name)}, internal::TypeInfoOf<T>(), &model_),
         model_(std::move(model)) {}
 
  private:
@@ -174,7 +174,7 @@ class Random : public Source {
   using Value = RandomStream;
   using Argument = RandomStream&;
   Random(Leaf* owner, std::string name)
-      : Source(owner, SourceKind::kRandom, Spec{std::move(name)}, internal::kTypeInfo<RandomStream>,
+      : Source(owner, SourceKind::kRandom, Spec{std::move(name)}, internal::TypeInfoOf<RandomStream>(),
                &initial_) {}
 
  private:
@@ -188,14 +188,14 @@ using Verdict = std::optional<std::string>;
 class Monitor : public Calculated<Verdict> {
  public:
   using Value = Verdict;
-  template <class... H, class F>
-  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<A...> uses, F function)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger({Trigger::When::kSampled, sampled, nullptr});
     Calculate(std::move(uses), std::move(function));
   }
-  template <class... H, class F>
-  Monitor(Leaf* owner, std::string name, EachStep, UsesList<H...> uses, F function)
+  template <class... A, class F>
+  Monitor(Leaf* owner, std::string name, EachStep, UsesList<A...> uses, F function)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger({.when = Trigger::When::kEachStep});
     Calculate(std::move(uses), std::move(function));

@@ -20,9 +20,7 @@ std::string Source::path() const {
 }
 
 std::vector<Element> Source::elements() const {
-  std::vector<Element> elements;
-  type_->list_elements(model_, spec_, elements);
-  return elements;
+  return internal::ListElements(*type_, model_, spec_);
 }
 
 const Source& Source::Resolve() const {
@@ -31,19 +29,21 @@ const Source& Source::Resolve() const {
   return *source;
 }
 
-void Source::SetCalculation(internal::Thunk run, std::shared_ptr<const void> closure,
-                            std::vector<Slot> arguments) {
-  run_ = run;
-  closure_ = std::move(closure);
-  arguments_ = std::move(arguments);
+UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources) {
+  UsesList<Reads> uses;
+  uses.slots.push_back({internal::Slot::What::kList, nullptr, static_cast<std::uint32_t>(sources.size())});
+  for (const Source* source : sources) source->AppendTo(uses.slots);
+  return uses;
 }
 
 internal::Offset Reads::Find(const Source& source) const {
-  for (std::size_t i = 0; i < declared_.size(); ++i) {
-    if (declared_[i] == &source) return offsets_[i];
-  }
+  // All that the calculation uses is this list: the first entry stands for it, the others are its sources.
+  const std::vector<internal::Slot>& slots = calculation_.arguments_;
   std::string names;
-  for (const Source* declared : declared_) names += (names.empty() ? "" : ", ") + declared->name();
+  for (std::size_t i = 1; i < slots.size(); ++i) {
+    if (slots[i].source == &source) return offsets_[i - 1];
+    names += (names.empty() ? "" : ", ") + slots[i].source->name();
+  }
   throw RunError(fmt::format(
       "undeclared dependency: a calculation reads '{}' but declared only [{}]; add it to UsesAtRunTime",
       source.path(), names));

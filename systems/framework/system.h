@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <tenon/systems/framework/calculation.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/source.h>
 
 namespace tenon {

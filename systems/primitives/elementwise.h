@@ -15,9 +15,11 @@ concept DoubleOrMatrix = std::same_as<T, double> ||
 /// A T with every number in it `number`.
 template <DoubleOrMatrix T>
 T Filled(double number) {
-  T value;
-  VisitScalars(value, [&](double& scalar) { scalar = number; });
-  return value;
+  if constexpr (std::same_as<T, double>) {
+    return number;
+  } else {
+    return T::Constant(number);
+  }
 }
 
 /// Applies `function` to the numbers of the values, element by element, in order.
@@ -44,11 +46,6 @@ bool Everywhere(F condition, const T& first, const More&... more) {
       },
       first, more...);
   return all;
-}
-
-template <class T>
-bool IsFinite(const T& value) {
-  return FinitenessOf(value) == Finiteness::kFinite;
 }
 
 }  // namespace tenon::internal

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <tenon/systems/framework/state.h>
@@ -35,9 +34,8 @@ struct TrajectoryParams {
 template <class T>
 struct TrajectoryPoint {
   T y, dy, ddy;
-  static constexpr auto Fields() {
-    return std::tuple{Field{"y", &TrajectoryPoint::y}, Field{"dy", &TrajectoryPoint::dy},
-                      Field{"ddy", &TrajectoryPoint::ddy}};
+  static FieldList Fields() {
+    return {{"y", &TrajectoryPoint::y}, {"dy", &TrajectoryPoint::dy}, {"ddy", &TrajectoryPoint::ddy}};
   }
 };
 

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 #include <tenon/systems/report/page.h>
 #include <tenon/systems/report/run_log.h>
-#include <tenon/systems/yaml/yaml_node.h>
 
 namespace tenon {
 

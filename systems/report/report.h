@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <tenon/systems/geometry.h>
@@ -20,9 +19,10 @@ struct Plot {
   /// What the signals should be, drawn dashed: one for each signal, in the same order, or in fewer.
   std::vector<std::string> references{};
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("title", &Plot::title), Required("signals", &Plot::signals),
-                      Field{"references", &Plot::references}};
+  static FieldList Fields() {
+    return {Required("title", &Plot::title),
+            Required("signals", &Plot::signals),
+            {"references", &Plot::references}};
   }
 };
 
@@ -31,9 +31,7 @@ struct Band {
   std::string signal;              ///< one column
   std::vector<std::string> names;  ///< of its values 0, 1, ...
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("signal", &Band::signal), Required("names", &Band::names)};
-  }
+  static FieldList Fields() { return {Required("signal", &Band::signal), Required("names", &Band::names)}; }
 };
 
 struct ReportParams {

@@ -42,8 +42,8 @@ std::vector<double> MemoryLog::column(const std::string& name) const {
   return values;
 }
 
-CsvLog::CsvLog(const std::filesystem::path& file) : path_(file), file_(std::fopen(file.c_str(), "w")) {
-  if (file_ == nullptr) throw RunError(fmt::format("cannot write the log '{}'", file.string()));
+CsvLog::CsvLog(std::string file) : path_(std::move(file)), file_(std::fopen(path_.c_str(), "w")) {
+  if (file_ == nullptr) throw RunError(fmt::format("cannot write the log '{}'", path_));
 }
 
 CsvLog::~CsvLog() {
@@ -70,7 +70,7 @@ void CsvLog::Row(std::span<const double> row) {
   end[-1] = '\n';
   const auto size = static_cast<std::size_t>(end - line_.data());
   if (std::fwrite(line_.data(), 1, size, file_) != size) {
-    throw RunError(fmt::format("cannot write on to the log '{}': is the disk full?", path_.string()));
+    throw RunError(fmt::format("cannot write on to the log '{}': is the disk full?", path_));
   }
 }
 
@@ -91,8 +91,8 @@ SignalLog::~SignalLog() = default;
 void SignalLog::Begin() {
   std::vector<std::string> names{"time"}, units{"s"};
   for (const Source* signal : signals_) {
-    std::vector<Element> elements;
-    signal->type_->list_elements(context_.EvalAddress(*signal), signal->spec(), elements);
+    const std::vector<Element> elements =
+        internal::ListElements(*signal->type_, context_.EvalAddress(*signal), signal->spec());
     sizes_.push_back(elements.size());
     for (const Element& element : elements) {
       names.push_back(signal->path() + (element.name.empty() ? "" : "." + element.name));
@@ -110,13 +110,13 @@ void SignalLog::Sample() {
   *out++ = context_.time();
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const void* value = context_.Address(*signals_[i]);
-    if (const std::size_t size = signals_[i]->type_->count(value); size != sizes_[i]) {
+    if (const std::size_t size = internal::CountScalars(*signals_[i]->type_, value); size != sizes_[i]) {
       throw RunError(
           fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals "
                       "of constant size",
                       signals_[i]->path(), sizes_[i], size, context_.time()));
     }
-    out = signals_[i]->type_->to_doubles(value, out);
+    out = internal::ToDoubles(*signals_[i]->type_, value, out);
   }
   for (const auto& sink : sinks_) sink->Row(row_);
 }

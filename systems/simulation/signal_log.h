@@ -1,8 +1,7 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -51,7 +50,7 @@ class MemoryLog final : public LogSink {
 class CsvLog final : public LogSink {
  public:
   /// Throws RunError if the file cannot be opened.
-  explicit CsvLog(const std::filesystem::path& file);
+  explicit CsvLog(std::string file);
   ~CsvLog() override;
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   /// Throws RunError if the disk is full or gone.
@@ -59,7 +58,7 @@ class CsvLog final : public LogSink {
   void Flush() override;
 
  private:
-  std::filesystem::path path_;
+  std::string path_;
   std::FILE* file_;
   std::vector<char> line_;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -97,7 +97,7 @@ class Simulator {
   std::vector<Events> events_;  ///< of each witness
 
   std::optional<std::string> end_reason_;
-  std::chrono::steady_clock::time_point pace_start_{};
+  std::optional<std::int64_t> pace_start_;  ///< on the clock [ns]
   double pace_start_time_ = 0;
 };
 

@@ -4,32 +4,40 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 
-#include <tenon/systems/yaml/yaml_tree.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/internal/yaml_node.h>
+#include <tenon/systems/yaml/internal/yaml_writer.h>
 
 namespace tenon {
 
 using internal::YamlTree;
 
-YamlDocument YamlDocument::Load(const std::filesystem::path& path) {
+YamlDocument YamlDocument::Load(const std::string& file_name) {
+  const std::filesystem::path path(file_name);
   std::error_code ignored;
   std::ifstream file(path);
   if (!file || std::filesystem::is_directory(path, ignored))
     throw ParameterError(fmt::format(
-        "cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute", path.string(),
+        "cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute", file_name,
         std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
         std::filesystem::current_path().string()));
   std::ostringstream text;
   text << file.rdbuf();
-  return Parse(text.str(), path.string());
+  return Parse(text.str(), file_name);
 }
 
 YamlDocument YamlDocument::Parse(std::string text, std::string name) {
   const auto place_of = [&](int line, int column) { return fmt::format("{}:{}:{}", name, line, column); };
   return YamlDocument(std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)));
+}
+
+void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
+  internal::YamlNode(*tree_, "").Read(type, value);
 }
 
 std::string YamlDocument::Text(std::string_view key) const {

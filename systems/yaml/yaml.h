@@ -1,24 +1,26 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/yaml/yaml_node.h>
-#include <tenon/systems/yaml/yaml_writer.h>
+#include <tenon/systems/framework/internal/type_info.h>
 
 namespace tenon {
+
+namespace internal {
+struct YamlTree;
+std::string WriteYaml(const TypeInfo& type, const void* value);
+}  // namespace internal
 
 /// A YAML file of parameters, read strictly into structs that describe themselves by a static `Fields()`:
 ///
 ///     struct WalkParams {
 ///       double speed_m_per_s = 0.2;
 ///       Eigen::Vector3d goal_m = Eigen::Vector3d::Zero();
-///       static constexpr auto Fields() {
-///         return std::tuple{Field{"speed_m_per_s", &WalkParams::speed_m_per_s},
+///       static FieldList Fields() {
+///         return {{"speed_m_per_s", &WalkParams::speed_m_per_s},
 ///                           Required("goal_m", &WalkParams::goal_m)};
 ///       }
 ///       void Validate() const;  // optional, called after reading; throws ParameterError
@@ -38,7 +40,7 @@ namespace tenon {
 class YamlDocument {
  public:
   /// Reads a file. Throws if it cannot be read, is not valid YAML or holds more than one document.
-  static YamlDocument Load(const std::filesystem::path& path);
+  static YamlDocument Load(const std::string& path);
   /// The same from text; errors call it `name`.
   static YamlDocument Parse(std::string text, std::string name);
 
@@ -60,20 +62,20 @@ class YamlDocument {
   template <HasFields T>
   T Read() const {
     T value{};
-    Root().Read(value);
+    Read(internal::TypeInfoOf<T>(), &value);
     return value;
   }
   /// Reads over `value`, whose members are the defaults; after an error it is unchanged.
   template <HasFields T>
   void ReadInto(T& value) const {
     T read = value;
-    Root().Read(read);
+    Read(internal::TypeInfoOf<T>(), &read);
     value = std::move(read);
   }
 
  private:
   explicit YamlDocument(std::shared_ptr<const internal::YamlTree> tree) : tree_(std::move(tree)) {}
-  internal::YamlNode Root() const { return {*tree_, ""}; }
+  void Read(const internal::TypeInfo& type, void* value) const;
 
   std::shared_ptr<const internal::YamlTree> tree_;  ///< never changed, so copies may share it
 };
@@ -82,9 +84,7 @@ class YamlDocument {
 /// Throws ParameterError for numbers that are not finite, for these could not be read again.
 template <HasFields T>
 std::string WriteYaml(const T& value) {
-  internal::YamlWriter writer;
-  writer.Write(value);
-  return writer.Text();
+  return internal::WriteYaml(internal::TypeInfoOf<T>(), &value);
 }
 
 }  // namespace tenon

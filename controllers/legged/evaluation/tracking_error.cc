@@ -30,3 +30,5 @@ FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynami
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::WalkingErrors);

@@ -4,8 +4,6 @@
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
 
-#include <tuple>
-
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
@@ -24,10 +22,11 @@ struct WalkingErrors {
   Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true| of each foot in stance; 0 of the others [N]
   Vec<3> com_position = Vec<3>::Zero();  ///< x [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"com", &WalkingErrors::com, "m"}, Field{"foot", &WalkingErrors::foot, "m"},
-                      Field{"ground_force", &WalkingErrors::ground_force, "N"},
-                      Field{"com_position", &WalkingErrors::com_position, "m"}};
+  static FieldList Fields() {
+    return {{"com", &WalkingErrors::com, "m"},
+            {"foot", &WalkingErrors::foot, "m"},
+            {"ground_force", &WalkingErrors::ground_force, "N"},
+            {"com_position", &WalkingErrors::com_position, "m"}};
   }
 };
 
@@ -72,3 +71,5 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::WalkingErrors);

@@ -5,7 +5,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
-#include <tuple>
 
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
@@ -19,7 +18,7 @@ enum class ForceSource {
   kMomentum,  ///< the velocity of the centre of mass, which the trunk's must be known for
 };
 constexpr auto EnumNames(ForceSource) {
-  return std::array{std::pair{ForceSource::kImu, "imu"}, std::pair{ForceSource::kMomentum, "momentum"}};
+  return std::array{Named{ForceSource::kImu, "imu"}, Named{ForceSource::kMomentum, "momentum"}};
 }
 
 /// What is tuned of an observer of the net wrench.
@@ -28,10 +27,10 @@ struct ComObserverGains {
   double torque_bandwidth = 20;  ///< K_a [rad/s]
   ForceSource force_source = ForceSource::kImu;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth},
-                      Field{"torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth},
-                      Field{"force_source", &ComObserverGains::force_source}};
+  static FieldList Fields() {
+    return {{"force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth},
+            {"torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth},
+            {"force_source", &ComObserverGains::force_source}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -95,10 +94,9 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     Vec<3> moment = Vec<3>::Zero();   ///< of the ground about x [N m]
     WrenchEstimate estimate;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"linear", &Memory::linear},
-                        Field{"angular", &Memory::angular}, Field{"ground", &Memory::ground},
-                        Field{"moment", &Memory::moment},   Field{"estimate", &Memory::estimate}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started}, {"linear", &Memory::linear}, {"angular", &Memory::angular},
+              {"ground", &Memory::ground},   {"moment", &Memory::moment}, {"estimate", &Memory::estimate}};
     }
   };
 

@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <tuple>
 
 #include <tenon/systems/framework/fields.h>
 
@@ -33,16 +32,17 @@ struct ContactAidedMean {
   Vec<4> q_WB{1, 0, 0, 0};                          ///< attitude, (w, x, y, z)
   Vec<3> specific_force_bias_B = Vec<3>::Zero();    ///< [m/s^2]
   Vec<3> angular_velocity_bias_B = Vec<3>::Zero();  ///< [rad/s]
-  std::array<Vec<3>, kNumLegs> feet_W{};            ///< centres of the spheres [m]
+  /// Centres of the feet's spheres [m].
+  std::array<Vec<3>, kNumLegs> feet_W{Vec<3>::Zero(), Vec<3>::Zero(), Vec<3>::Zero(), Vec<3>::Zero()};
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
-  static constexpr auto Fields() {
-    return std::tuple{Field{"p_WI", &ContactAidedMean::p_WI, "m"},
-                      Field{"v_WI", &ContactAidedMean::v_WI, "m/s"},
-                      Field{"q_WB", &ContactAidedMean::q_WB},
-                      Field{"specific_force_bias_B", &ContactAidedMean::specific_force_bias_B, "m/s^2"},
-                      Field{"angular_velocity_bias_B", &ContactAidedMean::angular_velocity_bias_B, "rad/s"},
-                      Field{"feet_W", &ContactAidedMean::feet_W, "m"}};
+  static FieldList Fields() {
+    return {{"p_WI", &ContactAidedMean::p_WI, "m"},
+            {"v_WI", &ContactAidedMean::v_WI, "m/s"},
+            {"q_WB", &ContactAidedMean::q_WB},
+            {"specific_force_bias_B", &ContactAidedMean::specific_force_bias_B, "m/s^2"},
+            {"angular_velocity_bias_B", &ContactAidedMean::angular_velocity_bias_B, "rad/s"},
+            {"feet_W", &ContactAidedMean::feet_W, "m"}};
   }
 };
 
@@ -109,10 +109,10 @@ struct ContactAidedFilter {
   /// was lifted: it is anchored anew where it is. Returns how many.
   int Correct(const std::array<FootMeasurement, kNumLegs>& feet, double outlier);
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"mean", &ContactAidedFilter::mean},
-                      Field{"covariance", &ContactAidedFilter::covariance},
-                      Field{"anchored", &ContactAidedFilter::anchored}};
+  static FieldList Fields() {
+    return {{"mean", &ContactAidedFilter::mean},
+            {"covariance", &ContactAidedFilter::covariance},
+            {"anchored", &ContactAidedFilter::anchored}};
   }
 
  private:

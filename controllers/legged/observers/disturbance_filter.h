@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <complex>
-#include <tuple>
 #include <vector>
 
 namespace tenon {
@@ -34,9 +33,9 @@ struct ButterworthDesign {
   int order = 1;
   double bandwidth = 100;  ///< [rad/s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("order", &ButterworthDesign::order),
-                      Required("bandwidth_rad_per_s", &ButterworthDesign::bandwidth)};
+  static FieldList Fields() {
+    return {Required("order", &ButterworthDesign::order),
+            Required("bandwidth_rad_per_s", &ButterworthDesign::bandwidth)};
   }
 };
 

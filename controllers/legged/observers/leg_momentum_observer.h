@@ -5,7 +5,6 @@
 
 #include <array>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
@@ -21,7 +20,7 @@ enum class LegDynamics {
   kThesis,  ///< decoupled from the trunk, whose disturbances are neglected
 };
 constexpr auto EnumNames(LegDynamics) {
-  return std::array{std::pair{LegDynamics::kExact, "exact"}, std::pair{LegDynamics::kThesis, "thesis"}};
+  return std::array{Named{LegDynamics::kExact, "exact"}, Named{LegDynamics::kThesis, "thesis"}};
 }
 
 /// What is tuned of a leg observer.
@@ -31,11 +30,11 @@ struct LegObserverGains {
   LegDynamics dynamics = LegDynamics::kExact;
   double min_singular_value = 0.02;  ///< of a leg's Jacobian; below, its foot force is damped [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"gains_per_s", &LegObserverGains::gains},
-                      Field{"butterworth", &LegObserverGains::butterworth},
-                      Field{"dynamics", &LegObserverGains::dynamics},
-                      Field{"min_singular_value_m", &LegObserverGains::min_singular_value}};
+  static FieldList Fields() {
+    return {{"gains_per_s", &LegObserverGains::gains},
+            {"butterworth", &LegObserverGains::butterworth},
+            {"dynamics", &LegObserverGains::dynamics},
+            {"min_singular_value_m", &LegObserverGains::min_singular_value}};
   }
   /// K_1 ... K_r [1/s], given or designed. With neither, (100, 256): a second order with a damping of 0.8
   /// that settles fast; noise and lag are those of the first order at 100 rad/s, see docs/observers.md.
@@ -89,9 +88,11 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
     Vec<12> known_rate = Vec<12>::Zero();
     DisturbanceFilter::Memory<12> estimator;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"momentum", &Memory::momentum},
-                        Field{"known_rate", &Memory::known_rate}, Field{"estimator", &Memory::estimator}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"momentum", &Memory::momentum},
+              {"known_rate", &Memory::known_rate},
+              {"estimator", &Memory::estimator}};
     }
   };
 

@@ -145,3 +145,6 @@ LeggedEstimate LeggedStateEstimator::Output(const ImuMeasurement& imu_B, const J
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::LeggedEstimate);
+TENON_DEFINE_SIGNAL(tenon::LeggedEstimatorDiagnostics);

@@ -6,7 +6,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/systems/framework/ports.h>
@@ -50,15 +49,15 @@ struct LeggedEstimatorDiagnostics {
   int feet = 0;                                     ///< that count
   long moved_feet = 0;  ///< since the start: how often a standing foot was anchored anew
 
-  static constexpr auto Fields() {
+  static FieldList Fields() {
     using D = LeggedEstimatorDiagnostics;
-    return std::tuple{Field{"position_deviation", &D::position_deviation, "m"},
-                      Field{"velocity_deviation", &D::velocity_deviation, "m/s"},
-                      Field{"attitude_deviation", &D::attitude_deviation, "rad"},
-                      Field{"specific_force_bias_B", &D::specific_force_bias_B, "m/s^2"},
-                      Field{"angular_velocity_bias_B", &D::angular_velocity_bias_B, "rad/s"},
-                      Field{"feet", &D::feet},
-                      Field{"moved_feet", &D::moved_feet}};
+    return {{"position_deviation", &D::position_deviation, "m"},
+            {"velocity_deviation", &D::velocity_deviation, "m/s"},
+            {"attitude_deviation", &D::attitude_deviation, "rad"},
+            {"specific_force_bias_B", &D::specific_force_bias_B, "m/s^2"},
+            {"angular_velocity_bias_B", &D::angular_velocity_bias_B, "rad/s"},
+            {"feet", &D::feet},
+            {"moved_feet", &D::moved_feet}};
   }
 };
 
@@ -66,9 +65,8 @@ struct LeggedEstimate {
   LeggedState state;
   LeggedEstimatorDiagnostics diagnostics;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"state", &LeggedEstimate::state},
-                      Field{"diagnostics", &LeggedEstimate::diagnostics}};
+  static FieldList Fields() {
+    return {{"state", &LeggedEstimate::state}, {"diagnostics", &LeggedEstimate::diagnostics}};
   }
 };
 
@@ -103,10 +101,12 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
     std::array<double, kNumLegs> stance_time{};  ///< since touchdown [s]
     long moved_feet = 0;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"filter", &Memory::filter},
-                        Field{"q", &Memory::q}, Field{"stance_time", &Memory::stance_time},
-                        Field{"moved_feet", &Memory::moved_feet}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"filter", &Memory::filter},
+              {"q", &Memory::q},
+              {"stance_time", &Memory::stance_time},
+              {"moved_feet", &Memory::moved_feet}};
     }
   };
 
@@ -146,3 +146,6 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::LeggedEstimate);
+TENON_DECLARE_SIGNAL(tenon::LeggedEstimatorDiagnostics);

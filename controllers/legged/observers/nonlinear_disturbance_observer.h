@@ -4,7 +4,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
-#include <tuple>
 
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
@@ -18,7 +17,7 @@ enum class NdoReading {
   kInverse,  ///< Lambda = X^-1 M_q^-1
 };
 constexpr auto EnumNames(NdoReading) {
-  return std::array{std::pair{NdoReading::kM, "m"}, std::pair{NdoReading::kInverse, "inverse"}};
+  return std::array{Named{NdoReading::kM, "m"}, Named{NdoReading::kInverse, "inverse"}};
 }
 
 struct NonlinearDisturbanceObserverParams {
@@ -63,9 +62,11 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
     Vec<12> known_torque = Vec<12>::Zero();  ///< J_q^T f - C_q nu
     Vec<12> estimate = Vec<12>::Zero();
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"qd", &Memory::qd},
-                        Field{"known_torque", &Memory::known_torque}, Field{"estimate", &Memory::estimate}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"qd", &Memory::qd},
+              {"known_torque", &Memory::known_torque},
+              {"estimate", &Memory::estimate}};
     }
   };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
 #include <tenon/controllers/legged/planning/planar_spline.h>
@@ -19,13 +18,13 @@ struct ComDiagnostics {
   QpStatus status = QpStatus::kSolved;  ///< of the last
   int constraint = -1;                  ///< that its status is about, see QpReport
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"solves", &ComDiagnostics::solves},
-                      Field{"failures", &ComDiagnostics::failures},
-                      Field{"failures_in_a_row", &ComDiagnostics::failures_in_a_row},
-                      Field{"iterations", &ComDiagnostics::iterations},
-                      Field{"status", &ComDiagnostics::status},
-                      Field{"constraint", &ComDiagnostics::constraint}};
+  static FieldList Fields() {
+    return {{"solves", &ComDiagnostics::solves},
+            {"failures", &ComDiagnostics::failures},
+            {"failures_in_a_row", &ComDiagnostics::failures_in_a_row},
+            {"iterations", &ComDiagnostics::iterations},
+            {"status", &ComDiagnostics::status},
+            {"constraint", &ComDiagnostics::constraint}};
   }
 };
 
@@ -42,17 +41,20 @@ struct ComPlan {
   std::array<Vec<4>, 4> remainder{Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero()};
   ComDiagnostics diagnostics;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"footsteps", &ComPlan::footsteps},
-                      Field{"start", &ComPlan::start, "s"},
-                      Field{"path", &ComPlan::path},
-                      Field{"pendulum", &ComPlan::pendulum},
-                      Field{"spline", &ComPlan::spline},
-                      Field{"ground", &ComPlan::ground, "m"},
-                      Field{"blend", &ComPlan::blend, "s"},
-                      Field{"remainder", &ComPlan::remainder},
-                      Field{"diagnostics", &ComPlan::diagnostics}};
+  static FieldList Fields() {
+    return {{"footsteps", &ComPlan::footsteps},
+            {"start", &ComPlan::start, "s"},
+            {"path", &ComPlan::path},
+            {"pendulum", &ComPlan::pendulum},
+            {"spline", &ComPlan::spline},
+            {"ground", &ComPlan::ground, "m"},
+            {"blend", &ComPlan::blend, "s"},
+            {"remainder", &ComPlan::remainder},
+            {"diagnostics", &ComPlan::diagnostics}};
   }
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::ComPlan);
+TENON_DECLARE_SIGNAL(tenon::ComDiagnostics);

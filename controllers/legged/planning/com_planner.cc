@@ -187,3 +187,6 @@ PlanarPath ComPlanner::CalcPath(const double& time, const ComPlan& plan) const {
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::ComPlan);
+TENON_DEFINE_SIGNAL(tenon::ComDiagnostics);

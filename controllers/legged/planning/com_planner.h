@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 #include <utility>
 
 #include <tenon/controllers/legged/planning/com_plan.h>
@@ -21,8 +20,8 @@ enum class ComReference {
   kZmpSpline,  ///< an optimised spline whose ZMP stays in the support polygons
 };
 constexpr auto EnumNames(ComReference) {
-  return std::array{std::pair{ComReference::kPendulum, "pendulum"},
-                    std::pair{ComReference::kZmpSpline, "zmp_spline"}};
+  return std::array{Named{ComReference::kPendulum, "pendulum"},
+                    Named{ComReference::kZmpSpline, "zmp_spline"}};
 }
 
 /// Lengths as in SupportPolygon; choices for feet of 0.03 m and steps of 0.25 s.
@@ -32,10 +31,11 @@ struct ZmpPlanParams {
   double margin = 0.01;      ///< [m]
   ZmpSplineParams spline;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"horizon_steps", &ZmpPlanParams::horizon},
-                      Field{"half_width_m", &ZmpPlanParams::half_width},
-                      Field{"margin_m", &ZmpPlanParams::margin}, Field{"spline", &ZmpPlanParams::spline}};
+  static FieldList Fields() {
+    return {{"horizon_steps", &ZmpPlanParams::horizon},
+            {"half_width_m", &ZmpPlanParams::half_width},
+            {"margin_m", &ZmpPlanParams::margin},
+            {"spline", &ZmpPlanParams::spline}};
   }
   void Validate() const;  ///< throws ParameterError
 };

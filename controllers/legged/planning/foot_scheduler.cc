@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/systems/framework/fields.h>
 
 namespace tenon {
 namespace {

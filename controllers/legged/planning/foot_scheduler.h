@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -23,10 +22,9 @@ struct GaitProperties {
   double stance = 0;                           ///< of all four feet, before each swing [s]
   double swing = 0;                            ///< [s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("swing_groups", &GaitProperties::swing_groups),
-                      Required("stance_s", &GaitProperties::stance),
-                      Required("swing_s", &GaitProperties::swing)};
+  static FieldList Fields() {
+    return {Required("swing_groups", &GaitProperties::swing_groups),
+            Required("stance_s", &GaitProperties::stance), Required("swing_s", &GaitProperties::swing)};
   }
   void Validate() const;  ///< throws ParameterError
   GaitTiming Timing() const;
@@ -36,9 +34,9 @@ struct GaitTable {
   GaitProperties crawl, trot, pace, gallop;
 
   const GaitProperties& operator[](Gait gait) const;  ///< not of Gait::kStand
-  static constexpr auto Fields() {
-    return std::tuple{Required("crawl", &GaitTable::crawl), Required("trot", &GaitTable::trot),
-                      Required("pace", &GaitTable::pace), Required("gallop", &GaitTable::gallop)};
+  static FieldList Fields() {
+    return {Required("crawl", &GaitTable::crawl), Required("trot", &GaitTable::trot),
+            Required("pace", &GaitTable::pace), Required("gallop", &GaitTable::gallop)};
   }
 };
 
@@ -51,12 +49,12 @@ struct FootSchedulerParams {
   double search_after = 0;           ///< time without force after which a stance foot searches [s]
   Rate rate = Hz(1000);
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("gaits", &FootSchedulerParams::gaits),
-                      Required("touchdown_force_N", &FootSchedulerParams::touchdown_force),
-                      Required("early_touchdown_phase", &FootSchedulerParams::early_touchdown_phase),
-                      Required("late_wait_s", &FootSchedulerParams::late_wait),
-                      Required("search_after_s", &FootSchedulerParams::search_after)};
+  static FieldList Fields() {
+    return {Required("gaits", &FootSchedulerParams::gaits),
+            Required("touchdown_force_N", &FootSchedulerParams::touchdown_force),
+            Required("early_touchdown_phase", &FootSchedulerParams::early_touchdown_phase),
+            Required("late_wait_s", &FootSchedulerParams::late_wait),
+            Required("search_after_s", &FootSchedulerParams::search_after)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -108,10 +106,12 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
     std::array<double, kNumLegs> unloaded{};  ///< time in stance without force [s]
     ContactSchedule schedule;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"lifted", &Memory::lifted},
-                        Field{"waited", &Memory::waited, "s"}, Field{"unloaded", &Memory::unloaded, "s"},
-                        Field{"schedule", &Memory::schedule}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"lifted", &Memory::lifted},
+              {"waited", &Memory::waited, "s"},
+              {"unloaded", &Memory::unloaded, "s"},
+              {"schedule", &Memory::schedule}};
     }
   };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/plants/model/motion_signals.h>
@@ -31,9 +30,11 @@ class PeriodicPendulum {
     Vec<2> a_end = Vec<2>::Zero();    ///< [m]
     Vec<2> b_begin = Vec<2>::Zero();  ///< [m]
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"duration", &Phase::duration, "s"}, Field{"zmp", &Phase::zmp, "m"},
-                        Field{"a_end", &Phase::a_end, "m"}, Field{"b_begin", &Phase::b_begin, "m"}};
+    static FieldList Fields() {
+      return {{"duration", &Phase::duration, "s"},
+              {"zmp", &Phase::zmp, "m"},
+              {"a_end", &Phase::a_end, "m"},
+              {"b_begin", &Phase::b_begin, "m"}};
     }
   };
 
@@ -49,11 +50,12 @@ class PeriodicPendulum {
   /// p at that time, in W; where two phases meet, the later one's.
   Eigen::Vector2d ZmpAt(double t) const;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"path", &PeriodicPendulum::path_}, Field{"frequency", &PeriodicPendulum::frequency_, "rad/s"},
-        Field{"cycle", &PeriodicPendulum::cycle_, "s"}, Field{"num_phases", &PeriodicPendulum::num_phases_},
-        Field{"phases", &PeriodicPendulum::phases_}};
+  static FieldList Fields() {
+    return {{"path", &PeriodicPendulum::path_},
+            {"frequency", &PeriodicPendulum::frequency_, "rad/s"},
+            {"cycle", &PeriodicPendulum::cycle_, "s"},
+            {"num_phases", &PeriodicPendulum::num_phases_},
+            {"phases", &PeriodicPendulum::phases_}};
   }
 
  private:

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tuple>
-
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/signal.h>
 
@@ -13,10 +11,10 @@ struct PlanarPoint {
   Vec<2> velocity = Vec<2>::Zero();      ///< x' [m/s]
   Vec<2> acceleration = Vec<2>::Zero();  ///< x'' [m/s^2]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"position", &PlanarPoint::position, "m"},
-                      Field{"velocity", &PlanarPoint::velocity, "m/s"},
-                      Field{"acceleration", &PlanarPoint::acceleration, "m/s^2"}};
+  static FieldList Fields() {
+    return {{"position", &PlanarPoint::position, "m"},
+            {"velocity", &PlanarPoint::velocity, "m/s"},
+            {"acceleration", &PlanarPoint::acceleration, "m/s^2"}};
   }
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/systems/framework/fields.h>
@@ -16,9 +15,8 @@ struct PlanarSpline {
     std::array<Vec<2>, 6> coefficients;  ///< of (t/T)^0 ... (t/T)^5, t in the segment; from the origin [m]
 
     Segment() { coefficients.fill(Vec<2>::Zero()); }
-    static constexpr auto Fields() {
-      return std::tuple{Field{"duration", &Segment::duration, "s"},
-                        Field{"coefficients", &Segment::coefficients, "m"}};
+    static FieldList Fields() {
+      return {{"duration", &Segment::duration, "s"}, {"coefficients", &Segment::coefficients, "m"}};
     }
   };
 
@@ -30,10 +28,11 @@ struct PlanarSpline {
   /// At the time t after the beginning. Before and after the spline its first and last polynomial go on.
   PlanarPoint At(double t) const;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"origin", &PlanarSpline::origin, "m"}, Field{"duration", &PlanarSpline::duration, "s"},
-        Field{"num_segments", &PlanarSpline::num_segments}, Field{"segments", &PlanarSpline::segments}};
+  static FieldList Fields() {
+    return {{"origin", &PlanarSpline::origin, "m"},
+            {"duration", &PlanarSpline::duration, "s"},
+            {"num_segments", &PlanarSpline::num_segments},
+            {"segments", &PlanarSpline::segments}};
   }
 };
 

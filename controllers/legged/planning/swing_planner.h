@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/planar_point.h>
@@ -26,16 +25,16 @@ struct StepProperties {
   double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
   double largest_shift = 0.1;       ///< [m]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"height_m", &StepProperties::height},
-                      Field{"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
-                      Field{"search_depth_m", &StepProperties::search_depth},
-                      Field{"velocity_feedback_s", &StepProperties::velocity_feedback},
-                      Field{"retarget_phase", &StepProperties::retarget_phase},
-                      Field{"wrench_shift", &StepProperties::wrench_shift},
-                      Field{"free_shift_m", &StepProperties::free_shift},
-                      Field{"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
-                      Field{"largest_shift_m", &StepProperties::largest_shift}};
+  static FieldList Fields() {
+    return {{"height_m", &StepProperties::height},
+            {"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
+            {"search_depth_m", &StepProperties::search_depth},
+            {"velocity_feedback_s", &StepProperties::velocity_feedback},
+            {"retarget_phase", &StepProperties::retarget_phase},
+            {"wrench_shift", &StepProperties::wrench_shift},
+            {"free_shift_m", &StepProperties::free_shift},
+            {"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
+            {"largest_shift_m", &StepProperties::largest_shift}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -96,14 +95,14 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     Vec<3> hip = Vec<3>::Zero();       ///< [m]
     double searching = 0;              ///< for how long, late included [s]
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"state", &LegMemory::state},
-                        Field{"from", &LegMemory::from},
-                        Field{"from_time", &LegMemory::from_time, "s"},
-                        Field{"lift_off_height", &LegMemory::lift_off_height, "m"},
-                        Field{"foothold", &LegMemory::foothold, "m"},
-                        Field{"hip", &LegMemory::hip, "m"},
-                        Field{"searching", &LegMemory::searching, "s"}};
+    static FieldList Fields() {
+      return {{"state", &LegMemory::state},
+              {"from", &LegMemory::from},
+              {"from_time", &LegMemory::from_time, "s"},
+              {"lift_off_height", &LegMemory::lift_off_height, "m"},
+              {"foothold", &LegMemory::foothold, "m"},
+              {"hip", &LegMemory::hip, "m"},
+              {"searching", &LegMemory::searching, "s"}};
     }
   };
   struct Memory {
@@ -111,9 +110,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     Vec<2> shift = Vec<2>::Zero();  ///< of the footholds [m]
     std::array<LegMemory, kNumLegs> legs;
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"started", &Memory::started}, Field{"shift", &Memory::shift, "m"},
-                        Field{"legs", &Memory::legs}};
+    static FieldList Fields() {
+      return {{"started", &Memory::started}, {"shift", &Memory::shift, "m"}, {"legs", &Memory::legs}};
     }
   };
 

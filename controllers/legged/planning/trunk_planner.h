@@ -5,8 +5,6 @@
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/motion_signals.h>
 
-#include <tuple>
-
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
@@ -67,9 +65,7 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
     WrenchEstimate push;           ///< filtered
     Vec<3> rate = Vec<3>::Zero();  ///< of the sway at the last touchdown [rad/s]
 
-    static constexpr auto Fields() {
-      return std::tuple{Field{"push", &Memory::push}, Field{"rate", &Memory::rate, "rad/s"}};
-    }
+    static FieldList Fields() { return {{"push", &Memory::push}, {"rate", &Memory::rate, "rad/s"}}; }
   };
 
   InputPort<BodyReference> body{this, {"body"}};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include <tenon/plants/model/gait_signals.h>
@@ -21,15 +20,15 @@ struct WalkSegment {
   double squat_amplitude = 0;      ///< of the CoM's height about the nominal one [m]
   double squat_frequency = 0.5;    ///< [Hz]
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("gait", &WalkSegment::gait),
-                      Field{"forward_m_per_s", &WalkSegment::forward},
-                      Field{"left_m_per_s", &WalkSegment::left},
-                      Field{"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
-                      Field{"duration_s", &WalkSegment::duration},
-                      Field{"length_m", &WalkSegment::length},
-                      Field{"squat_amplitude_m", &WalkSegment::squat_amplitude},
-                      Field{"squat_frequency_hz", &WalkSegment::squat_frequency}};
+  static FieldList Fields() {
+    return {Required("gait", &WalkSegment::gait),
+            {"forward_m_per_s", &WalkSegment::forward},
+            {"left_m_per_s", &WalkSegment::left},
+            {"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
+            {"duration_s", &WalkSegment::duration},
+            {"length_m", &WalkSegment::length},
+            {"squat_amplitude_m", &WalkSegment::squat_amplitude},
+            {"squat_frequency_hz", &WalkSegment::squat_frequency}};
   }
 };
 
@@ -39,10 +38,10 @@ struct WalkScheduleParams {
   double yaw_acceleration = 1;        ///< [rad/s^2]
   Rate rate = Hz(100);
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("segments", &WalkScheduleParams::segments),
-                      Field{"acceleration_m_per_s2", &WalkScheduleParams::acceleration},
-                      Field{"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration}};
+  static FieldList Fields() {
+    return {Required("segments", &WalkScheduleParams::segments),
+            {"acceleration_m_per_s2", &WalkScheduleParams::acceleration},
+            {"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration}};
   }
   void Validate() const;  ///< throws ParameterError
 };

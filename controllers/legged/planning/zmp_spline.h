@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include <tenon/controllers/legged/planning/planar_spline.h>
@@ -16,7 +15,7 @@ namespace tenon {
 /// The degree of a spline's polynomials.
 enum class SplineOrder { kCubic, kQuintic };
 constexpr auto EnumNames(SplineOrder) {
-  return std::array{std::pair{SplineOrder::kCubic, "cubic"}, std::pair{SplineOrder::kQuintic, "quintic"}};
+  return std::array{Named{SplineOrder::kCubic, "cubic"}, Named{SplineOrder::kQuintic, "quintic"}};
 }
 
 /// Weights are relative to that of the squared acceleration, which is one.
@@ -25,10 +24,10 @@ struct ZmpSplineParams {
   double path_weight = 10;  ///< of the squared deviation from the path [1/s^4]
   double end_weight = 0.1;  ///< of the squared error of the acceleration at the end [s]
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"order", &ZmpSplineParams::order},
-                      Field{"path_weight_per_s4", &ZmpSplineParams::path_weight},
-                      Field{"end_weight_s", &ZmpSplineParams::end_weight}};
+  static FieldList Fields() {
+    return {{"order", &ZmpSplineParams::order},
+            {"path_weight_per_s4", &ZmpSplineParams::path_weight},
+            {"end_weight_s", &ZmpSplineParams::end_weight}};
   }
   void Validate() const;  ///< throws ParameterError
 };

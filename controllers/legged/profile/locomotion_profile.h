@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <tuple>
 
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
@@ -15,10 +14,9 @@ struct ObserverProfile {
   ComObserverGains com;
   double ndo_gain = 10;  ///< X of the nonlinear disturbance observer, see there
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("kind", &ObserverProfile::kind), Required("legs", &ObserverProfile::legs),
-                      Required("com", &ObserverProfile::com),
-                      Required("ndo_gain", &ObserverProfile::ndo_gain)};
+  static FieldList Fields() {
+    return {Required("kind", &ObserverProfile::kind), Required("legs", &ObserverProfile::legs),
+            Required("com", &ObserverProfile::com), Required("ndo_gain", &ObserverProfile::ndo_gain)};
   }
 };
 
@@ -29,11 +27,11 @@ struct LocomotionProfile {
   double qp_rate_hz = 1000;
   ObserverProfile observer;
 
-  static constexpr auto Fields() {
-    return std::tuple{Required("whole_body", &LocomotionProfile::whole_body),
-                      Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit),
-                      Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz),
-                      Required("observer", &LocomotionProfile::observer)};
+  static FieldList Fields() {
+    return {Required("whole_body", &LocomotionProfile::whole_body),
+            Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit),
+            Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz),
+            Required("observer", &LocomotionProfile::observer)};
   }
 };
 

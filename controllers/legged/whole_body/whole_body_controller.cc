@@ -9,7 +9,7 @@
 
 #include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/plants/model/quaternion.h>
-#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/systems/framework/fields.h>
 
 namespace tenon {
 namespace {
@@ -150,3 +150,6 @@ Vec<12> WholeBodyController::CalcTorque(const QuadrupedDynamics& dynamics, const
 }
 
 }  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::WholeBodyPlan);
+TENON_DEFINE_SIGNAL(tenon::WholeBodyDiagnostics);

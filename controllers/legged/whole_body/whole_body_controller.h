@@ -6,7 +6,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/systems/framework/ports.h>
@@ -21,8 +20,7 @@ enum class LegCompensation {
   kThesis,  ///< by accelerations: eq. (2.41) for the swing feet, nothing in the torques
 };
 constexpr auto EnumNames(LegCompensation) {
-  return std::array{std::pair{LegCompensation::kExact, "exact"},
-                    std::pair{LegCompensation::kThesis, "thesis"}};
+  return std::array{Named{LegCompensation::kExact, "exact"}, Named{LegCompensation::kThesis, "thesis"}};
 }
 
 /// The dynamics that the optimisation believes.
@@ -31,8 +29,7 @@ enum class BodyDynamics {
   kDecoupled,  ///< eq. (2.3): without the wrench, see DecoupledDynamics, and without A' nu in L'
 };
 constexpr auto EnumNames(BodyDynamics) {
-  return std::array{std::pair{BodyDynamics::kExact, "exact"},
-                    std::pair{BodyDynamics::kDecoupled, "decoupled"}};
+  return std::array{Named{BodyDynamics::kExact, "exact"}, Named{BodyDynamics::kDecoupled, "decoupled"}};
 }
 
 /// What is tuned of the whole-body controller; read from a file such as controllers/profiles/standard.yaml.
@@ -51,20 +48,20 @@ struct WholeBodyGains {
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
-                      Field{"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
-                      Field{"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
-                      Field{"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
-                      Field{"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
-                      Field{"swing_damping_per_s", &WholeBodyGains::swing_damping},
-                      Field{"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
-                      Field{"stance_damping_per_s", &WholeBodyGains::stance_damping},
-                      Field{"stretch_limit", &WholeBodyGains::stretch_limit},
-                      Field{"stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness},
-                      Field{"dynamics", &WholeBodyGains::dynamics},
-                      Field{"leg_compensation", &WholeBodyGains::compensation},
-                      Field{"qp", &WholeBodyGains::qp}};
+  static FieldList Fields() {
+    return {{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
+            {"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
+            {"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
+            {"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
+            {"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
+            {"swing_damping_per_s", &WholeBodyGains::swing_damping},
+            {"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
+            {"stance_damping_per_s", &WholeBodyGains::stance_damping},
+            {"stretch_limit", &WholeBodyGains::stretch_limit},
+            {"stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness},
+            {"dynamics", &WholeBodyGains::dynamics},
+            {"leg_compensation", &WholeBodyGains::compensation},
+            {"qp", &WholeBodyGains::qp}};
   }
   /// Throws ParameterError unless limits and stiffnesses are positive (that of the stretch may be 0, its
   /// limit is at most 1), damping is not negative, and the QP's are valid.
@@ -91,15 +88,15 @@ struct WholeBodyDiagnostics {
   int constraint = -1;                  ///< that its status is about, see QpReport
   double solve_time = 0;                ///< wall-clock time that the last took [s]; nothing depends on it
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"solves", &WholeBodyDiagnostics::solves},
-                      Field{"failures", &WholeBodyDiagnostics::failures},
-                      Field{"failures_in_a_row", &WholeBodyDiagnostics::failures_in_a_row},
-                      Field{"full_solves", &WholeBodyDiagnostics::full_solves},
-                      Field{"iterations", &WholeBodyDiagnostics::iterations},
-                      Field{"status", &WholeBodyDiagnostics::status},
-                      Field{"constraint", &WholeBodyDiagnostics::constraint},
-                      Field{"solve_time", &WholeBodyDiagnostics::solve_time, "s"}};
+  static FieldList Fields() {
+    return {{"solves", &WholeBodyDiagnostics::solves},
+            {"failures", &WholeBodyDiagnostics::failures},
+            {"failures_in_a_row", &WholeBodyDiagnostics::failures_in_a_row},
+            {"full_solves", &WholeBodyDiagnostics::full_solves},
+            {"iterations", &WholeBodyDiagnostics::iterations},
+            {"status", &WholeBodyDiagnostics::status},
+            {"constraint", &WholeBodyDiagnostics::constraint},
+            {"solve_time", &WholeBodyDiagnostics::solve_time, "s"}};
   }
 };
 
@@ -108,9 +105,8 @@ struct WholeBodyPlan {
   WholeBodySolution solution;
   WholeBodyDiagnostics diagnostics;
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"solution", &WholeBodyPlan::solution},
-                      Field{"diagnostics", &WholeBodyPlan::diagnostics}};
+  static FieldList Fields() {
+    return {{"solution", &WholeBodyPlan::solution}, {"diagnostics", &WholeBodyPlan::diagnostics}};
   }
 };
 
@@ -198,3 +194,6 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
 };
 
 }  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::WholeBodyPlan);
+TENON_DECLARE_SIGNAL(tenon::WholeBodyDiagnostics);

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <tuple>
 
 #include <tenon/controllers/optimization/dual_active_set.h>
 
@@ -22,17 +21,17 @@ struct WholeBodyQpParams {
   double friction = 0.7;              ///< mu of the pyramids
   bool eliminate = true;              ///< solve the problem in 12 variables wherever that is possible
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"wrench_weight", &WholeBodyQpParams::wrench_weight},
-                      Field{"moment_weight", &WholeBodyQpParams::moment_weight},
-                      Field{"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
-                      Field{"free_tilt_rad", &WholeBodyQpParams::free_tilt},
-                      Field{"yaw_weight", &WholeBodyQpParams::yaw_weight},
-                      Field{"force_weight", &WholeBodyQpParams::force_weight},
-                      Field{"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
-                      Field{"slack_weight", &WholeBodyQpParams::slack_weight},
-                      Field{"friction", &WholeBodyQpParams::friction},
-                      Field{"eliminate", &WholeBodyQpParams::eliminate}};
+  static FieldList Fields() {
+    return {{"wrench_weight", &WholeBodyQpParams::wrench_weight},
+            {"moment_weight", &WholeBodyQpParams::moment_weight},
+            {"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
+            {"free_tilt_rad", &WholeBodyQpParams::free_tilt},
+            {"yaw_weight", &WholeBodyQpParams::yaw_weight},
+            {"force_weight", &WholeBodyQpParams::force_weight},
+            {"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
+            {"slack_weight", &WholeBodyQpParams::slack_weight},
+            {"friction", &WholeBodyQpParams::friction},
+            {"eliminate", &WholeBodyQpParams::eliminate}};
   }
   /// Q of the torque's horizontal part at this tilt of the trunk.
   double MomentWeight(double tilt) const {
@@ -65,13 +64,11 @@ struct WholeBodySolution {
   int num_active = 0;                      ///< inequalities that hold with equality,
   std::array<int, kMaxActive> active{};    ///< which begin the next solve
 
-  static constexpr auto Fields() {
-    return std::tuple{Field{"valid", &WholeBodySolution::valid},
-                      Field{"acceleration", &WholeBodySolution::acceleration},
-                      Field{"force", &WholeBodySolution::force},
-                      Field{"stance", &WholeBodySolution::stance},
-                      Field{"num_active", &WholeBodySolution::num_active},
-                      Field{"active", &WholeBodySolution::active}};
+  static FieldList Fields() {
+    return {
+        {"valid", &WholeBodySolution::valid},           {"acceleration", &WholeBodySolution::acceleration},
+        {"force", &WholeBodySolution::force},           {"stance", &WholeBodySolution::stance},
+        {"num_active", &WholeBodySolution::num_active}, {"active", &WholeBodySolution::active}};
   }
 };
 

@@ -108,7 +108,7 @@ void Compiler::CheckDeclarations() {
           "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
           source->path(), source->trigger().sampled.offset));
     }
-    for (const Source::Slot& slot : source->arguments_) {
+    for (const Slot& slot : source->arguments_) {
       if (slot.source == nullptr) continue;
       const SourceKind kind = slot.source->kind();
       if ((kind == SourceKind::kScratch || kind == SourceKind::kWorkspace) &&
@@ -134,7 +134,7 @@ void Compiler::CheckDeclarations() {
 }
 
 void Compiler::CheckArguments(const Source& calculation) {
-  for (const Source::Slot& slot : calculation.arguments_) {
+  for (const Slot& slot : calculation.arguments_) {
     if (slot.source == nullptr) continue;
     if (&slot.source->owner() != &calculation.owner()) {
       throw BuildError(
@@ -173,7 +173,7 @@ void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
   if (source.calculation_ >= 0) return;
   trail.push_back(&source);
   source.calculation_ = kOnTrail;
-  for (const Source::Slot& slot : source.arguments_) {
+  for (const Slot& slot : source.arguments_) {
     if (slot.source == nullptr) continue;
     auto& origin = const_cast<Source&>(slot.source->Resolve());
     if (origin.run_ == nullptr) continue;
@@ -186,8 +186,8 @@ void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
 
 void Compiler::AddCalculation(Source& source) {
   CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source), 0};
-  for (const Source::Slot& slot : source.arguments_) {
-    if (slot.what == Source::Slot::What::kTime) info.varies = true;
+  for (const Slot& slot : source.arguments_) {
+    if (slot.what == Slot::What::kTime) info.varies = true;
     if (slot.source == nullptr) continue;
     const Source& origin = slot.source->Resolve();
     if (origin.kind() == SourceKind::kContinuous) info.varies = true;
@@ -197,7 +197,7 @@ void Compiler::AddCalculation(Source& source) {
   }
   if (info.sampled) info.varies = false;
   source.calculation_ = static_cast<int>(program_.calculations.size());
-  for (const Source::Slot& slot : source.arguments_) {
+  for (const Slot& slot : source.arguments_) {
     if (slot.source == nullptr || info.sampled) continue;
     const Source& origin = slot.source->Resolve();
     if (origin.kind() == SourceKind::kDiscrete) readers_[&origin].push_back(source.calculation_);
@@ -289,30 +289,54 @@ void Compiler::LayOut() {
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
                       source.kind() == SourceKind::kRandom;
     // Computed once more after a restore, what has a warm start would find another result.
-    const bool warm =
-        GivesValue(source) &&
-        std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Source::Slot& slot) {
-          return slot.source != nullptr && slot.source->kind() == SourceKind::kScratch;
-        });
+    const bool warm = GivesValue(source) &&
+                      std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Slot& slot) {
+                        return slot.source != nullptr && slot.source->kind() == SourceKind::kScratch;
+                      });
     if (held || kept || warm) program_.saved.push_back(cell);
   }
   program_.signature = hash;
 }
 
 void Compiler::FillArguments() {
+  // A target and an entry for each argument; a list has one that says where in the same row its length and
+  // its values stand.
+  std::vector<std::vector<Offset>> rows;
   std::size_t size = 0;
-  for (const CalculationInfo& info : program_.calculations) size += 1 + info.source->arguments_.size();
-  program_.arguments.reserve(size);  // the ops point into it
-  for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
-    CalculationInfo& info = program_.calculations[i];
-    const Source& source = *info.source;
-    const Offset* args = program_.arguments.data() + program_.arguments.size();
-    program_.arguments.push_back(source.offset_);
-    for (const Source::Slot& slot : source.arguments_) {
-      if (slot.what == Source::Slot::What::kSource) program_.arguments.push_back(slot.source->offset_);
-      if (slot.what == Source::Slot::What::kCount) program_.arguments.push_back(slot.count);
+  for (const CalculationInfo& info : program_.calculations) {
+    std::vector<Offset> row{info.source->offset_}, lists;
+    std::vector<std::size_t> beginnings;
+    std::uint32_t in_list = 0;
+    for (const Slot& slot : info.source->arguments_) {
+      const Offset offset = slot.source != nullptr ? slot.source->offset_ : 0;  // time lies at 0
+      if (in_list > 0) {
+        --in_list;
+        lists.push_back(offset);
+      } else if (slot.what == Slot::What::kList) {
+        beginnings.push_back(row.size());
+        row.push_back(static_cast<Offset>(lists.size()));
+        lists.push_back(slot.count);
+        in_list = slot.count;
+      } else {
+        row.push_back(offset);
+      }
     }
-    info.op = {source.run_, source.closure_.get(), args, static_cast<std::uint32_t>(i), info.varies, false};
+    for (const std::size_t i : beginnings) row[i] += static_cast<Offset>(row.size());
+    row.insert(row.end(), lists.begin(), lists.end());
+    size += row.size();
+    rows.push_back(std::move(row));
+  }
+  program_.arguments.reserve(size);  // the ops point into it
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CalculationInfo& info = program_.calculations[i];
+    const Offset* args = program_.arguments.data() + program_.arguments.size();
+    program_.arguments.insert(program_.arguments.end(), rows[i].begin(), rows[i].end());
+    info.op = {info.source->run_,
+               info.source->closure_.get(),
+               args,
+               static_cast<std::uint32_t>(i),
+               info.varies,
+               false};
   }
 }
 

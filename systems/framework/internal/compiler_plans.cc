@@ -152,6 +152,13 @@ TickPlan Compiler::MakeTick(std::uint64_t groups) const {
     if (source->kind() == SourceKind::kMonitor) monitors.push_back(source);
     if (source->kind() == SourceKind::kUpdate) updates.push_back(source);
   }
+  for (const Source* source : plan.due) {
+    if (!source->type_->fixed) plan.movable.push_back(source);
+    for (const ScalarRun& run : source->type_->runs) {
+      if (run.kind == ScalarKind::kDouble)
+        plan.doubles.push_back({source->offset_ + run.offset, run.count, run.kind});
+    }
+  }
   plan.invalidates = Downstream(changed);
   plan.outputs = program_.Needed(plan.due, Which::kAll, groups);
   plan.monitors = program_.Needed(monitors, Which::kAll);

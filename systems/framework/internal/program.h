@@ -57,8 +57,10 @@ struct TickPlan {
   std::uint64_t groups;                    ///< bit mask
   std::vector<std::uint32_t> invalidates;  ///< calculations downstream of the due outputs
   OpList outputs;                          ///< due sampled outputs and what they need, in dataflow order
-  std::vector<const Source*> due;          ///< the sampled outputs, for the check for NaN
-  OpList monitors;                         ///< due monitors and what they need
+  std::vector<const Source*> due;          ///< the sampled outputs, for the check for NaN:
+  std::vector<ScalarRun> doubles;      ///< those of their numbers that never move, from the memory's start
+  std::vector<const Source*> movable;  ///< outputs with others
+  OpList monitors;                     ///< due monitors and what they need
   std::vector<const Source*> verdicts;
   UpdatePlan updates;
 };

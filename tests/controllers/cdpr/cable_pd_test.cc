@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>

@@ -10,6 +10,8 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
+#include <Eigen/LU>
+
 namespace tenon {
 namespace {
 

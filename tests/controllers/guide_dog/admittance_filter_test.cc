@@ -7,6 +7,7 @@
 #include <string>
 
 #include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/allocation_guard.h>

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <memory>
 
 #include <tenon/controllers/legged/evaluation/tracking_error.h>

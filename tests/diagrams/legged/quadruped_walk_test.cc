@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tenon/systems/framework/fields.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/yaml/yaml_node.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon {

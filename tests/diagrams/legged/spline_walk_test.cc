@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/framework/fields.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/yaml/yaml_node.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <functional>
 
 #include <tenon/tests/plants/model/quadruped_test_robot.h>

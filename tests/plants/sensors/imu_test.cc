@@ -7,6 +7,7 @@
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {

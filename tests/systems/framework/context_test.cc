@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {
@@ -113,9 +114,8 @@ struct Report {
   double cost = 0;
   std::vector<double> history;
   std::string word;
-  static constexpr auto Fields() {
-    return std::tuple{Field{"cost", &Report::cost}, Field{"history", &Report::history},
-                      Field{"word", &Report::word}};
+  static FieldList Fields() {
+    return {{"cost", &Report::cost}, {"history", &Report::history}, {"word", &Report::word}};
   }
 };
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {
@@ -357,7 +358,7 @@ TEST(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
 
 struct HalfDescribed {
   double a = 0, b = 0;
-  static constexpr auto Fields() { return std::tuple{Field{"a", &HalfDescribed::a}}; }
+  static FieldList Fields() { return {{"a", &HalfDescribed::a}}; }
 };
 
 TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {
@@ -22,7 +23,7 @@ namespace {
 using internal::Archive;
 using internal::Finiteness;
 using internal::kBitwise;
-using internal::kTypeInfo;
+using internal::TypeInfoOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -34,18 +35,15 @@ struct Foot {
   double height = 0;
   Vec<3> p_W = Vec<3>::Zero();
   Phase phase = Phase::kStance;
-  static constexpr auto Fields() {
-    return std::tuple{Field{"height", &Foot::height, "m"}, Field{"p_W", &Foot::p_W, "m"},
-                      Field{"phase", &Foot::phase}};
+  static FieldList Fields() {
+    return {{"height", &Foot::height, "m"}, {"p_W", &Foot::p_W, "m"}, {"phase", &Foot::phase}};
   }
 };
 
 struct Robot {
   std::array<Foot, 2> feet;
   std::vector<double> battery;
-  static constexpr auto Fields() {
-    return std::tuple{Field{"feet", &Robot::feet}, Field{"battery", &Robot::battery, "V"}};
-  }
+  static FieldList Fields() { return {{"feet", &Robot::feet}, {"battery", &Robot::battery, "V"}}; }
 };
 
 struct Opaque {
@@ -54,15 +52,13 @@ struct Opaque {
 
 template <class T>
 std::vector<Element> Elements(const T& model, const Spec& spec = "signal") {
-  std::vector<Element> elements;
-  kTypeInfo<T>.list_elements(&model, spec, elements);
-  return elements;
+  return internal::ListElements(TypeInfoOf<T>(), &model, spec);
 }
 
 template <class T>
 std::vector<double> Doubles(const T& value) {
-  std::vector<double> doubles(kTypeInfo<T>.count(&value));
-  EXPECT_EQ(kTypeInfo<T>.to_doubles(&value, doubles.data()), doubles.data() + doubles.size());
+  std::vector<double> doubles(internal::CountScalars(TypeInfoOf<T>(), &value));
+  EXPECT_EQ(internal::ToDoubles(TypeInfoOf<T>(), &value, doubles.data()), doubles.data() + doubles.size());
   return doubles;
 }
 
@@ -114,7 +110,7 @@ TEST(SignalTest, FlattensAndBack) {
   const Foot foot{.height = 0.5, .p_W = {1, 2, 3}, .phase = Phase::kSwing};
   EXPECT_THAT(Doubles(foot), ElementsAre(0.5, 1, 2, 3, 2));
   Foot copy;
-  kTypeInfo<Foot>.from_doubles(&copy, Doubles(foot).data());
+  internal::FromDoubles(TypeInfoOf<Foot>(), &copy, Doubles(foot).data());
   EXPECT_EQ(copy.height, 0.5);
   EXPECT_EQ(copy.p_W, foot.p_W);
   EXPECT_EQ(copy.phase, Phase::kSwing);
@@ -126,7 +122,7 @@ TEST(SignalTest, FinitenessFindsTheWorst) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto of = [](Vec<3> p) {
     const Foot foot{.height = 0, .p_W = p};
-    return kTypeInfo<Foot>.finiteness(&foot);
+    return internal::FinitenessOf(TypeInfoOf<Foot>(), &foot);
   };
   EXPECT_EQ(of({1, 2, 3}), Finiteness::kFinite);
   EXPECT_EQ(of({1, -HUGE_VAL, 3}), Finiteness::kInfinite);
@@ -158,9 +154,9 @@ TEST(SignalTest, EvenVectorsAreNotOverAligned) {
 template <class T>
 T StoreAndLoad(const T& value) {
   Archive archive;
-  kTypeInfo<T>.save(&value, archive);
+  internal::Save(TypeInfoOf<T>(), &value, archive);
   T loaded{};
-  kTypeInfo<T>.load(&loaded, archive);
+  internal::Load(TypeInfoOf<T>(), &loaded, archive);
   EXPECT_TRUE(archive.exhausted());
   return loaded;
 }
@@ -183,7 +179,7 @@ TEST(SignalTest, ArchivesGiveBackWhatTheyTook) {
 TEST(SignalTest, ArchivesRefuseWhatTheyCannotStore) {
   Archive archive;
   const Opaque opaque;
-  EXPECT_THAT([&] { kTypeInfo<Opaque>.save(&opaque, archive); },
+  EXPECT_THAT([&] { internal::Save(TypeInfoOf<Opaque>(), &opaque, archive); },
               ThrowsMessage<Error>(HasSubstr("give it a static Fields()")));
 }
 

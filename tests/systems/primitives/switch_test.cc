@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>

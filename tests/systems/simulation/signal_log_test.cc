@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {
@@ -20,9 +21,8 @@ struct Tension {
   double force = 0;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   bool slack = false;
-  static constexpr auto Fields() {
-    return std::tuple{Field{"force", &Tension::force, "N"}, Field{"point", &Tension::point, "m"},
-                      Field{"slack", &Tension::slack}};
+  static FieldList Fields() {
+    return {{"force", &Tension::force, "N"}, {"point", &Tension::point, "m"}, {"slack", &Tension::slack}};
   }
 };
 

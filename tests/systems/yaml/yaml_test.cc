@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <cmath>
@@ -17,15 +18,13 @@ using ::testing::StartsWith;
 
 enum class Gait { kStand, kTrot };
 constexpr auto EnumNames(Gait) {
-  return std::array{std::pair{Gait::kStand, "stand"}, std::pair{Gait::kTrot, "trot"}};
+  return std::array{Named{Gait::kStand, "stand"}, Named{Gait::kTrot, "trot"}};
 }
 
 struct Leg {
   double mass = 1;
   Eigen::Vector3d hip = Eigen::Vector3d::Zero();
-  static constexpr auto Fields() {
-    return std::tuple{Required("mass_kg", &Leg::mass), Field{"hip_m", &Leg::hip}};
-  }
+  static FieldList Fields() { return {Required("mass_kg", &Leg::mass), {"hip_m", &Leg::hip}}; }
   void Validate() const {
     if (mass <= 0) throw ParameterError("the mass must be positive");
   }
@@ -41,18 +40,17 @@ struct Robot {
   std::optional<double> limit;
   std::vector<Leg> legs;
   std::vector<double> knots;
-  std::vector<bool> flags;
+  std::array<bool, 2> flags = {};
   std::array<int, 2> pair = {1, 2};
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();
   std::map<std::string, Leg> spare;
   std::optional<Leg> tail;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"name", &Robot::name},     Field{"gait", &Robot::gait}, Field{"speed_m_per_s", &Robot::speed},
-        Field{"steps", &Robot::steps},   Field{"seed", &Robot::seed}, Field{"verbose", &Robot::verbose},
-        Field{"limit_N", &Robot::limit}, Field{"legs", &Robot::legs}, Field{"knots", &Robot::knots},
-        Field{"flags", &Robot::flags},   Field{"pair", &Robot::pair}, Field{"inertia_kg_m2", &Robot::inertia},
-        Field{"spare", &Robot::spare},   Field{"tail", &Robot::tail}};
+  static FieldList Fields() {
+    return {{"name", &Robot::name},     {"gait", &Robot::gait}, {"speed_m_per_s", &Robot::speed},
+            {"steps", &Robot::steps},   {"seed", &Robot::seed}, {"verbose", &Robot::verbose},
+            {"limit_N", &Robot::limit}, {"legs", &Robot::legs}, {"knots", &Robot::knots},
+            {"flags", &Robot::flags},   {"pair", &Robot::pair}, {"inertia_kg_m2", &Robot::inertia},
+            {"spare", &Robot::spare},   {"tail", &Robot::tail}};
   }
 };
 
@@ -113,7 +111,7 @@ tail: {mass_kg: 4}
   EXPECT_EQ(robot.legs[0].hip, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(robot.legs[1].mass, 0.5);
   EXPECT_EQ(robot.knots, (std::vector<double>{0, 0.5, 1}));
-  EXPECT_EQ(robot.flags, (std::vector<bool>{true, false}));
+  EXPECT_EQ(robot.flags, (std::array<bool, 2>{true, false}));
   EXPECT_EQ(robot.pair, (std::array<int, 2>{5, 6}));
   EXPECT_EQ(robot.inertia(1, 2), 6);
   EXPECT_EQ(robot.spare.at("front").mass, 3);
@@ -186,7 +184,7 @@ TEST(YamlErrorTest, MissingOrNeedlessUnitIsCalledSo) {
 
 TEST(YamlErrorTest, UnknownKeyInAStructWithoutKeys) {
   struct Empty {
-    static constexpr auto Fields() { return std::tuple{}; }
+    static FieldList Fields() { return {}; }
   };
   EXPECT_THAT(ErrorOf([] { YamlDocument::Parse("a: 1", "e.yaml").Read<Empty>(); }),
               HasSubstr("no keys are valid here; remove it"));
@@ -391,7 +389,7 @@ legs:
   - mass_kg: 2
     hip_m: [1, 0.5, -0.1]
 knots: [1, 2]
-flags: []
+flags: [false, false]
 pair: [1, 2]
 inertia_kg_m2: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 spare: {}
@@ -416,7 +414,7 @@ TEST(YamlWriteTest, RoundTripIsExact) {
   robot.limit = 0.1 + 0.2;
   robot.legs = {Leg{M_PI, {M_E, -0.0, 1e-7}}, Leg{}};
   robot.knots.assign(std::begin(nasty), std::end(nasty));
-  robot.flags = {true, false, true};
+  robot.flags = {true, false};
   robot.inertia << 0.1, -0.0, 3, 4, 5, 6, 7, 8, 1.0 / 7.0;
   robot.spare = {{"a b", Leg{3}}, {"12", Leg{4}}, {"null", Leg{5}}, {"x: y #", Leg{6}}};
   robot.tail = Leg{8};

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/derivative_check.h>

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/random_stream.h>
-#include <tenon/systems/yaml/yaml_node.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

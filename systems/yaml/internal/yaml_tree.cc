@@ -1,4 +1,4 @@
-#include <tenon/systems/yaml/yaml_tree.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
 
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>

@@ -1,4 +1,4 @@
-#include <tenon/systems/yaml/yaml_node.h>
+#include <tenon/systems/yaml/internal/yaml_node.h>
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <numeric>
 #include <system_error>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
-#include <tenon/systems/yaml/yaml_tree.h>
 
 namespace tenon::internal {
 namespace {
@@ -39,10 +39,10 @@ std::pair<std::string_view, std::string_view> SplitUnit(std::string_view key) {
 }
 
 /// What the writer of an unknown key should have written.
-std::string SuggestKey(std::string_view unknown, std::span<const YamlKey> keys) {
+std::string SuggestKey(std::string_view unknown, const FieldList& keys) {
   if (keys.empty()) return "no keys are valid here; remove it";
   const auto [stem, unit] = SplitUnit(unknown);
-  for (const YamlKey& key : keys) {
+  for (const Field& key : keys) {
     const auto [valid_stem, valid_unit] = SplitUnit(key.name);
     if (stem != valid_stem) continue;
     if (valid_unit.empty()) return fmt::format("'{}' takes no unit", key.name);
@@ -52,13 +52,13 @@ std::string SuggestKey(std::string_view unknown, std::span<const YamlKey> keys) 
                        key.name);
   }
   std::vector<std::string> names;
-  for (const YamlKey& key : keys) names.emplace_back(key.name);
+  for (const Field& key : keys) names.emplace_back(key.name);
   return fmt::format("the nearest valid key is '{}'", NearestName(unknown, names));
 }
 
-std::string JoinKeys(std::span<const YamlKey> keys) {
+std::string JoinKeys(const FieldList& keys) {
   std::string text;
-  for (const YamlKey& key : keys) text += (text.empty() ? "" : ", ") + std::string(key.name);
+  for (const Field& key : keys) text += (text.empty() ? "" : ", ") + std::string(key.name);
   return text;
 }
 
@@ -82,16 +82,6 @@ bool IsNotFiniteInYaml(std::string text) {
   return text == ".nan" || text == ".inf" || text == "-.inf" || text == "+.inf";
 }
 
-template <class Integer>
-Integer ParseInteger(const YamlTree& tree, const std::function<void(const std::string&)>& fail) {
-  Integer value = 0;
-  using Limits = std::numeric_limits<Integer>;
-  if (const std::errc error = ParseNumber(tree, value); error != std::errc())
-    fail(fmt::format("expected an integer from {} to {}, found {}; write digits alone", Limits::min(),
-                     Limits::max(), Describe(tree)));
-  return value;
-}
-
 }  // namespace
 
 void YamlNode::Fail(std::string_view what) const {
@@ -106,51 +96,149 @@ void YamlNode::FailValidation(std::string_view what) const {
   Fail(text);
 }
 
-void YamlNode::Read(double& value) const {
-  const std::errc error = ParseNumber(*tree_, value);
+void YamlNode::Read(const TypeInfo& type, void* value) const {
+  switch (type.kind) {
+    case TypeInfo::Kind::kNumber:
+      return ReadNumber(type, value);
+    case TypeInfo::Kind::kText:
+      return ReadText(static_cast<std::string*>(value));
+    case TypeInfo::Kind::kMatrix:
+      return ReadMatrix(type, value);
+    case TypeInfo::Kind::kStruct:
+      return ReadStruct(type, value);
+    case TypeInfo::Kind::kArray:
+      return ReadItems(type.item(), value, Items(type.count));
+    case TypeInfo::Kind::kList: {
+      const std::vector<YamlNode> items = Items();
+      type.resize(value, 0, 1);  // no item keeps what an earlier one said
+      type.resize(value, items.size(), 1);
+      return ReadItems(type.item(), type.data(value), items);
+    }
+    case TypeInfo::Kind::kOptional:
+      type.resize(value, 0, 1);
+      if (IsNull()) return;
+      type.resize(value, 1, 1);
+      return Read(type.item(), type.data(value));
+    case TypeInfo::Kind::kMap:
+      return ReadMap(type, value);
+    case TypeInfo::Kind::kOpaque:
+      Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
+  }
+}
+
+void YamlNode::ReadNumber(const TypeInfo& type, void* value) const {
+  if (!type.names.empty()) return ReadEnumerator(type, value);
+  switch (type.scalar) {
+    case ScalarKind::kDouble:
+      return ReadDouble(static_cast<double*>(value));
+    case ScalarKind::kBool:
+      return ReadBool(static_cast<bool*>(value));
+    case ScalarKind::kInt32:
+      return ReadInteger(static_cast<std::int32_t*>(value));
+    case ScalarKind::kInt64:
+      return ReadInteger(static_cast<std::int64_t*>(value));
+    case ScalarKind::kUint32:
+      return ReadInteger(static_cast<std::uint32_t*>(value));
+    case ScalarKind::kUint64:
+      return ReadInteger(static_cast<std::uint64_t*>(value));
+    default:
+      Fail("its type has no YAML form: use double, int, bool, or an enum with EnumNames()");
+  }
+}
+
+void YamlNode::ReadDouble(double* value) const {
+  const std::errc error = ParseNumber(*tree_, *value);
   if (error == std::errc::result_out_of_range)
     Fail(fmt::format("{} is outside the range of a double; write a smaller power of ten", Describe(*tree_)));
   if (tree_->kind == Kind::kScalar && !tree_->quoted &&
-      (IsNotFiniteInYaml(tree_->text) || (error == std::errc() && !std::isfinite(value))))
+      (IsNotFiniteInYaml(tree_->text) || (error == std::errc() && !std::isfinite(*value))))
     Fail(fmt::format("expected a finite number, found {}; infinities and NaN are refused", Describe(*tree_)));
   if (error != std::errc())
     Fail(fmt::format("expected a number, found {}; write a number alone, such as 0.5 or 2e-3",
                      Describe(*tree_)));
 }
 
-void YamlNode::Read(int& value) const {
-  value = ParseInteger<int>(*tree_, [this](const std::string& what) { Fail(what); });
+template <class Integer>
+void YamlNode::ReadInteger(Integer* value) const {
+  using Limits = std::numeric_limits<Integer>;
+  if (ParseNumber(*tree_, *value) == std::errc()) return;
+  Fail(fmt::format("expected an integer from {} to {}, found {}; write digits alone", Limits::min(),
+                   Limits::max(), Describe(*tree_)));
 }
 
-void YamlNode::Read(std::uint64_t& value) const {
-  value = ParseInteger<std::uint64_t>(*tree_, [this](const std::string& what) { Fail(what); });
-}
-
-void YamlNode::Read(bool& value) const {
+void YamlNode::ReadBool(bool* value) const {
   const bool is_plain = tree_->kind == Kind::kScalar && !tree_->quoted;
   if (!is_plain || (tree_->text != "true" && tree_->text != "false"))
     Fail(fmt::format("expected true or false, found {}; write one of these words", Describe(*tree_)));
-  value = tree_->text == "true";
+  *value = tree_->text == "true";
 }
 
-void YamlNode::Read(std::string& value) const {
+void YamlNode::ReadEnumerator(const TypeInfo& type, void* value) const {
+  std::string names;
+  for (const NamedValue& named : type.names) {
+    if (tree_->kind == Kind::kScalar && tree_->text == named.name)
+      return StoreInteger(type.scalar, value, named.value);
+    names += (names.empty() ? "" : ", ") + std::string(named.name);
+  }
+  Fail(fmt::format("expected one of {}; found {}", names, Describe(*tree_)));
+}
+
+void YamlNode::ReadText(std::string* value) const {
   if (tree_->kind != Kind::kScalar)
     Fail(fmt::format("expected text, found {}; write one word, or quote the text", Describe(*tree_)));
-  value = tree_->text;
+  *value = tree_->text;
 }
 
-std::size_t YamlNode::IndexIn(std::span<const std::string_view> names) const {
-  const auto it = std::ranges::find(names, tree_->text);
-  if (tree_->kind != Kind::kScalar || it == names.end())
-    Fail(fmt::format("expected one of {}; found {}", fmt::join(names, ", "), Describe(*tree_)));
-  return static_cast<std::size_t>(it - names.begin());
+/// A vector is a list; a matrix is a list of rows, or the list of its diagonal.
+void YamlNode::ReadMatrix(const TypeInfo& type, void* value) const {
+  if (type.rows < 1 || type.cols < 1 || type.scalar != ScalarKind::kDouble)
+    Fail("its type has no YAML form: only vectors and matrices of doubles and of fixed size have one");
+  const auto rows = static_cast<std::size_t>(type.rows), cols = static_cast<std::size_t>(type.cols);
+  auto* numbers = static_cast<double*>(type.data(value));
+  const std::vector<YamlNode> items = Items(rows);
+  const bool diagonal = rows == cols && !items[0].IsList();
+  std::fill(numbers, numbers + rows * cols, 0.0);
+  for (std::size_t r = 0; r < rows; ++r) {
+    if (cols == 1 || diagonal) {
+      items[r].ReadDouble(numbers + r + (cols == 1 ? 0 : r * rows));
+    } else {
+      const std::vector<YamlNode> row = items[r].Items(cols);
+      for (std::size_t c = 0; c < cols; ++c) row[c].ReadDouble(numbers + c * rows + r);
+    }
+  }
 }
 
-bool YamlNode::IsNull() const {
-  return tree_->kind == Kind::kNull;
+void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
+  CheckKeys(type.fields);
+  for (const Field& field : type.fields) {
+    if (const auto node = Find(field.name)) {
+      node->Read(field.type(), static_cast<std::byte*>(value) + field.offset);
+    }
+  }
+  if (type.validate == nullptr) return;
+  try {
+    type.validate(value);
+  } catch (const ParameterError& error) {
+    FailValidation(error.what());
+  }
 }
-bool YamlNode::IsList() const {
-  return tree_->kind == Kind::kList;
+
+void YamlNode::ReadItems(const TypeInfo& item, void* first, const std::vector<YamlNode>& items) const {
+  auto* at = static_cast<std::byte*>(first);
+  for (const YamlNode& node : items) {
+    node.Read(item, at);
+    at += item.size;
+  }
+}
+
+void YamlNode::ReadMap(const TypeInfo& type, void* value) const {
+  if (tree_->kind != Kind::kMap)
+    Fail(fmt::format("expected a map of keys and values, found {}; write 'key: value' lines",
+                     Describe(*tree_)));
+  type.clear(value);
+  for (const YamlTree& child : tree_->children) {
+    Child(child, child.key).Read(type.item(), type.insert(value, child.key));
+  }
 }
 
 YamlNode YamlNode::Child(const YamlTree& child, std::string_view key) const {
@@ -172,35 +260,26 @@ std::vector<YamlNode> YamlNode::Items(std::size_t count) const {
   return Items();
 }
 
-std::vector<std::pair<std::string, YamlNode>> YamlNode::Entries() const {
-  if (tree_->kind != Kind::kMap)
-    Fail(fmt::format("expected a map of keys and values, found {}; write 'key: value' lines",
-                     Describe(*tree_)));
-  std::vector<std::pair<std::string, YamlNode>> entries;
-  for (const YamlTree& child : tree_->children) entries.emplace_back(child.key, Child(child, child.key));
-  return entries;
-}
-
 std::optional<YamlNode> YamlNode::Find(std::string_view key) const {
   const auto it = YamlTree::FindKey(*tree_, key);
   if (it == tree_->children.end()) return std::nullopt;
   return Child(*it, key);
 }
 
-void YamlNode::CheckKeys(std::span<const YamlKey> keys) const {
+void YamlNode::CheckKeys(const FieldList& keys) const {
   const bool empty_document = path_.empty() && IsNull();
   if (tree_->kind != Kind::kMap && !empty_document)
     Fail(fmt::format("expected a map, found {}; valid keys: {}", Describe(*tree_), JoinKeys(keys)));
   for (const YamlTree& child : tree_->children) {
-    if (std::ranges::find(keys, child.key, [](const YamlKey& key) { return std::string_view(key.name); }) !=
+    if (std::ranges::find(keys, child.key, [](const Field& key) { return std::string_view(key.name); }) !=
         keys.end())
       continue;
     const std::string path = path_.empty() ? child.key : fmt::format("{}.{}", path_, child.key);
     FailAt(child.key_place, fmt::format("{}: unknown key; {}. Valid keys: {}", path,
                                         SuggestKey(child.key, keys), JoinKeys(keys)));
   }
-  std::vector<YamlKey> missing;
-  for (const YamlKey& key : keys)
+  FieldList missing;
+  for (const Field& key : keys)
     if (key.required && !Find(key.name)) missing.push_back(key);
   if (!missing.empty())
     Fail(fmt::format("required but missing: {}; add {}, there is no default", JoinKeys(missing),

@@ -1,0 +1,135 @@
+#include <tenon/systems/framework/internal/type_info.h>
+
+#include <tenon/systems/geometry.h>
+
+namespace tenon::internal {
+namespace {
+
+using Kind = TypeInfo::Kind;
+
+void Append(std::vector<ScalarRun>& runs, std::size_t offset, std::size_t count, ScalarKind kind) {
+  if (count == 0) return;
+  if (!runs.empty() && runs.back().kind == kind &&
+      runs.back().offset + runs.back().count * SizeOf(kind) == offset) {
+    runs.back().count += static_cast<std::uint32_t>(count);
+  } else {
+    runs.push_back({static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(count), kind});
+  }
+}
+
+/// Appends the runs of a value that lies at `offset`; false if it has none for good.
+bool AppendRuns(const TypeInfo& type, std::size_t offset, std::vector<ScalarRun>& runs) {
+  switch (type.kind) {
+    case Kind::kNumber:
+      Append(runs, offset, 1, type.scalar);
+      return true;
+    case Kind::kMatrix:
+      if (type.rows < 0 || type.cols < 0) return false;
+      Append(runs, offset, static_cast<std::size_t>(type.rows * type.cols), type.scalar);
+      return true;
+    case Kind::kStruct:
+      for (const Field& field : type.fields) {
+        if (!AppendRuns(field.type(), offset + field.offset, runs)) return false;
+      }
+      return true;
+    case Kind::kArray:
+      for (std::size_t i = 0; i < type.count; ++i) {
+        if (!AppendRuns(type.item(), offset + i * type.item().size, runs)) return false;
+      }
+      return true;
+    default:
+      return false;
+  }
+}
+
+void WalkItems(const TypeInfo& item, void* first, std::size_t count, ValueVisitor& visitor) {
+  for (std::size_t i = 0; i < count; ++i) {
+    visitor.EnterItem(i);
+    Walk(item, static_cast<std::byte*>(first) + i * item.size, visitor);
+    visitor.Leave();
+  }
+}
+
+/// Lets the visitor change the size, if it can change.
+void Resize(const TypeInfo& type, void* value, ValueVisitor& visitor, std::size_t* rows, std::size_t* cols) {
+  type.shape(value, rows, cols);
+  std::size_t wanted_rows = *rows, wanted_cols = *cols;
+  visitor.Resize(&wanted_rows, &wanted_cols);
+  if (wanted_rows == *rows && wanted_cols == *cols) return;
+  type.resize(value, wanted_rows, wanted_cols);
+  *rows = wanted_rows, *cols = wanted_cols;
+}
+
+}  // namespace
+
+std::size_t SizeOf(ScalarKind kind) {
+  std::size_t size = 0;
+  WithKind(kind, nullptr, [&]<class T>(T*) { size = sizeof(T); });
+  return size;
+}
+
+long long LoadInteger(ScalarKind kind, const void* value) {
+  long long integer = 0;
+  WithKind(kind, const_cast<void*>(value), [&](const auto* number) { integer = static_cast<long long>(*number); });
+  return integer;
+}
+
+void StoreInteger(ScalarKind kind, void* value, long long integer) {
+  WithKind(kind, value, [&]<class T>(T* number) { *number = static_cast<T>(integer); });
+}
+
+TypeInfo WithRuns(TypeInfo info) {
+  info.fixed = AppendRuns(info, 0, info.runs);
+  if (!info.fixed) info.runs.clear();
+  for (const ScalarRun& run : info.runs) info.num_scalars += run.count;
+  return info;
+}
+
+void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor) {
+  std::size_t rows = 0, cols = 1;
+  switch (type.kind) {
+    case Kind::kNumber:
+      return visitor.Number(value, type);
+    case Kind::kMatrix:
+      rows = static_cast<std::size_t>(type.rows), cols = static_cast<std::size_t>(type.cols);
+      if (type.shape != nullptr) Resize(type, value, visitor, &rows, &cols);
+      return visitor.Numbers(type.data(value), type.scalar, rows, cols);
+    case Kind::kStruct:
+      for (const Field& field : type.fields) {
+        visitor.EnterMember(field);
+        Walk(field.type(), static_cast<std::byte*>(value) + field.offset, visitor);
+        visitor.Leave();
+      }
+      return;
+    case Kind::kArray:
+      return WalkItems(type.item(), value, type.count, visitor);
+    case Kind::kList:
+    case Kind::kOptional:
+      Resize(type, value, visitor, &rows, &cols);
+      if (rows > 0) WalkItems(type.item(), type.data(value), rows, visitor);
+      return;
+    case Kind::kText:
+      return visitor.Text(*static_cast<std::string*>(value));
+    case Kind::kMap:
+    case Kind::kOpaque:
+      return visitor.Opaque(value, type.trivial ? type.size : 0);
+  }
+}
+
+}  // namespace tenon::internal
+
+TENON_DEFINE_SIGNAL(bool);
+TENON_DEFINE_SIGNAL(int);
+TENON_DEFINE_SIGNAL(double);
+TENON_DEFINE_SIGNAL(std::uint64_t);
+TENON_DEFINE_SIGNAL(std::string);
+TENON_DEFINE_SIGNAL(std::vector<double>);
+TENON_DEFINE_SIGNAL(std::vector<std::string>);
+TENON_DEFINE_SIGNAL(Eigen::Vector3d);
+TENON_DEFINE_SIGNAL(Eigen::Matrix3d);
+TENON_DEFINE_SIGNAL(Eigen::VectorXd);
+TENON_DEFINE_SIGNAL(Eigen::Matrix<double, 2, 1, Eigen::DontAlign>);
+TENON_DEFINE_SIGNAL(Eigen::Matrix<double, 4, 1, Eigen::DontAlign>);
+TENON_DEFINE_SIGNAL(Eigen::Matrix<double, 6, 1, Eigen::DontAlign>);
+TENON_DEFINE_SIGNAL(Eigen::Matrix<double, 12, 1, Eigen::DontAlign>);
+TENON_DEFINE_SIGNAL(tenon::Geometry);

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tenon/systems/framework/internal/type_info.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
+
+namespace tenon::internal {
+
+/// One value of a document and the dotted path to it; what it throws names the place and the path.
+class YamlNode {
+ public:
+  YamlNode(const YamlTree& tree, std::string path) : tree_(&tree), path_(std::move(path)) {}
+
+  /// Reads over `value`, whose members are the defaults. Throws ParameterError.
+  void Read(const TypeInfo& type, void* value) const;
+
+ private:
+  void ReadNumber(const TypeInfo& type, void* value) const;
+  void ReadDouble(double* value) const;
+  template <class Integer>
+  void ReadInteger(Integer* value) const;
+  void ReadBool(bool* value) const;
+  void ReadEnumerator(const TypeInfo& type, void* value) const;
+  void ReadText(std::string* value) const;
+  void ReadMatrix(const TypeInfo& type, void* value) const;
+  void ReadStruct(const TypeInfo& type, void* value) const;
+  void ReadItems(const TypeInfo& item, void* first, const std::vector<YamlNode>& items) const;
+  void ReadMap(const TypeInfo& type, void* value) const;
+
+  bool IsNull() const { return tree_->kind == YamlTree::Kind::kNull; }
+  bool IsList() const { return tree_->kind == YamlTree::Kind::kList; }
+  std::vector<YamlNode> Items() const;                   ///< of a list
+  std::vector<YamlNode> Items(std::size_t count) const;  ///< of a list of that length
+  std::optional<YamlNode> Find(std::string_view key) const;
+  void CheckKeys(const FieldList& fields) const;  ///< throws on unknown and on missing ones
+  YamlNode Child(const YamlTree& child, std::string_view key) const;
+  [[noreturn]] void Fail(std::string_view what) const;
+  [[noreturn]] void FailValidation(std::string_view what) const;
+
+  const YamlTree* tree_;
+  std::string path_;
+};
+
+}  // namespace tenon::internal
