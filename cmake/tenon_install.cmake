@@ -1,16 +1,54 @@
+# What find_package(tenon COMPONENTS …) finds, and packages for Debian.
 include(CMakePackageConfigHelpers)
 
 set(cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tenon)
-install(EXPORT tenon-targets NAMESPACE tenon:: DESTINATION ${cmake_dir})
-configure_package_config_file(cmake/tenon-config.cmake.in ${PROJECT_BINARY_DIR}/tenon-config.cmake
-  INSTALL_DESTINATION ${cmake_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/tenon-config-version.cmake
-  COMPATIBILITY SameMinorVersion)
+get_property(exports GLOBAL PROPERTY TENON_EXPORTS)
+list(REMOVE_DUPLICATES exports)
+set(TENON_NEEDS "")
+foreach(component IN LISTS exports)
+  install(EXPORT tenon-${component}-targets NAMESPACE tenon:: DESTINATION ${cmake_dir} COMPONENT tenon_development)
+  string(APPEND TENON_NEEDS "set(tenon_${component}_needs ${TENON_${component}_NEEDS})\n")
+endforeach()
+set(TENON_INSTALLED ${exports})
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/tenon-config.cmake.in
+  ${PROJECT_BINARY_DIR}/tenon-config.cmake INSTALL_DESTINATION ${cmake_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/tenon-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/tenon-config.cmake ${PROJECT_BINARY_DIR}/tenon-config-version.cmake
-  DESTINATION ${cmake_dir})
+  DESTINATION ${cmake_dir} COMPONENT tenon_development)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon
+  COMPONENT tenon_development)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tenon_runtime)
 
-install(DIRECTORY systems plants controllers diagrams DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon
-  FILES_MATCHING PATTERN "*.h"
-  PATTERN simbody.h EXCLUDE PATTERN sundials_solver.h EXCLUDE)  # they include what no public header may
-install(DIRECTORY tests/testing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/tests FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY plants/robots controllers/gaits controllers/profiles apps/scenarios docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon)
+# cpack in the build directory: libtenon, libtenon-dev and tenon-apps for Debian, or the same as archives.
+set(CPACK_PACKAGE_NAME tenon)
+set(CPACK_PACKAGE_VENDOR "The Tenon authors")
+set(CPACK_PACKAGE_CONTACT "The Tenon authors <tenon@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL tenon_runtime tenon_development tenon_apps)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/systems ${PROJECT_BINARY_DIR}/plants
+  ${PROJECT_BINARY_DIR}/controllers ${PROJECT_BINARY_DIR}/diagrams)
+set(runtime libtenon${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set(CPACK_DEBIAN_TENON_RUNTIME_PACKAGE_NAME ${runtime})
+set(CPACK_DEBIAN_TENON_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_TENON_RUNTIME_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/triggers)
+set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_NAME libtenon-dev)
+set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev")
+set(CPACK_DEBIAN_TENON_APPS_PACKAGE_NAME tenon-apps)
+set(CPACK_DEBIAN_TENON_APPS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libjs-three, libjs-dygraphs")
+set(CPACK_DEBIAN_TENON_APPS_PACKAGE_SUGGESTS "graphviz")
+set(CPACK_COMPONENT_TENON_RUNTIME_DESCRIPTION "Shared libraries, robots, gaits, profiles and scenarios")
+set(CPACK_COMPONENT_TENON_DEVELOPMENT_DESCRIPTION "Headers, CMake package and examples")
+set(CPACK_COMPONENT_TENON_APPS_DESCRIPTION "Simulations from the command line")
+if(PROJECT_IS_TOP_LEVEL)
+  include(CPack)
+endif()

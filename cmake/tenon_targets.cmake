@@ -1,19 +1,79 @@
-# tenon_add_library(NAME SOURCES... ) makes the shared library tenon_NAME, known as tenon::NAME, with the
-# warnings, the include directory and the install rules that all of Tenon's libraries share.
-function(tenon_add_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(tenon_${name} SHARED ${arg_SOURCES})
-  add_library(tenon::${name} ALIAS tenon_${name})
-  target_compile_features(tenon_${name} PUBLIC cxx_std_20)
-  target_include_directories(tenon_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(tenon_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
-  set_target_properties(tenon_${name} PROPERTIES EXPORT_NAME ${name})
-  tenon_warnings(tenon_${name})
-  install(TARGETS tenon_${name} EXPORT tenon-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# tenon_headers(TARGET ROOM [PUBLIC HEADERS…] [INTERNAL HEADERS…] [PRIVATE HEADERS…]): lets the target find its headers
+# as <tenon/ROOM/HEADER>. In the build tree a file of that name leads to the one in the source tree, so that messages,
+# debuggers and reports of coverage name the file to edit. Public headers are installed, and compile alone, which the
+# target all_verify_interface_header_sets checks. Internal ones are installed because public ones include them; private
+# ones stay here.
+function(tenon_headers target room)
+  cmake_parse_arguments(arg "" "" "PUBLIC;INTERNAL;PRIVATE" ${ARGN})
+  set(root ${PROJECT_BINARY_DIR}/include/${target})
+  set(public)
+  foreach(header IN LISTS arg_PUBLIC arg_INTERNAL arg_PRIVATE)
+    set(link ${root}/tenon/${room}/${header})
+    file(CONFIGURE OUTPUT ${link} CONTENT "#include \"${PROJECT_SOURCE_DIR}/${room}/${header}\"\n" @ONLY)
+    if(header IN_LIST arg_PUBLIC)
+      list(APPEND public ${link})
+    endif()
+  endforeach()
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL INTERFACE_LIBRARY)
+    target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${root}>)
+  else()
+    target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}>)
+  endif()
+  if(public)
+    if(NOT TARGET ${target}_headers)
+      add_library(${target}_headers INTERFACE)
+      target_link_libraries(${target}_headers INTERFACE ${target})
+      set_target_properties(${target}_headers PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+    endif()
+    target_sources(${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS ${root} FILES ${public})
+  endif()
+  if(TENON_INSTALL)
+    foreach(header IN LISTS arg_PUBLIC arg_INTERNAL)
+      cmake_path(GET header PARENT_PATH directory)
+      install(FILES ${PROJECT_SOURCE_DIR}/${room}/${header}
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/${room}/${directory} COMPONENT tenon_development)
+    endforeach()
+  endif()
+endfunction()
+
+# tenon_add_library(NAME COMPONENT SOURCES… LINK_PUBLIC… LINK_PRIVATE…) makes the library tenon_NAME, known as
+# tenon::NAME, with the warnings and the install rules that all of Tenon's libraries share. From a shared library only
+# what belongs to Tenon can be seen.
+function(tenon_add_library name component)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK_PUBLIC;LINK_PRIVATE" ${ARGN})
+  set(target tenon_${name})
+  add_library(${target} ${arg_SOURCES})
+  add_library(tenon::${name} ALIAS ${target})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${arg_LINK_PUBLIC} PRIVATE ${arg_LINK_PRIVATE})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} POSITION_INDEPENDENT_CODE ON
+    VISIBILITY_INLINES_HIDDEN ON)
+  tenon_set_rpath(${target})
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL SHARED_LIBRARY)
+    set(map ${PROJECT_SOURCE_DIR}/cmake/tenon.map)
+    target_link_options(${target} PRIVATE LINKER:--version-script=${map})
+    set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${map})
+  endif()
+  tenon_warnings(${target})
+  if(TENON_INSTALL)
+    install(TARGETS ${target} EXPORT tenon-${component}-targets
+      LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tenon_runtime NAMELINK_COMPONENT tenon_development
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tenon_development)
+    set_property(GLOBAL APPEND PROPERTY TENON_EXPORTS ${component})
+  endif()
 endfunction()
 
 # -Wno-restrict: GCC 12 warns of overlapping copies inside operator+ of strings, falsely (GCC bug 105651).
 function(tenon_warnings target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<BOOL:${TENON_WERROR}>:-Werror>)
+  target_compile_options(${target} PRIVATE -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+    $<$<BOOL:${TENON_WERROR}>:-Werror>)
+endfunction()
+
+# Libraries and binaries find each other in the build tree and wherever they are installed together.
+function(tenon_set_rpath target)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endfunction()

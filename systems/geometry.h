@@ -15,7 +15,7 @@ enum class ShapeKind {
   kSphere,    ///< about p_W; size: radius [m]
   kCylinder,  ///< about p_W, along its frame's z; size: radius, length [m]
   kCapsule,   ///< the same with round ends; length is that of the cylinder between them
-  kSegment,   ///< a straight rod or cable from p_W to p_W + vector_W [m]; size: radius [m]
+  kSegment,   ///< a straight rod from p_W to p_W + vector_W [m]; size: radius [m]
   kArrow,     ///< from p_W along scale * vector_W, for forces and velocities
   kTrace,     ///< the path that p_W takes in the whole run; size: radius of a ball at p_W, or 0 [m]
 };
@@ -28,20 +28,20 @@ constexpr auto EnumNames(ShapeKind) {
 
 /// What a shape stands for: decides its colour, and can be shown and hidden together.
 enum class ShapeRole {
-  kRobot,
-  kCable,
-  kPayload,
-  kPerson,
+  kBody,   ///< of what moves by the diagram: a replay follows it
+  kLine,   ///< what it hangs on or pulls at
+  kLoad,   ///< what it carries
+  kOther,  ///< what moves beside it
   kGround,
-  kFixture,
+  kFixture,  ///< what stands around
   kForce,
   kDisturbance,
   kEstimate,
   kReference
 };
 constexpr auto EnumNames(ShapeRole) {
-  return std::array{Named{ShapeRole::kRobot, "robot"},        Named{ShapeRole::kCable, "cables"},
-                    Named{ShapeRole::kPayload, "payload"},    Named{ShapeRole::kPerson, "person"},
+  return std::array{Named{ShapeRole::kBody, "bodies"},        Named{ShapeRole::kLine, "lines"},
+                    Named{ShapeRole::kLoad, "loads"},         Named{ShapeRole::kOther, "others"},
                     Named{ShapeRole::kGround, "ground"},      Named{ShapeRole::kFixture, "fixtures"},
                     Named{ShapeRole::kForce, "forces"},       Named{ShapeRole::kDisturbance, "disturbances"},
                     Named{ShapeRole::kEstimate, "estimates"}, Named{ShapeRole::kReference, "reference"}};
@@ -51,11 +51,11 @@ constexpr auto EnumNames(ShapeRole) {
 /// puts it out; what moves is written at every evaluation, and that alone is logged.
 struct Shape {
   ShapeKind kind = ShapeKind::kSphere;
-  ShapeRole role = ShapeRole::kRobot;
+  ShapeRole role = ShapeRole::kBody;
   std::string name{};
   Vec<3> size = Vec<3>::Zero();  ///< see ShapeKind [m]
   double scale = 1;              ///< of an arrow: its length [m] per unit of vector_W, say m/N
-  std::string unit{};            ///< of `value`; if given, the value decides the colour (a cable's tension)
+  std::string unit{};            ///< of `value`; if given, the value decides the colour
 
   Vec<3> p_W = Vec<3>::Zero();       ///< [m]
   Vec<4> q_W{1, 0, 0, 0};            ///< attitude (w, x, y, z)
@@ -96,10 +96,10 @@ struct Shape {
 };
 
 /// What a block looks like: a signal like any other, which a plant, a reference or an observer puts out and a
-/// replay draws, so that whatever draws knows no robot. The number of shapes is that of the port's initial
-/// value and stays. W is the world, z up, SI units.
+/// replay draws, so that whatever draws knows nothing of what it draws. The number of shapes is that of the
+/// port's initial value and stays. W is the world, z up, SI units.
 ///
-///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kRobot, "cart", {.3, .2,
+///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kBody, "cart", {.3, .2,
 ///     .1})},
 ///                                   Uses(x), &Cart::CalcGeometry};
 ///     void CalcGeometry(const Vec<2>& x, Geometry* out) const { (*out)[0].p_W = {x[0], 0, 0.05}; }

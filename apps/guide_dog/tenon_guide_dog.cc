@@ -8,6 +8,7 @@
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
 namespace tenon::apps {

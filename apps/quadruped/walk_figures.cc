@@ -1,4 +1,5 @@
 #include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
+#include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/signal_log.h>
 

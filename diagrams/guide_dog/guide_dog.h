@@ -4,8 +4,6 @@
 
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 #include <tenon/controllers/guide_dog/supervisor.h>
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
-#include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
@@ -16,6 +14,9 @@
 #include <tenon/plants/surroundings/person.h>
 
 namespace tenon {
+
+class TrackingError;
+class WalkView;
 
 struct GuideDogParams {
   QuadrupedWorldParams world;

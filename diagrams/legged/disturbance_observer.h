@@ -1,42 +1,9 @@
 #pragma once
 
-#include <tenon/controllers/legged/observers/com_observer.h>
-#include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/controllers/legged/observers/nonlinear_disturbance_observer.h>
+#include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
-#include <array>
-
 namespace tenon {
-
-/// Which estimates a controller is given.
-enum class ObserverKind {
-  kNone,        ///< zeros
-  kLegs,        ///< of the legs
-  kCom,         ///< of the net wrench
-  kHybrid,      ///< both
-  kFocchi,      ///< of the net wrench by CentroidalMomentumObserver
-  kNdoM,        ///< of the legs by NonlinearDisturbanceObserver, reading kM
-  kNdoInverse,  ///< the same, reading kInverse
-};
-constexpr auto EnumNames(ObserverKind) {
-  return std::array{Named{ObserverKind::kNone, "none"},
-                    Named{ObserverKind::kLegs, "legs"},
-                    Named{ObserverKind::kCom, "com"},
-                    Named{ObserverKind::kHybrid, "hybrid"},
-                    Named{ObserverKind::kFocchi, "focchi"},
-                    Named{ObserverKind::kNdoM, "ndo_m"},
-                    Named{ObserverKind::kNdoInverse, "ndo_inverse"}};
-}
-
-/// The kind decides which of the blocks there are; `focchi` takes its gains from CentroidalMomentumObserver,
-/// and the reading of `ndo` is the kind's.
-struct DisturbanceObserverParams {
-  ObserverKind kind = ObserverKind::kHybrid;
-  LegMomentumObserverParams legs;
-  ComObserverParams com;
-  NonlinearDisturbanceObserverParams ndo;
-};
 
 /// The estimates that a whole-body controller takes off, by an observer of one's choice. What the kind does
 /// not estimate is zero.

@@ -1,21 +1,9 @@
 #pragma once
 
-#include <tenon/controllers/legged/planning/com_planner.h>
-#include <tenon/controllers/legged/planning/foot_scheduler.h>
-#include <tenon/controllers/legged/planning/swing_planner.h>
-#include <tenon/controllers/legged/planning/trunk_planner.h>
-#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
 namespace tenon {
-
-struct LeggedLocomotionParams {
-  FootSchedulerParams scheduler;
-  ComPlannerParams com_planner;
-  SwingPlannerParams swing_planner;
-  TrunkPlannerParams trunk_planner;
-  WholeBodyParams whole_body;
-};
 
 /// A quadruped's walking controller (Morlando 2023, figure 2.2), from a command to joint torques.
 ///

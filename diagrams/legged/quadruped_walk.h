@@ -2,15 +2,17 @@
 
 #include <optional>
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
-#include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
+#include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 
 namespace tenon {
+
+class TrackingError;
+class WalkView;
 
 struct QuadrupedWalkParams {
   QuadrupedWorldParams world;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/systems/framework/ports.h>
 

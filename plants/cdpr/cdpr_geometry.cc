@@ -20,12 +20,12 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
   for (const CableDescription& cable : robot.cables) half = half.cwiseMax(cable.attachment_B.cwiseAbs());
 
   Geometry shapes(kFirstCable);
-  shapes[kPlatform] = Shape::Box(ShapeRole::kRobot, "platform", 2 * half);
-  shapes[kPath] = Shape::Trace(ShapeRole::kRobot, "path of the platform");
-  shapes[kPayloadBall] = Shape::Sphere(ShapeRole::kPayload, "payload", kPayloadRadius);
+  shapes[kPlatform] = Shape::Box(ShapeRole::kBody, "platform", 2 * half);
+  shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the platform");
+  shapes[kPayloadBall] = Shape::Sphere(ShapeRole::kLoad, "payload", kPayloadRadius);
   shapes[kForce] = Shape::Arrow(ShapeRole::kDisturbance, "external force", kForceScale);
   for (std::size_t i = 0; i < robot.cables.size(); ++i)
-    shapes.push_back(Shape::Segment(ShapeRole::kCable, "cable " + std::to_string(i), kCableRadius, "N"));
+    shapes.push_back(Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), kCableRadius, "N"));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), 0.05);
     anchor.p_W = robot.cables[i].anchor_W;

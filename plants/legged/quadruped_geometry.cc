@@ -77,16 +77,16 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
                                const TerrainParams& terrain) {
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
-  shapes[kTrunk] = Shape::Box(ShapeRole::kRobot, "trunk", TrunkEdges(robot));
-  shapes[kPayload] = Shape::Box(ShapeRole::kPayload, "payload", BoxEdges(payload));
+  shapes[kTrunk] = Shape::Box(ShapeRole::kBody, "trunk", TrunkEdges(robot));
+  shapes[kPayload] = Shape::Box(ShapeRole::kLoad, "payload", BoxEdges(payload));
   shapes[kPayload].visible = payload.mass > 0;
-  shapes[kPath] = Shape::Trace(ShapeRole::kRobot, "path of the trunk");
+  shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the trunk");
   for (int j = 0; j < kNumJoints; ++j)
-    shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kRobot, "link of " + robot.joint(j).name,
+    shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kBody, "link of " + robot.joint(j).name,
                                                 0.8 * robot.foot_radius, LinkEnd(robot, j).norm());
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const std::string name = kLegNames[At(leg)];
-    shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kRobot, "foot " + name, robot.foot_radius);
+    shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);
     shapes[At(kFirstFootForce + leg)] = Shape::Arrow(ShapeRole::kForce, "force on " + name, force_scale);
   }
   for (int i = 0; i < kMaxExternalForces; ++i)

@@ -1,7 +1,7 @@
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/model/quadruped_urdf.h>
+#include <tenon/plants/model/internal/quadruped_urdf.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 

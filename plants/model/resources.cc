@@ -18,8 +18,10 @@ fs::path DataDirectory() {
   if (const char* own = std::getenv("TENON_DATA_DIR"); own != nullptr) return own;
   Dl_info info;
   if (dladdr(reinterpret_cast<const void*>(&DataDirectory), &info) != 0) {
-    const fs::path installed = fs::path(info.dli_fname).parent_path() / TENON_LIBRARY_TO_DATA;
-    if (fs::exists(installed)) return fs::weakly_canonical(installed);
+    const fs::path here = fs::path(info.dli_fname).parent_path();
+    for (const char* way : {TENON_LIBRARY_TO_DATA, TENON_PROGRAM_TO_DATA}) {
+      if (fs::exists(here / way)) return fs::weakly_canonical(here / way);
+    }
   }
   return TENON_BUILD_DATA_DIR;
 }

@@ -46,7 +46,7 @@ ExternalForce Leash::CalcForce(const LeashState& leash) const {
 }
 
 Geometry Leash::MakeGeometry() {
-  return {Shape::Segment(ShapeRole::kCable, "leash", kDrawnRadius, "N")};
+  return {Shape::Segment(ShapeRole::kLine, "leash", kDrawnRadius, "N")};
 }
 
 void Leash::CalcGeometry(const PersonState& person, const LeashState& leash, Geometry* geometry) const {

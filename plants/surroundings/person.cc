@@ -98,9 +98,9 @@ PersonState Person::CalcPerson(const PersonMotion& motion) const {
 }
 
 Geometry Person::MakeGeometry() {
-  return {Shape::Capsule(ShapeRole::kPerson, "person", kBodyRadius, kBodyHeight - 2 * kBodyRadius),
-          Shape::Sphere(ShapeRole::kPerson, "head", kHeadRadius),
-          Shape::Trace(ShapeRole::kPerson, "path of the person")};
+  return {Shape::Capsule(ShapeRole::kOther, "person", kBodyRadius, kBodyHeight - 2 * kBodyRadius),
+          Shape::Sphere(ShapeRole::kOther, "head", kHeadRadius),
+          Shape::Trace(ShapeRole::kOther, "path of the person")};
 }
 
 void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const {

@@ -17,7 +17,7 @@ class BuildError : public Error {
   using Error::Error;
 };
 
-/// A parameter, a scenario or a robot file that makes no sense.
+/// A parameter, or a file of parameters, that makes no sense.
 class ParameterError : public Error {
  public:
   using Error::Error;

@@ -28,11 +28,11 @@ std::size_t OffsetOf(Member Struct::*member) {
 ///
 /// A struct says once what it holds; logs, state names, snapshots and YAML files are made from that:
 ///
-///     struct CableState {
-///       double tension = 0;
+///     struct SpringState {
+///       double force = 0;
 ///       Vec<3> p_W;
 ///       static FieldList Fields() {
-///         return {{"tension", &CableState::tension, "N"}, {"p_W", &CableState::p_W, "m"}};
+///         return {{"force", &SpringState::force, "N"}, {"p_W", &SpringState::p_W, "m"}};
 ///       }
 ///     };
 ///
@@ -78,8 +78,8 @@ Named(E, const char*) -> Named<E>;
 
 /// An enum that is known by names. Beside the enum stands, say,
 ///
-///     constexpr auto EnumNames(WinchMode) {
-///       return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
+///     constexpr auto EnumNames(SwitchMode) {
+///       return std::array{Named{SwitchMode::kOff, "off"}, Named{SwitchMode::kOn, "on"}};
 ///     }
 template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires(E e) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include <tenon/systems/framework/state.h>
-#include <tenon/systems/primitives/elementwise.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

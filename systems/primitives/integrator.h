@@ -3,7 +3,7 @@
 #include <string>
 
 #include <tenon/systems/framework/state.h>
-#include <tenon/systems/primitives/elementwise.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <tenon/systems/framework/state.h>
-#include <tenon/systems/primitives/elementwise.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

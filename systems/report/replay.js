@@ -69,7 +69,7 @@ class Replay {
     return {frames, group, actors};
   }
 
-  // The box that everything stays in, and the box that is there at the start: a robot that walks out of this is
+  // The box that everything stays in, and the box that is there at the start: a body that moves out of this is
   // followed.
   measure() {
     this.box = new THREE.Box3();
@@ -95,15 +95,15 @@ class Replay {
     this.travels = this.extent > 2 * homeExtent;
     if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
 
-    // Of the robot's parts about their mean place.
+    // Of the bodies' parts about their mean place.
     this.setTime(0);
-    this.robotRadius = 0;
-    this.start = this.robotPlace() || new THREE.Vector3();
-    for (const actor of this.robotParts()) {
-      this.robotRadius = Math.max(this.robotRadius, actor.object.position.distanceTo(this.start) + actor.reach());
+    this.bodyRadius = 0;
+    this.start = this.bodyPlace() || new THREE.Vector3();
+    for (const actor of this.bodyParts()) {
+      this.bodyRadius = Math.max(this.bodyRadius, actor.object.position.distanceTo(this.start) + actor.reach());
     }
-    this.speck = this.robotRadius < 0.05 * homeExtent;
-    const arrowRadius = Math.max(0.002 * homeExtent, Math.min(0.02 * homeExtent, 0.04 * this.robotRadius));
+    this.speck = this.bodyRadius < 0.05 * homeExtent;
+    const arrowRadius = Math.max(0.002 * homeExtent, Math.min(0.02 * homeExtent, 0.04 * this.bodyRadius));
     for (const {actors} of this.runs) {
       for (const actor of actors) actor.arrowRadius = arrowRadius;
     }
@@ -139,7 +139,7 @@ class Replay {
   // So far away, in a fixed direction, that the box fits in the picture.
   resetView() {
     this.viewChosen = false;
-    const moved = this.follow && this.robotPlace() ? this.robotPlace().sub(this.start) : new THREE.Vector3();
+    const moved = this.follow && this.bodyPlace() ? this.bodyPlace().sub(this.start) : new THREE.Vector3();
     this.view = this.home.clone().translate(moved);
     const center = this.view.getCenter(new THREE.Vector3());
     const direction = Replay.direction();
@@ -198,14 +198,14 @@ class Replay {
     this.requestRender();
   }
 
-  robotParts() {
+  bodyParts() {
     const solid = ['box', 'sphere', 'cylinder', 'capsule'];
-    return this.runs[this.shown].actors.filter((a) => a.shape.role === 'robot' && solid.includes(a.shape.kind));
+    return this.runs[this.shown].actors.filter((a) => a.shape.role === 'bodies' && solid.includes(a.shape.kind));
   }
 
-  // The mean place of what is called robot, in the run that is shown.
-  robotPlace() {
-    const actors = this.robotParts();
+  // The mean place of the bodies, in the run that is shown.
+  bodyPlace() {
+    const actors = this.bodyParts();
     const sum = new THREE.Vector3();
     for (const actor of actors) sum.add(actor.object.position);
     return actors.length ? sum.divideScalar(actors.length) : null;
@@ -215,11 +215,11 @@ class Replay {
     this.follow = follow;
     this.followed = null;
     if (!follow) return;
-    const place = this.robotPlace();
+    const place = this.bodyPlace();
     if (!place) return;
     this.followed = place;
     if (!this.speck) return;
-    // Closer, so that the robot is more than a speck in a large room.
+    // Closer, so that the bodies are more than a speck in a large room.
     const offset = this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(place);
     this.camera.position.copy(place).addScaledVector(offset, 0.3);
@@ -242,7 +242,7 @@ class Replay {
       }
     });
     if (this.follow && this.controls) {
-      const place = this.robotPlace();
+      const place = this.bodyPlace();
       if (place && this.followed) {
         const step = place.clone().sub(this.followed);
         this.camera.position.add(step);
@@ -270,14 +270,14 @@ class Replay {
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, this.stage.clientWidth, this.stage.clientHeight);
     renderer.render(scene, this.camera);
-    const place = inset.size > 0 && this.robotPlace();
+    const place = inset.size > 0 && this.bodyPlace();
     if (!place) return;
-    // A robot that is a speck in its room gets a close-up.
+    // What is a speck in its room gets a close-up.
     renderer.setScissorTest(true);
     renderer.setScissor(10, 10, inset.size, inset.size);
     renderer.setViewport(10, 10, inset.size, inset.size);
     inset.camera.up.set(0, 0, 1);
-    inset.camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.robotRadius);
+    inset.camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.bodyRadius);
     inset.camera.lookAt(place);
     renderer.render(scene, inset.camera);
   }

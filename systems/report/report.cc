@@ -8,8 +8,8 @@
 
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
-#include <tenon/systems/report/page.h>
-#include <tenon/systems/report/run_log.h>
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/run_log.h>
 
 namespace tenon {
 
@@ -29,7 +29,7 @@ std::string Number(double value) {
   return fmt::format("{:.4g}", value);
 }
 
-/// "loop.payload.payload.mass" is marked as "payload.mass".
+/// "loop.load.load.mass" is marked as "load.mass".
 std::string LastTwo(const std::string& name) {
   const std::size_t last = name.rfind('.');
   if (last == std::string::npos || last == 0) return name;

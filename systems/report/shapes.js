@@ -1,7 +1,7 @@
-// The shapes of a run at any time, as objects of three.js. Knows shapes, no robots.
+// The shapes of a run at any time, as objects of three.js. Knows shapes, not what they are of.
 
 const ROLE_COLORS = {
-  robot: 0x3d5a80, cables: 0x777777, payload: 0xb5651d, person: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
+  bodies: 0x3d5a80, lines: 0x777777, loads: 0xb5651d, others: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
   forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
 };
 // From low to high values: viridis, which also reads in grey and by the colour-blind.

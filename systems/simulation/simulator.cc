@@ -9,6 +9,7 @@
 
 #include <tenon/systems/framework/internal/program.h>
 #include <tenon/systems/framework/internal/schedule.h>
+#include <tenon/systems/simulation/internal/sundials_integrator.h>
 
 namespace tenon {
 
@@ -36,7 +37,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
     : context_(std::move(context)),
       options_(std::move(options)),
       program_(context_->diagram().program()),
-      integrator_(*context_, options_) {
+      integrator_(std::make_unique<SundialsIntegrator>(*context_, options_)) {
   witness_values_.resize(program_.witness_plans.size());
   new_witness_values_.resize(program_.witness_plans.size());
   events_.resize(program_.witness_plans.size());
@@ -46,7 +47,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
 Simulator::~Simulator() = default;
 
 IntegratorStatistics Simulator::statistics() const {
-  return integrator_.statistics();
+  return integrator_->statistics();
 }
 
 double Simulator::next_tick_time() const {
@@ -141,15 +142,15 @@ void Simulator::IntegrateTo(double end) {
   // What rounding leaves over, behind a root say, is no interval that could be integrated.
   const auto goes_on = [&] { return end - context_->time() > 1e-14 * (1 + std::abs(end)) && !end_reason_; };
   context_->RunStale(program_.held);
-  if (goes_on()) integrator_.Restart(end);
+  if (goes_on()) integrator_->Restart(end);
   while (goes_on()) {
-    const SundialsIntegrator::Stop stop = integrator_.Advance(each_step);
+    const SundialsIntegrator::Stop stop = integrator_->Advance(each_step);
     if (each_step) AfterStep();
     if (stop == SundialsIntegrator::Stop::kRoot) HandleRoots();
     const bool changed = stop == SundialsIntegrator::Stop::kRoot || !program_.each_step.empty();
     if (changed && goes_on()) {
       context_->RunStale(program_.held);
-      integrator_.Restart(end);
+      integrator_->Restart(end);
     }
   }
   if (context_->time() < end && !end_reason_) context_->SetRunTime(end);
@@ -237,7 +238,7 @@ void Simulator::Fire(std::size_t witness) {
 
 void Simulator::HandleRoots() {
   EvaluateWitnesses(witness_values_);
-  const std::vector<int>& roots = integrator_.roots();
+  const std::vector<int>& roots = integrator_->roots();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     if (roots[i] == 0) continue;
     Fire(i);

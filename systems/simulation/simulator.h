@@ -8,11 +8,12 @@
 
 #include <tenon/systems/framework/context.h>
 #include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/simulation/internal/sundials_integrator.h>
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
+
+class SundialsIntegrator;
 
 namespace internal {
 class Schedule;
@@ -78,7 +79,7 @@ class Simulator {
   std::unique_ptr<Context> context_;
   SimulatorOptions options_;
   const internal::Program& program_;
-  SundialsIntegrator integrator_;
+  std::unique_ptr<SundialsIntegrator> integrator_;
   std::unique_ptr<internal::Schedule> schedule_;
   double synchronized_time_ = -1;
 

@@ -15,7 +15,7 @@ class Ball final : public LeafSystem<void> {
   OutputPort<Geometry> geometry{
       this,
       {"geometry"},
-      {Shape::Sphere(ShapeRole::kRobot, "ball", 0.1), Shape::Box(ShapeRole::kGround, "wall", {0.1, 2, 1})},
+      {Shape::Sphere(ShapeRole::kBody, "ball", 0.1), Shape::Box(ShapeRole::kGround, "wall", {0.1, 2, 1})},
       Sampled{Hz(10)},
       Uses(time),
       [](double t, Geometry* out) { out->front().p_W[2] = t; }};
@@ -53,10 +53,10 @@ TEST(GeometryTest, ShapesSayWhatTheyAre) {
   EXPECT_EQ(arrow.scale, 0.01);
   EXPECT_EQ(arrow.q_W, (Vec<4>{1, 0, 0, 0}));
   EXPECT_TRUE(arrow.visible);
-  const Shape cable = Shape::Segment(ShapeRole::kCable, "cable", 0.02, "N");
+  const Shape cable = Shape::Segment(ShapeRole::kLine, "cable", 0.02, "N");
   EXPECT_EQ(cable.size[0], 0.02);
   EXPECT_EQ(cable.unit, "N");
-  const Shape leg = Shape::Capsule(ShapeRole::kRobot, "leg", 0.03, 0.3);
+  const Shape leg = Shape::Capsule(ShapeRole::kBody, "leg", 0.03, 0.3);
   EXPECT_EQ(leg.size[1], 0.3);
   EXPECT_EQ(Shape::Trace(ShapeRole::kReference, "path", 0.05).size[0], 0.05);
 }

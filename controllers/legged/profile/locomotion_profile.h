@@ -1,11 +1,56 @@
 #pragma once
 
+#include <array>
 #include <string>
 
-#include <tenon/diagrams/legged/disturbance_observer.h>
-#include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/controllers/legged/observers/com_observer.h>
+#include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+#include <tenon/controllers/legged/observers/nonlinear_disturbance_observer.h>
+#include <tenon/controllers/legged/planning/com_planner.h>
+#include <tenon/controllers/legged/planning/foot_scheduler.h>
+#include <tenon/controllers/legged/planning/swing_planner.h>
+#include <tenon/controllers/legged/planning/trunk_planner.h>
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 
 namespace tenon {
+
+/// Which estimates a controller is given.
+enum class ObserverKind {
+  kNone,        ///< zeros
+  kLegs,        ///< of the legs
+  kCom,         ///< of the net wrench
+  kHybrid,      ///< both
+  kFocchi,      ///< of the net wrench by CentroidalMomentumObserver
+  kNdoM,        ///< of the legs by NonlinearDisturbanceObserver, reading kM
+  kNdoInverse,  ///< the same, reading kInverse
+};
+constexpr auto EnumNames(ObserverKind) {
+  return std::array{Named{ObserverKind::kNone, "none"},
+                    Named{ObserverKind::kLegs, "legs"},
+                    Named{ObserverKind::kCom, "com"},
+                    Named{ObserverKind::kHybrid, "hybrid"},
+                    Named{ObserverKind::kFocchi, "focchi"},
+                    Named{ObserverKind::kNdoM, "ndo_m"},
+                    Named{ObserverKind::kNdoInverse, "ndo_inverse"}};
+}
+
+/// The kind decides which of the blocks there are; `focchi` takes its gains from CentroidalMomentumObserver,
+/// and the reading of `ndo` is the kind's.
+struct DisturbanceObserverParams {
+  ObserverKind kind = ObserverKind::kHybrid;
+  LegMomentumObserverParams legs;
+  ComObserverParams com;
+  NonlinearDisturbanceObserverParams ndo;
+};
+
+/// Of the five blocks of a LeggedLocomotion.
+struct LeggedLocomotionParams {
+  FootSchedulerParams scheduler;
+  ComPlannerParams com_planner;
+  SwingPlannerParams swing_planner;
+  TrunkPlannerParams trunk_planner;
+  WholeBodyParams whole_body;
+};
 
 /// How the observers are tuned, and which are used.
 struct ObserverProfile {

@@ -22,7 +22,7 @@ class Cart final : public tenon::LeafSystem<CartParams> {
   tenon::OutputPort<tenon::Geometry> geometry{
       this,
       {"geometry"},
-      {tenon::Shape::Box(tenon::ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
+      {tenon::Shape::Box(tenon::ShapeRole::kBody, "cart", {0.3, 0.2, 0.1}),
        tenon::Shape::Arrow(tenon::ShapeRole::kForce, "force", 0.2)},
       tenon::Uses(x, force),
       &Cart::CalcGeometry};

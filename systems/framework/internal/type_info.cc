@@ -70,7 +70,8 @@ std::size_t SizeOf(ScalarKind kind) {
 
 long long LoadInteger(ScalarKind kind, const void* value) {
   long long integer = 0;
-  WithKind(kind, const_cast<void*>(value), [&](const auto* number) { integer = static_cast<long long>(*number); });
+  WithKind(kind, const_cast<void*>(value),
+           [&](const auto* number) { integer = static_cast<long long>(*number); });
   return integer;
 }
 

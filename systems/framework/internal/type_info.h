@@ -303,7 +303,8 @@ const TypeInfo& TypeInfoOf() {
 }  // namespace tenon::internal
 
 /// A type that many files use is described in one: TENON_DECLARE_SIGNAL(tenon::LeggedState) outside of any
-/// namespace below the struct, and TENON_DEFINE_SIGNAL in a .cc. Without them all works, only compiles longer.
+/// namespace below the struct, and TENON_DEFINE_SIGNAL in a .cc. Without them all works, only compiles
+/// longer.
 #define TENON_DECLARE_SIGNAL(...) \
   extern template const ::tenon::internal::TypeInfo& ::tenon::internal::TypeInfoOf<__VA_ARGS__>()
 #define TENON_DEFINE_SIGNAL(...) \

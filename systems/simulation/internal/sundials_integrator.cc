@@ -75,14 +75,14 @@ double EvenStep(double remaining, double wanted) {
 
 }  // namespace
 
-struct SundialsIntegrator::Run {
+struct SundialsIntegrator::Run final : internal::SundialsClient {
   Run(Context& c, const SimulatorOptions& o)
       : context(c),
         program(c.diagram().program()),
         options((CheckOptions(o), o)),
         roots(program.witness_plans.size(), 0),
-        solver(options, c.time(), AbsoluteTolerances(options, c.diagram()), RootDirections(program),
-               {Derivatives, Roots, ChooseStep, this}) {}
+        tolerances(AbsoluteTolerances(options, c.diagram())),
+        solver(options, c.time(), tolerances, RootDirections(program), *this) {}
 
   void Restart(double to);
   Stop Advance(bool one_step);
@@ -93,15 +93,15 @@ struct SundialsIntegrator::Run {
   std::string DescribeWorstState(int flag, double h);
   void FindWorstState();
 
-  static int Derivatives(double t, N_Vector y, N_Vector ydot, void* self);
-  static int Roots(double t, N_Vector y, double* g, void* self);
-  static int ChooseStep(N_Vector y, double t, double h1, double h2, double h3, double e1, double e2,
-                        double e3, int q, int p, double* next, void* self);
+  int Derivatives(double t, const double* y, double* ydot) override;
+  int Roots(double t, const double* y, double* g) override;
+  double ChooseStep(double t, double h, double error, int order) override;
 
   Context& context;
   const internal::Program& program;
   SimulatorOptions options;
   std::vector<int> roots;
+  std::vector<double> tolerances;  // absolute, one per state
   internal::SundialsSolver solver;
 
   double end = 0;
@@ -177,98 +177,87 @@ void SundialsIntegrator::Run::Count(double step) {
   smallest_step = smallest_step == 0 ? step : std::min(smallest_step, step);
 }
 
-int SundialsIntegrator::Run::Derivatives(double t, N_Vector y, N_Vector ydot, void* self_pointer) {
-  auto& self = *static_cast<Run*>(self_pointer);
-  Context& context = self.context;
-  const int size = self.program.num_continuous;
-  double* derivatives = N_VGetArrayPointer(ydot);
+int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot) {
+  const int size = program.num_continuous;
   if (size == 0) {
-    derivatives[0] = 0;
+    ydot[0] = 0;
     return 0;
   }
   // At the start of an interval, what the tick has just computed is not computed again; what is computed at
   // its end is kept for the next tick. Sums of steps miss the end by their rounding.
-  const bool first = self.first_evaluation && t == context.time();
-  self.first_evaluation = false;
-  self.at_end = !first && std::abs(t - self.end) <= 1e-14 * (1 + std::abs(self.end));
-  if (self.at_end && !self.needs_end) {
-    self.at_end = false;
-    std::fill_n(derivatives, size, 0.0);
+  const bool first = first_evaluation && t == context.time();
+  first_evaluation = false;
+  at_end = !first && std::abs(t - end) <= 1e-14 * (1 + std::abs(end));
+  if (at_end && !needs_end) {
+    at_end = false;
+    std::fill_n(ydot, size, 0.0);
     return 0;
   }
-  ++self.evaluations;
+  ++evaluations;
   try {
-    if (first || self.at_end) {
-      std::copy_n(N_VGetArrayPointer(y), size, context.continuous_data());
-      if (self.at_end) context.SetRunTime(self.end);
-      context.RunStale(self.program.derivatives);
-      std::copy_n(context.derivative_data(), size, derivatives);
+    if (first || at_end) {
+      std::copy_n(y, size, context.continuous_data());
+      if (at_end) context.SetRunTime(end);
+      context.RunStale(program.derivatives);
+      std::copy_n(context.derivative_data(), size, ydot);
     } else {
-      context.CalcTimeDerivatives(t, N_VGetArrayPointer(y), derivatives);
+      context.CalcTimeDerivatives(t, y, ydot);
     }
   } catch (...) {
-    self.thrown = std::current_exception();
+    thrown = std::current_exception();
     return -1;
   }
   double sum = 0;
-  for (int i = 0; i < size; ++i) sum += derivatives[i] * 0;
+  for (int i = 0; i < size; ++i) sum += ydot[i] * 0;
   if (sum == 0) {
-    self.not_finite.clear();
+    not_finite.clear();
     return 0;
   }
-  self.not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
+  not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
   // A smaller step may help, but not for ever: step sizes have no lower bound.
-  return first || ++self.refused > kMaxRefused ? -1 : 1;
+  return first || ++refused > kMaxRefused ? -1 : 1;
 }
 
-int SundialsIntegrator::Run::Roots(double t, N_Vector y, double* g, void* self_pointer) {
-  auto& self = *static_cast<Run*>(self_pointer);
-  Context& context = self.context;
+int SundialsIntegrator::Run::Roots(double t, const double* y, double* g) {
   try {
-    std::copy_n(N_VGetArrayPointer(y), self.program.num_continuous, context.continuous_data());
+    std::copy_n(y, program.num_continuous, context.continuous_data());
     const double now = context.time();
     *reinterpret_cast<double*>(context.memory_.get()) = t;
-    context.RunAll(self.program.witnesses);
+    context.RunAll(program.witnesses);
     ++context.instant_;  // what was computed here is not for the time of the tick
     *reinterpret_cast<double*>(context.memory_.get()) = now;
   } catch (...) {
-    self.thrown = std::current_exception();
+    thrown = std::current_exception();
     return -1;
   }
-  for (std::size_t i = 0; i < self.roots.size(); ++i) {
-    g[i] = *reinterpret_cast<const double*>(context.Address(*self.program.witness_plans[i].witness));
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    g[i] = *reinterpret_cast<const double*>(context.Address(*program.witness_plans[i].witness));
   }
   return 0;
 }
 
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
-int SundialsIntegrator::Run::ChooseStep(N_Vector, double t, double h1, double, double, double e1, double,
-                                        double, int q, int p, double* next, void* self_pointer) {
-  auto& self = *static_cast<Run*>(self_pointer);
-  Context& context = self.context;
-  const double order = std::min(p, q) + 1;
+double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
   // A step cut short by the end of its interval says little of the next one.
-  const bool cut = t >= self.end - 1e-12 * (1 + std::abs(t)) && h1 < 0.5 * context.next_step_;
-  const double error = std::max(e1, 1e-10);
+  const bool cut = t >= end - 1e-12 * (1 + std::abs(t)) && h < 0.5 * context.next_step_;
+  const double error = std::max(measured, 1e-10);
   double factor = kSafety * std::pow(error, -0.7 / order);
-  const bool accepted = e1 <= 1;
+  const bool accepted = measured <= 1;
   if (accepted) {
     if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
     if (!cut) context.last_error_ = error;
-    if (self.seeks_worst) self.FindWorstState();
-    self.Count(h1);
+    if (seeks_worst) FindWorstState();
+    Count(h);
   } else {
-    factor = std::min(kSafety, kSafety * std::pow(error, -1 / order));
+    factor = std::min(kSafety, kSafety * std::pow(error, -1.0 / order));
   }
-  double wanted = h1 * std::clamp(factor, kMinShrink, kMaxGrowth);
+  double wanted = h * std::clamp(factor, kMinShrink, kMaxGrowth);
   if (accepted && cut) wanted = std::max(wanted, context.next_step_);
-  if (self.options.max_step > 0) wanted = std::min(wanted, self.options.max_step);
+  if (options.max_step > 0) wanted = std::min(wanted, options.max_step);
   context.next_step_ = wanted;
-  const double remaining = self.end - t;
-  const double step = remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
-  *next = step / internal::SundialsSolver::kSafetyFactor;
-  return 0;
+  const double remaining = end - t;
+  return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
 }
 
 /// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one
@@ -291,7 +280,7 @@ std::string SundialsIntegrator::Run::DescribeWorstState(int flag, double h) {
   const double* derivatives = context.derivative_data();
   for (int i = 0; i < program.num_continuous; ++i) {
     const double tolerance =
-        options.rtol * std::abs(context.continuous_data()[i]) + solver.absolute_tolerances()[i];
+        options.rtol * std::abs(context.continuous_data()[i]) + tolerances[static_cast<std::size_t>(i)];
     const double change = std::abs(h * derivatives[i]) / tolerance;
     if (change > worst.error) worst = {i, change};
   }

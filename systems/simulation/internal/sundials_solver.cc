@@ -1,5 +1,7 @@
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 
+#include <cstdio>  // arkode_butcher.h uses FILE without it
+
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
@@ -148,68 +150,108 @@ ARKodeButcherTable MidpointTable() {
   return table;
 }
 
+/// ARKODE multiplies a step that a client chooses by this.
+constexpr double kSafetyFactor = 0.5;
+
+SundialsClient& Client(void* client) {
+  return *static_cast<SundialsClient*>(client);
+}
+int Derivatives(double t, N_Vector y, N_Vector ydot, void* client) {
+  return Client(client).Derivatives(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot));
+}
+int Roots(double t, N_Vector y, double* g, void* client) {
+  return Client(client).Roots(t, N_VGetArrayPointer(y), g);
+}
+int ChooseStep(N_Vector, double t, double h, double, double, double error, double, double, int q, int p,
+               double* next, void* client) {
+  *next = Client(client).ChooseStep(t, h, error, std::min(p, q) + 1) / kSafetyFactor;
+  return 0;
+}
+
 void KeepMessage(int, const char*, const char*, char* message, void* to) {
   *static_cast<std::string*>(to) = message;
 }
 
 }  // namespace
 
+struct SundialsSolver::Handles {
+  Handles() { SUNContext_Create(nullptr, &sun); }
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+  ~Handles() {
+    if (table != nullptr) ARKodeButcherTable_Free(table);
+    if (linear_solver != nullptr) SUNLinSolFree(linear_solver);
+    if (matrix != nullptr) SUNMatDestroy(matrix);
+    N_VDestroy(atol);
+    N_VDestroy(y);
+    SUNContext_Free(&sun);
+  }
+
+  SUNContext sun = nullptr;
+  N_Vector y = nullptr;
+  N_Vector atol = nullptr;
+  SUNMatrix matrix = nullptr;
+  SUNLinearSolver linear_solver = nullptr;
+  ARKodeButcherTable table = nullptr;
+};
+
 SundialsSolver::SundialsSolver(const SimulatorOptions& options, double time,
                                const std::vector<double>& absolute_tolerances,
-                               const std::vector<int>& directions, const SundialsCallbacks& callbacks)
-    : api_(Api::Of(options.method)), options_(options), directions_(directions) {
+                               const std::vector<int>& directions, SundialsClient& client)
+    : api_(Api::Of(options.method)),
+      options_(options),
+      handles_(std::make_unique<Handles>()),
+      directions_(directions) {
   const auto size = static_cast<sunindextype>(absolute_tolerances.size());
-  SUNContext_Create(nullptr, &sun_);
-  y_ = N_VNew_Serial(size, sun_);
-  N_VEnableFusedOps_Serial(y_, SUNTRUE);  // vectors cloned from it inherit them
-  N_VConst(0, y_);
-  atol_ = N_VNew_Serial(size, sun_);
-  std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol_));
-  multistep() ? CreateMultistep(time, callbacks) : CreateRungeKutta(time, callbacks);
-  api_.set_client(memory_, callbacks.client);
+  N_Vector& y = handles_->y = N_VNew_Serial(size, handles_->sun);
+  N_VEnableFusedOps_Serial(y, SUNTRUE);  // vectors cloned from it inherit them
+  N_VConst(0, y);
+  N_Vector& atol = handles_->atol = N_VNew_Serial(size, handles_->sun);
+  std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol));
+  multistep() ? CreateMultistep(time) : CreateRungeKutta(time, client);
+  api_.set_client(memory_, &client);
   api_.set_error_handler(memory_, KeepMessage, &message_);
-  api_.set_tolerances(memory_, options.rtol, atol_);
+  api_.set_tolerances(memory_, options.rtol, atol);
   api_.set_max_steps(memory_, options.max_steps);
   if (!directions_.empty()) {
-    api_.set_roots(memory_, static_cast<int>(directions_.size()), callbacks.roots);
+    api_.set_roots(memory_, static_cast<int>(directions_.size()), Roots);
     api_.set_root_directions(memory_, directions_.data());
   }
 }
 
 SundialsSolver::~SundialsSolver() {
   if (memory_ != nullptr) api_.free(&memory_);
-  if (table_ != nullptr) ARKodeButcherTable_Free(table_);
-  if (linear_solver_ != nullptr) SUNLinSolFree(linear_solver_);
-  if (matrix_ != nullptr) SUNMatDestroy(matrix_);
-  N_VDestroy(atol_);
-  N_VDestroy(y_);
-  SUNContext_Free(&sun_);
 }
 
-void SundialsSolver::CreateRungeKutta(double time, const SundialsCallbacks& callbacks) {
+double* SundialsSolver::states() {
+  return N_VGetArrayPointer(handles_->y);
+}
+
+void SundialsSolver::CreateRungeKutta(double time, SundialsClient& client) {
+  Handles& h = *handles_;
   if (options_.method == Method::kErk) {
-    memory_ = ERKStepCreate(callbacks.derivatives, time, y_, sun_);
+    memory_ = ERKStepCreate(Derivatives, time, h.y, h.sun);
     if (options_.order == 2) {
-      table_ = MidpointTable();
-      ERKStepSetTable(memory_, table_);
+      h.table = MidpointTable();
+      ERKStepSetTable(memory_, h.table);
     } else {
       constexpr ARKODE_ERKTableID kTables[] = {ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ZONNEVELD_5_3_4,
                                                ARKODE_DORMAND_PRINCE_7_4_5};
       ERKStepSetTableNum(memory_, kTables[options_.order - 3]);
     }
   } else {
-    memory_ = ARKStepCreate(nullptr, callbacks.derivatives, time, y_, sun_);
+    memory_ = ARKStepCreate(nullptr, Derivatives, time, h.y, h.sun);
     ARKStepSetOrder(memory_, options_.order);
-    matrix_ = SUNDenseMatrix(N_VGetLength(y_), N_VGetLength(y_), sun_);
-    linear_solver_ = SUNLinSol_Dense(y_, matrix_, sun_);
-    ARKStepSetLinearSolver(memory_, linear_solver_, matrix_);
+    h.matrix = SUNDenseMatrix(N_VGetLength(h.y), N_VGetLength(h.y), h.sun);
+    h.linear_solver = SUNLinSol_Dense(h.y, h.matrix, h.sun);
+    ARKStepSetLinearSolver(memory_, h.linear_solver, h.matrix);
     // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off,
     // on the strength of how well earlier stages converged, and errs by a hundred tolerances.
     ARKStepSetDeltaGammaMax(memory_, 1e-3);
     if (options_.fixed_step > 0) ARKStepSetMaxNonlinIters(memory_, 10);  // a smaller step is no remedy here
   }
   if (options_.fixed_step > 0) return;
-  api_.set_step_chooser(memory_, callbacks.choose_step, callbacks.client);
+  api_.set_step_chooser(memory_, ChooseStep, &client);
   api_.set_fixed_step_bounds(memory_, 1, 1);
   api_.set_safety_factor(memory_, kSafetyFactor);
   api_.set_error_bias(memory_, 1);
@@ -217,14 +259,15 @@ void SundialsSolver::CreateRungeKutta(double time, const SundialsCallbacks& call
   api_.set_max_first_growth(memory_, 1e6);
 }
 
-void SundialsSolver::CreateMultistep(double time, const SundialsCallbacks& callbacks) {
-  memory_ = CVodeCreate(options_.method == Method::kBdf ? CV_BDF : CV_ADAMS, sun_);
-  CVodeInit(memory_, callbacks.derivatives, time, y_);
+void SundialsSolver::CreateMultistep(double time) {
+  Handles& h = *handles_;
+  memory_ = CVodeCreate(options_.method == Method::kBdf ? CV_BDF : CV_ADAMS, h.sun);
+  CVodeInit(memory_, Derivatives, time, h.y);
   CVodeSetMaxOrd(memory_, options_.order);
   if (options_.max_step > 0) CVodeSetMaxStep(memory_, options_.max_step);
-  matrix_ = SUNDenseMatrix(N_VGetLength(y_), N_VGetLength(y_), sun_);
-  linear_solver_ = SUNLinSol_Dense(y_, matrix_, sun_);
-  CVodeSetLinearSolver(memory_, linear_solver_, matrix_);
+  h.matrix = SUNDenseMatrix(N_VGetLength(h.y), N_VGetLength(h.y), h.sun);
+  h.linear_solver = SUNLinSol_Dense(h.y, h.matrix, h.sun);
+  CVodeSetLinearSolver(memory_, h.linear_solver, h.matrix);
 }
 
 void SundialsSolver::Restart(double time, double end, double step) {
@@ -232,7 +275,7 @@ void SundialsSolver::Restart(double time, double end, double step) {
     earlier_steps_ = steps();
     earlier_failures_ = failed_steps();
   }
-  api_.reset(memory_, time, y_);
+  api_.reset(memory_, time, handles_->y);
   api_.set_stop_time(memory_, end);
   if (multistep()) return;
   options_.fixed_step > 0 ? api_.set_fixed_step(memory_, step) : api_.set_first_step(memory_, step);
@@ -240,7 +283,7 @@ void SundialsSolver::Restart(double time, double end, double step) {
 
 int SundialsSolver::Evolve(double end, double* time, bool one_step) {
   static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_NORMAL == CV_NORMAL);
-  return api_.evolve(memory_, end, y_, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
+  return api_.evolve(memory_, end, handles_->y, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
 }
 
 bool SundialsSolver::IsRoot(int flag) {
@@ -265,10 +308,10 @@ void SundialsSolver::GetRoots(std::vector<int>* roots) const {
 }
 
 std::vector<double> SundialsSolver::WeightedErrors() const {
-  N_Vector errors = N_VClone(y_), weights = N_VClone(y_);
+  N_Vector errors = N_VClone(handles_->y), weights = N_VClone(handles_->y);
   api_.get_errors(memory_, errors);
   api_.get_weights(memory_, weights);
-  std::vector<double> weighted(static_cast<std::size_t>(N_VGetLength(y_)));
+  std::vector<double> weighted(static_cast<std::size_t>(N_VGetLength(handles_->y)));
   for (std::size_t i = 0; i < weighted.size(); ++i) {
     weighted[i] = std::abs(N_VGetArrayPointer(errors)[i] * N_VGetArrayPointer(weights)[i]);
   }

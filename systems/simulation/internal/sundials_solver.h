@@ -1,12 +1,6 @@
 #pragma once
 
-#include <cstdio>  // arkode_butcher.h uses FILE without it
-
-#include <arkode/arkode_butcher.h>
-#include <sundials/sundials_linearsolver.h>
-#include <sundials/sundials_matrix.h>
-#include <sundials/sundials_nvector.h>
-
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,18 +8,22 @@
 
 namespace tenon::internal {
 
-/// What SUNDIALS calls; `client` comes back as the last argument of each.
-struct SundialsCallbacks {
-  int (*derivatives)(double t, N_Vector y, N_Vector ydot, void* client);
-  int (*roots)(double t, N_Vector y, double* g, void* client);
-  /// ARKODE's ARKAdaptFn; `next` is the step wanted.
-  int (*choose_step)(N_Vector y, double t, double h1, double h2, double h3, double e1, double e2, double e3,
-                     int q, int p, double* next, void* client);
-  void* client;
+/// What SUNDIALS asks of who uses it. The first two return 0, a positive number for "try a smaller step", or
+/// a negative one for "give up".
+class SundialsClient {
+ public:
+  virtual int Derivatives(double t, const double* y, double* ydot) = 0;
+  virtual int Roots(double t, const double* y, double* g) = 0;
+  /// The step to take at `t`, after one of size `h` whose error is `error` tolerances; `order` is that of the
+  /// error estimate.
+  virtual double ChooseStep(double t, double h, double error, int order) = 0;
+
+ protected:
+  ~SundialsClient() = default;
 };
 
 /// ERKStep, ARKStep or CVODE behind one interface: owns every SUNDIALS handle, and knows which function of
-/// which of the three does what. Not part of the public headers: it includes those of SUNDIALS.
+/// which of the three does what. No header of SUNDIALS is included anywhere but in its .cc.
 ///
 /// Explicit Runge-Kutta tables, by order: 2 midpoint with Euler embedded, 3 Bogacki-Shampine, 4 Zonneveld,
 /// 5 Dormand-Prince.
@@ -33,14 +31,13 @@ class SundialsSolver {
  public:
   /// `absolute_tolerances` one per state; `directions` one per root function: +1, -1 or 0 for both.
   SundialsSolver(const SimulatorOptions& options, double time, const std::vector<double>& absolute_tolerances,
-                 const std::vector<int>& directions, const SundialsCallbacks& callbacks);
+                 const std::vector<int>& directions, SundialsClient& client);
   ~SundialsSolver();
   SundialsSolver(const SundialsSolver&) = delete;
   SundialsSolver& operator=(const SundialsSolver&) = delete;
 
   /// The states: set them before Restart, find them here after Evolve.
-  double* states() { return N_VGetArrayPointer(y_); }
-  const double* absolute_tolerances() const { return N_VGetArrayPointer(atol_); }
+  double* states();
 
   /// Starts again at `time` with what is in states(), towards `end`, with a first step of `step`: with all
   /// steps of that size if the options fix them, while CVODE takes one of its own.
@@ -67,23 +64,16 @@ class SundialsSolver {
   /// What `flag` is called, and what SUNDIALS said last.
   std::string Describe(int flag) const;
 
-  /// ARKODE multiplies a step that `choose_step` wants by this.
-  static constexpr double kSafetyFactor = 0.5;
-
  private:
   struct Api;
-  void CreateRungeKutta(double time, const SundialsCallbacks& callbacks);
-  void CreateMultistep(double time, const SundialsCallbacks& callbacks);
+  struct Handles;
+  void CreateRungeKutta(double time, SundialsClient& client);
+  void CreateMultistep(double time);
 
   const Api& api_;
   SimulatorOptions options_;
-  SUNContext sun_ = nullptr;
-  N_Vector y_ = nullptr;
-  N_Vector atol_ = nullptr;
-  SUNMatrix matrix_ = nullptr;
-  SUNLinearSolver linear_solver_ = nullptr;
-  ARKodeButcherTable table_ = nullptr;
-  void* memory_ = nullptr;
+  std::unique_ptr<Handles> handles_;
+  void* memory_ = nullptr;  ///< of ERKStep, ARKStep or CVODE
   std::vector<int> directions_;
   std::string message_;
   long earlier_steps_ = 0, earlier_failures_ = 0;  // CVodeReInit sets its counters back

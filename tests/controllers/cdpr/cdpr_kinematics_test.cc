@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include <tenon/tests/cdpr_test_robots.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 namespace tenon {
 namespace {

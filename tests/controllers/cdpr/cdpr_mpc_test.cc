@@ -8,7 +8,7 @@
 
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
-#include <tenon/tests/cdpr_test_robots.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/tests/cdpr_test_robots.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 namespace tenon {
 namespace {

@@ -1,4 +1,5 @@
 #include <tenon/diagrams/legged/disturbance_observer.h>
+#include <tenon/diagrams/legged/legged_locomotion.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // Closed loops: what the controllers promise each other, on the plant.
 
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
 #include <gtest/gtest.h>

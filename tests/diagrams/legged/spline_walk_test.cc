@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/simulation/simulator.h>

@@ -2,7 +2,7 @@
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/systems/framework/random_stream.h>
-#include <tenon/tests/cdpr_test_robots.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 namespace tenon::test {
 

@@ -9,10 +9,10 @@
 namespace tenon::test {
 
 inline QuadrupedDescription DogBot() {
-  return LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/dogbot.yaml");
+  return LoadQuadruped(TENON_ROBOTS_DIR "/dogbot.yaml");
 }
 inline QuadrupedDescription A1() {
-  return LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/a1.yaml");
+  return LoadQuadruped(TENON_ROBOTS_DIR "/a1.yaml");
 }
 
 template <int N>

@@ -159,7 +159,7 @@ TEST(PersonTest, IsDrawnWhereItIs) {
   TestRig<Person> rig(Params());
   const Geometry& shapes = rig[rig.system().geometry];
   for (const Shape& shape : shapes) {
-    EXPECT_EQ(shape.role, ShapeRole::kPerson);
+    EXPECT_EQ(shape.role, ShapeRole::kOther);
     EXPECT_THAT(Vec<2>(shape.p_W.head<2>()), IsNear(Vec<2>(-1, 2), 1e-12)) << shape.name;
   }
   const Shape& body = shapes.at(0);

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/report/run_log.h>
 #include <tenon/tests/testing/expect_throws.h>
 
 #include <cmath>
@@ -63,7 +63,7 @@ class ReportTest : public ::testing::Test {
     force = &builder.AddFunction({"force", "N"}, Sampled{Hz(10)}, Uses(builder.time),
                                  [](double t) { return t < 0.45 ? 2.0 : -1.5; });
     builder.Connect(*force, cart->force);
-    Geometry model{Shape::Box(ShapeRole::kRobot, "cart", {0.3, 0.2, 0.1}),
+    Geometry model{Shape::Box(ShapeRole::kBody, "cart", {0.3, 0.2, 0.1}),
                    Shape::Arrow(ShapeRole::kForce, "push", 0.1),
                    Shape::Box(ShapeRole::kGround, "wall", {0.1, 1, 1})};
     model[2].p_W = {2, 0, 0.5};
@@ -148,7 +148,7 @@ TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
   Run({.title = "cart", .frame_rate = Hz(20)}).Write(file);
   const Json frames = DataOf(file).at("runs").at(0).at("frames");
   EXPECT_EQ(frames["shapes"][0], (Json{{"kind", "box"},
-                                       {"role", "robot"},
+                                       {"role", "bodies"},
                                        {"name", "cart"},
                                        {"size", {0.3, 0.2, 0.1}},
                                        {"scale", 1.0},

@@ -21,7 +21,7 @@ namespace {
 using enum ContactState;
 
 FootSchedulerParams Standard() {
-  return YamlDocument::Load(std::string(TENON_GAITS_DIR) + "/standard.yaml").Read<FootSchedulerParams>();
+  return YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<FootSchedulerParams>();
 }
 
 /// A scheduler with feet that carry weight whenever they are not in the air, unless a test says otherwise.
@@ -337,7 +337,7 @@ TEST(FootSchedulerTest, RefusesNonsense) {
 }
 
 TEST(FootSchedulerTest, FileErrorsNameThePlace) {
-  auto document = YamlDocument::Load(std::string(TENON_GAITS_DIR) + "/standard.yaml");
+  auto document = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
   document.Set("gaits.trot.swing_groups", "[[front_left, rear_rigth], [front_right, rear_left]]");
   EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot.swing_groups",
                                      "rear_rigth", "rear_right"));

@@ -1,4 +1,4 @@
-#include <tenon/plants/model/quadruped_urdf.h>
+#include <tenon/plants/model/internal/quadruped_urdf.h>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include <tenon/systems/report/page.h>
+#include <tenon/systems/report/internal/page.h>
 
 #include <fmt/core.h>
 
@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include <tenon/systems/framework/errors.h>
-#include <tenon/systems/report/page_parts.h>
+#include <tenon/systems/report/internal/page_parts.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include <tenon/systems/report/run_log.h>
+#include <tenon/systems/report/internal/run_log.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,0 +1,36 @@
+#pragma once
+
+/// Everything that takes to write a block: ports, states, calculations, parameters.
+///
+///     #include <tenon/systems/block.h>
+///
+///     struct PdParams {
+///       double kp = 10;  // N/m
+///       double kd = 2;   // N s/m
+///       tenon::Rate rate = tenon::Hz(1000);
+///     };
+///     class Pd final : public tenon::LeafSystem<PdParams> {
+///      public:
+///       using LeafSystem::LeafSystem;
+///       tenon::InputPort<tenon::Vec<2>> x{this, {"x", "m, m/s"}};
+///       tenon::InputPort<double> ref{this, {"ref", "m"}};
+///       tenon::OutputPort<double> u{this, {"u", "N"}, tenon::Sampled{params.rate}, tenon::Uses(x, ref),
+///       &Pd::CalcU};
+///
+///      private:
+///       double CalcU(const tenon::Vec<2>& x, double ref) const {
+///         return params.kp * (ref - x[0]) - params.kd * x[1];
+///       }
+///     };
+///
+/// What the members are is told in ports.h and state.h, how a diagram is made of blocks in diagram_builder.h.
+
+#include <tenon/systems/framework/calculation.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/rate.h>
+#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>

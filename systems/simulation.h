@@ -1,0 +1,24 @@
+#pragma once
+
+/// Everything that takes to wire blocks into a diagram and to run it.
+///
+///     #include <tenon/systems/simulation.h>
+///
+///     tenon::DiagramBuilder builder;
+///     auto& cart = builder.Add<Cart>("cart", CartParams{.mass = 2});
+///     auto& pd = builder.Add<Pd>("pd");
+///     builder.Connect(cart.state, pd.x);
+///     builder.Connect(pd.u, cart.force);
+///     const auto diagram = builder.Build();
+///
+///     tenon::Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
+///     const auto log = simulator.AddLog(tenon::Hz(100), {&cart.state, &pd.u});
+///     simulator.AdvanceTo(10);
+
+#include <tenon/systems/block.h>
+#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/simulation/signal_log.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/simulation/simulator_options.h>
