@@ -15,10 +15,12 @@
 ///     const auto log = simulator.AddLog(tenon::Hz(100), {&cart.state, &pd.u});
 ///     simulator.AdvanceTo(10);
 
+// The compiler's way to what it complains of is short if that is included here first.
+#include <tenon/systems/framework/diagram_builder.h>
+
 #include <tenon/systems/block.h>
 #include <tenon/systems/framework/context.h>
 #include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/diagram_builder.h>
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/simulation/simulator_options.h>

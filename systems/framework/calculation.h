@@ -26,9 +26,10 @@ template <class S>
 concept Usable = requires {
   typename S::Argument;
 };
+struct Refused {};  ///< what has been complained of once
 template <class S>
 struct ArgumentOf {
-  using Type = S;
+  using Type = Refused;
 };
 template <Usable S>
 struct ArgumentOf<S> {

@@ -29,8 +29,10 @@ class Assembly {
   Block& Add(std::string name, Args&&... args) {
     if constexpr (!std::is_base_of_v<System, Block>) {
       static_assert(kFalse<Block>, "Add: what is added must derive from LeafSystem or Subdiagram.");
+      throw BuildError("");
     } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
       static_assert(kFalse<Block>, "Add: these are not the parameters that the block is made of.");
+      throw BuildError("");
     } else {
       CheckName(name);
       try {

@@ -45,7 +45,9 @@ class Calculated : public Source {
   template <class... A, class F>
   void Calculate(UsesList<A...> uses, F function) {
     using Code = internal::Calculation<T, F, A...>;
-    if constexpr (!Code::Traits::kConst) {
+    if constexpr ((std::is_same_v<A, internal::Refused> || ...)) {
+      // Uses has said what is wrong.
+    } else if constexpr (!Code::Traits::kConst) {
       static_assert(internal::kFalse<F>, "A calculation must be const: what changes lives in the context.");
     } else if constexpr (!Code::Returns() && !Code::FillsInPlace()) {
       static_assert(internal::kFalse<F>,
