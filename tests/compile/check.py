@@ -33,12 +33,12 @@ def check_errors(command):
     return failed
 
 
-def cost(command, text, directory):
-    """The least user time [s] of some runs, and the largest memory [MB]."""
+def cost(command, text, directory, enough=0.0):
+    """User time [s] and memory [MB]; the least time of some runs, of one if it is short enough."""
     file = pathlib.Path(directory) / "file.cc"
     file.write_text(text)
     seconds, megabytes = [], []
-    for _ in range(RUNS):
+    while len(seconds) < RUNS and not (seconds and min(seconds) <= enough):
         process = subprocess.Popen([*command, "-O2", "-DNDEBUG", "-c", file, "-o", "/dev/null"])
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -59,7 +59,7 @@ def check_headers(command):
                 continue
             name, most, most_megabytes = line.split()
             text = (HERE / name).read_text() if name.endswith(".cc") else f"#include <{name}>\n"
-            seconds, megabytes = cost(command, text, directory)
+            seconds, megabytes = cost(command, text, directory, float(most) * unit)
             good = seconds <= float(most) * unit and megabytes <= float(most_megabytes)
             failed |= not good
             print(f"{'ok  ' if good else 'BAD '} {name}: {seconds / unit:.2f} of at most {most}, "
