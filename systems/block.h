@@ -1,5 +1,6 @@
 #pragma once
 
+/// @file
 /// Everything that takes to write a block: ports, states, calculations, parameters.
 ///
 ///     #include <tenon/systems/block.h>
@@ -14,8 +15,8 @@
 ///       using LeafSystem::LeafSystem;
 ///       tenon::InputPort<tenon::Vec<2>> x{this, {"x", "m, m/s"}};
 ///       tenon::InputPort<double> ref{this, {"ref", "m"}};
-///       tenon::OutputPort<double> u{this, {"u", "N"}, tenon::Sampled{params.rate}, tenon::Uses(x, ref),
-///       &Pd::CalcU};
+///       tenon::OutputPort<double> u{
+///           this, {"u", "N"}, tenon::Sampled{params.rate}, tenon::Uses(x, ref), &Pd::CalcU};
 ///
 ///      private:
 ///       double CalcU(const tenon::Vec<2>& x, double ref) const {

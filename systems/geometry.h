@@ -99,8 +99,8 @@ struct Shape {
 /// replay draws, so that whatever draws knows nothing of what it draws. The number of shapes is that of the
 /// port's initial value and stays. W is the world, z up, SI units.
 ///
-///     OutputPort<Geometry> geometry{this, {"geometry"}, {Shape::Box(ShapeRole::kBody, "cart", {.3, .2,
-///     .1})},
+///     OutputPort<Geometry> geometry{this, {"geometry"},
+///                                   {Shape::Box(ShapeRole::kBody, "cart", {.3, .2, .1})},
 ///                                   Uses(x), &Cart::CalcGeometry};
 ///     void CalcGeometry(const Vec<2>& x, Geometry* out) const { (*out)[0].p_W = {x[0], 0, 0.05}; }
 using Geometry = std::vector<Shape>;

@@ -1,5 +1,6 @@
 #pragma once
 
+/// @file
 /// Everything that takes to wire blocks into a diagram and to run it.
 ///
 ///     #include <tenon/systems/simulation.h>

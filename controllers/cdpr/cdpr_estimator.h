@@ -37,8 +37,10 @@ struct CdprEstimatorParams {
 /// error (dp, dv, dtheta), R = R_hat exp([dtheta]x).
 ///
 /// Between ticks the mean of the last two IMU samples (w, f) drives the prediction, with T the period:
+///
 ///     a = R f + g,   p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x)
 ///     dp' = dp + T dv,   dv' = dv - T R [f]x dtheta,   dtheta' = (1 - T [w]x) dtheta
+///
 /// At a tick the pose corrects it. The angular velocity is the gyroscope's. At the first tick the pose is
 /// taken as it is and the platform as at rest. No bias is estimated.
 ///

@@ -18,7 +18,8 @@ struct PathPoint {
 /// A path of the CoM in W that starts at rest, with continuous position, velocity and acceleration.
 ///
 /// A path is a curve p(s) that is run through as s(t). On a circle s is the angle [rad]; on every other path
-/// it is the time. Before its start a path rests at its first point, after its end at its last.
+/// it is the time. Before its start a path rests at its first point, after its end at its last. What makes
+/// one throws ParameterError that names the number that is wrong.
 class Path {
  public:
   /// Horizontal and counter-clockwise about `center`, from center + (radius, 0, 0), for ever. The angular
@@ -35,8 +36,6 @@ class Path {
   static Path Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
   static Path Hold(const Eigen::Vector3d& position);
-
-  /// @throws ParameterError, from all four, that names the number that is wrong.
 
   PathPoint At(double time) const;
 
@@ -99,9 +98,9 @@ struct CdprReference {
 /// pass that description.
 class EquilibriumPath {
  public:
-  /// @param options as for one equilibrium; a warm start is for the first point.
-  /// @throws ParameterError naming the time, the point and the reason if there is no equilibrium somewhere on
-  /// the path, or if the branch ends there and the attitude would have to jump.
+  /// The options are as for one equilibrium; a warm start is for the first point. Throws ParameterError
+  /// naming the time, the point and the reason if there is no equilibrium somewhere on the path, or if the
+  /// branch ends there and the attitude would have to jump.
   EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {});
 
   /// The reference at any time. Does not allocate, takes less than 2 us.

@@ -26,8 +26,9 @@ struct StaticsOptions {
   std::optional<StaticEquilibrium> warm_start = {};
 };
 
-/// The attitude and the tensions that hold the CoM of the platform at a point (Morlando 2023, eqs.
-/// (3.19)-(3.23)).
+/// The attitude and the tensions that hold the CoM of the platform at a point.
+///
+/// They solve (Morlando 2023, eqs. (3.19)-(3.23))
 ///
 ///     W(p, Theta) u + [0 0 -m 9.81 0 0]^T = 0,     tension_min <= u <= tension_max
 ///

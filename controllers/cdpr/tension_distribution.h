@@ -31,7 +31,7 @@ struct TensionDistribution {
 /// With fewer than six cables W u = b has no solution but at the attitudes of equilibrium, see
 /// inverse_geometrico_static.h; elsewhere the residual is what is refused.
 ///
-/// @param tolerance largest |b - W u| relative to the largest force and the largest torque in the balance.
+/// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the balance.
 /// Either bound may be infinite. Refuses, and never throws.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
                                       double tension_min, double tension_max, double tolerance = 1e-8);

@@ -51,13 +51,17 @@ struct AdmittanceMotion {
 
 /// Adapts a walk to the person on the leash: the admittance of Morlando 2023, eq. (2.49), as the force
 /// balance of the tension, in the frame of the robot's heading (forward, left),
+///
 ///     M_a x~'' + D_a x~' + K x~ = (f_d - T) e,   K = diag(0, K_a),
+///
 /// and walks with the commanded velocity plus x~'. Without stiffness along the path the robot follows a slow
 /// person for ever, at the tension f_d + D_a (commanded speed - speed of the person).
 ///
 /// f is the horizontal part of the estimated force on the robot, T = -f.e the tension, and e the direction
 /// from the person to the robot,
+///
 ///     e = (f_d h - f) / |f_d h - f|,   h = (1, 0) the heading:
+///
 /// along the leash when it is taut, ahead when it is slack and f is noise; while the person pulls from ahead,
 /// T < 0 or T > f_d along e = -h, so that the robot goes towards the pull. Vertical force does not count, for
 /// errors of the robot's mass are in it.

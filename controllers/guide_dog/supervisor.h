@@ -60,6 +60,7 @@ struct GuideEvents {
 /// The next mode. The first row that applies, or as it is:
 ///
 /// | from | if           | to   |
+/// | ---- | ------------ | ---- |
 /// | move | pulled       | stop |
 /// | move | obstacle     | stop |
 /// | turn | pulled       | stop |

@@ -35,12 +35,16 @@ struct DenseLinearization {
 /// [dF/dx  dF/du] of that same step (not of the flow that it approximates).
 ///
 /// The stages of Euler, the midpoint rule and the classical method of order 4 are all of the form
+///
 ///     k_i = f(x + a_i h k_{i-1}, u),   x' = x + h sum_i b_i k_i,
+///
 /// so that K_i = fx S_i + [0 fu] with S_i = [1 0] + a_i h K_{i-1} are the derivatives of the k_i.
 ///
 /// `System` provides
+///
 ///     void Derivative(const State& x, const Input& u, State& dx) const;
 ///     void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
+///
 /// and Linearization the products that make use of its structure; see DenseLinearization.
 template <class System>
 class RungeKutta {

@@ -57,12 +57,14 @@ struct SlqNode {
 ///     min  sum_k h_k L_k(x_k, u_k) + phi(x_N),   x_{k+1} = F(x_k, u_k; h_k),   lower_k <= u_k <= upper_k
 ///
 /// with F one Runge-Kutta step of dx/dt = f(x, u), u constant over the step. An iteration
-///   1. rolls out the present policy, with its feedback, and linearises f along it,
-///   2. runs the Riccati recursion backwards. At every node the input's increment du minimises
-///          1/2 du^T Huu du + gu^T du   over the box,
-///      and the feedback is K = -Huu^{-1} Hux on the inputs that are not at a bound, zero on the others,
-///   3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a cost that falls by a fair part of
-///      what the quadratic model expects.
+///
+/// 1. rolls out the present policy, with its feedback, and linearises f along it,
+/// 2. runs the Riccati recursion backwards: at every node the input's increment du minimises
+///    1/2 du^T Huu du + gu^T du over the box, and the feedback is K = -Huu^{-1} Hux on the inputs that are
+///    not at a bound, zero on the others,
+/// 3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a cost that falls by a fair part of
+///    what the quadratic model expects.
+///
 /// If the model is not convex or no alpha is good, mu I is added to Huu and 2 is repeated. Inputs never leave
 /// their bounds, in no roll-out.
 ///

@@ -48,12 +48,16 @@ struct WinchState {
 ///                geometry      what it looks like
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
+///
 ///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
+///
 /// with e_i the direction from attachment to anchor. The quaternion's length has no meaning for the motion;
 /// 5 (1 - |q|^2) q in its derivative brings it back to 1, so that equilibria are isolated points.
 ///
 /// **Cables** pull, if longer than their rest length l0, and never push:
+///
 ///     T = max(0, k (l - l0) + c (dl/dt - dl0/dt)) if l > l0, else 0;   k = EA / l0,  c = damping / l0.
+///
 /// With a rate, c makes T jump when a slack cable becomes taut.
 ///
 /// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant. Then with b

@@ -18,8 +18,7 @@ struct PayloadScheduleParams {
 ///
 ///     payload(t) = the payload if attach <= t < release, else none
 ///
-/// | port    | kind            | type    |
-/// | payload | output, sampled | Payload |
+///     port out  payload  sampled
 class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -14,8 +14,7 @@ struct SlackMonitorParams {
 
 /// Ends the run when a cable of a cable robot goes slack, for then it cannot pull where it should.
 ///
-/// | port   | kind  | type         |
-/// | cables | input | CableSignals |
+///     port in  cables
 class SlackMonitor final : public LeafSystem<SlackMonitorParams> {
  public:
   using LeafSystem::LeafSystem;

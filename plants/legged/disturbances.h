@@ -10,6 +10,7 @@
 
 namespace tenon {
 
+/// @file
 /// Forces of the surroundings on a quadruped. Each of these blocks puts out one force; a ForceBundle makes
 /// the ExternalForces of them that QuadrupedPlant takes.
 

@@ -26,14 +26,18 @@ struct FootContact {
 /// sticks, with a bristle state z in R^2 [m].
 ///
 /// **Normal** force in each contact of depth d, with its rate d' = -n . v:
+///
 ///     N = k s(d) max(0, 1 + c d'),   s(d) = d^2 / (2 b) for d < b, else d - b / 2,
+///
 /// with stiffness k, dissipation c (Hunt and Crossley 1975) and blend b. A sphere in several contacts has the
 /// sum of their forces, and friction across their mean normal with their mean coefficient mu (by force).
 ///
 /// **Bristle**, with v the tangential velocity of the sphere's material point in contact, so that rolling is
 /// not sliding, z_max = mu / sigma_0 and alpha a smoothstep of |z| / z_max from 0.7 to 1:
+///
 ///     z_c' = v - alpha max(0, z . v) / z_max^2 z,
 ///     z'   = g z_c' - (1 - g) z / tau,   g = smoothstep(N / N_0), 1 for N >= N_0.
+///
 /// Below 0.7 z_max the bristle is elastic, so that it does not ratchet under small vibration as the LuGre
 /// model does (Dupont et al. 2002); at z_max it follows without growing further; in the air it is forgotten.
 ///

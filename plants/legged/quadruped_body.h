@@ -22,7 +22,9 @@ struct PointForce {
 /// Simbody gives kinematics, the bodies' inertias in W, and the forces that their motion takes without
 /// accelerations (centrifugal, gyroscopic); stages of its System are not used. What remains is linear: with
 /// 6 rows of the trunk (0) and 3 of each leg (l), which touch no other leg's,
+///
 ///     M_0 u_0' + sum F_l u_l' = f_0,   F_l^T u_0' + (M_l + D) u_l' = f_l,
+///
 /// with M and F by composite rigid bodies (Featherstone 2008, section 6.2) about the trunk's origin, and the
 /// rotors' inertia D on the diagonal. Each leg is eliminated by its 3 x 3 inverse, and 6 rows are left. This
 /// takes half as long as Simbody's articulated bodies, which know no rotors. Gravity accelerates all masses

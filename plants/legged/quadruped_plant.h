@@ -64,7 +64,9 @@ struct LeggedEnergy {
 /// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
 /// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,
 /// 0 at the limit, and braking above,
+///
 ///     tau <= limit min(1, (w - qd) / ((1 - r) w)), not below -limit, and the mirror image for qd < 0.
+///
 /// Friction is viscous plus Coulomb's, the latter smooth below 0.1 rad/s. End stops push back with
 /// k e max(0, 1 + c e'), e being the angle beyond the range: stops without jumps, which dissipate.
 /// Rotor inertia is seen by the joint alone, not by the trunk as gyroscopic torque.

@@ -7,6 +7,7 @@
 
 namespace tenon {
 
+/// @file
 /// What the ports of a cable-driven parallel robot carry. W is the world, z up; B is fixed to the platform
 /// with its origin at the platform's CoM. SI units.
 

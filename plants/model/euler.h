@@ -4,6 +4,7 @@
 
 namespace tenon {
 
+/// @file
 /// ZYX Euler angles, Theta = (roll, pitch, yaw) [rad]: R_WB = Rz(yaw) Ry(pitch) Rx(roll).
 ///
 /// They stand at the ports that people read and in the state of Morlando 2023, eq. (3.5); everything else

@@ -109,7 +109,7 @@ struct WalkCommand {
             {"forward", &WalkCommand::forward, "m/s"},
             {"left", &WalkCommand::left, "m/s"},
             {"yaw_rate", &WalkCommand::yaw_rate, "rad/s"},
-            {"height", &WalkCommand::height}};
+            {"height", &WalkCommand::height, "m, m/s, m/s^2"}};
   }
 };
 

@@ -5,6 +5,7 @@
 
 namespace tenon {
 
+/// @file
 /// What a person on a leash and the leash put out. W is the world, z up. SI units.
 
 /// Where a person is and goes. Floors are level: z is 0 but for the hand.

@@ -9,6 +9,7 @@
 
 namespace tenon {
 
+/// @file
 /// What the ports of a quadruped carry. W is the world, z up; B is fixed to the trunk, x forward, y left.
 /// Joints and legs in the order of quadruped_description.h. SI units.
 

@@ -14,6 +14,7 @@ using DynamicsMatrix = Eigen::Matrix<double, R, C, Eigen::DontAlign>;
 
 /// What QuadrupedModel computes of one state. Velocities are nu = (v_W, w_W, qd): of B's origin, of the
 /// trunk, of the joints. Then, with forces f_i on the feet,
+///
 ///     M nu' + coriolis + gravity = (0, tau) + sum_i J_i^T f_i.
 struct QuadrupedDynamics {
   struct Foot {
@@ -51,8 +52,10 @@ struct QuadrupedDynamics {
 
 /// The legs apart from the centroidal motion, in the coordinates of Morlando 2023, eqs. (2.1) to (2.3): with
 /// b for the trunk's six rows and j for the joints',
+///
 ///     M_q = M_jj - M_jb M_bb^-1 M_bj,   C_q nu = coriolis_j - M_jb M_bb^-1 coriolis_b,
 ///     J_q = J_leg - J_b M_bb^-1 M_bj,   M_q qdd + C_q nu = tau + J_q^T f,
+///
 /// which is exact: gravity drops out, and a force on any foot moves all legs. The momentum (2.6) is M_q qd,
 /// its rate (2.7) is momentum_rate + tau + J_q^T f, where momentum_rate = M_q' qd - C_q nu; the thesis writes
 /// C_q^T qd. What the thesis neglects is the effect of forces that act on the trunk.

@@ -6,6 +6,7 @@
 
 namespace tenon {
 
+/// @file
 /// Unit quaternions (w, x, y, z) as signals carry them. q_WB takes components in B to components in W; q and
 /// -q are the same attitude.
 

@@ -16,7 +16,7 @@ struct ForceSensorParams {
   void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
 };
 
-/// Measures the torques of all drives at a rate, each with an error (noise.h).
+/// Measures the torques of all drives at a rate, each with an error (sensor_noise.h).
 ///
 ///     port in   torque    what the drives give [N m]
 ///     port out  measured  sampled [N m]
@@ -32,7 +32,7 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
   Vec<12> CalcMeasured(const Vec<12>& torque, RandomStream& noise) const;
 };
 
-/// Measures the forces on all feet at a rate, every component in W with an error (noise.h).
+/// Measures the forces on all feet at a rate, every component in W with an error (sensor_noise.h).
 ///
 ///     port in   forces    of the ground on the feet
 ///     port out  measured  sampled

@@ -23,8 +23,10 @@ struct ImuParams {
 };
 
 /// An inertial measurement unit at the point p of B, aligned with B, with constant bias and white noise:
+///
 ///     angular velocity = R_WB^T w_W + b_w + n_w,
 ///     specific force   = R_WB^T (a_W + alpha_W x r + w_W x (w_W x r) - g) + b_f + n_f,
+///
 /// with r = R_WB p_B and g = (0, 0, -gravity).
 /// At rest the specific force points up and is 9.81 m/s^2; in free fall it is 0.
 ///

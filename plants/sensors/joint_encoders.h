@@ -17,8 +17,8 @@ struct JointEncodersParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Measures angle and speed of all joints at a rate, each with an error of its own (noise.h); the speed is
-/// the drive's, not a difference of angles.
+/// Measures angle and speed of all joints at a rate, each with an error of its own (sensor_noise.h); the
+/// speed is the drive's, not a difference of angles.
 ///
 ///     port in   state   the true state
 ///     port out  joints  sampled

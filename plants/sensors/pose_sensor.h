@@ -17,7 +17,9 @@ struct PoseSensorParams {
 };
 
 /// Measures position and attitude at a rate, with white noise:
+///
 ///     p = p_WB + n_p,   q = q_WB * exp(n_a / 2),
+///
 /// with n_p and n_a normal, independent in their components and in time, and exp(n_a / 2) the rotation by
 /// |n_a| about n_a.
 ///

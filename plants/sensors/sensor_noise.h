@@ -18,6 +18,7 @@ inline Vec<3> NormalVector(RandomStream& noise, const Vec<3>& deviation) {
 
 /// What is wrong with a sensor: a constant, and white noise with a part that grows with the signal. A signal
 /// x is measured as
+///
 ///     x + bias + (absolute + relative |x|) n,   n normal with deviation 1, anew at each sample.
 struct SensorError {
   double absolute = 0;  ///< standard deviation [unit of the signal]

@@ -26,7 +26,9 @@ struct LeashParams {
 
 /// A leash between the hand of a person and the trunk of a robot: Morlando 2023, eq. (2.48), a spring that
 /// pulls only, with some damping. With e = l - l0 the elongation beyond the nominal length,
+///
 ///     T = k e max(0, 1 + d e')   if e > 0, else 0.
+///
 /// The damping k e d grows with the tension, so that T does not jump when the leash becomes taut; the leash
 /// has no mass and does not sag. What is between hand and shoulder gives way as the leash does: k is that of
 /// both in series.

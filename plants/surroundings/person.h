@@ -95,12 +95,16 @@ struct PersonMotion {
 };
 
 /// A person on a leash: a point that moves over ground, Morlando 2023, eq. (2.47) in the plane,
+///
 ///     m v' + C v = f_ext + f,
+///
 /// f being the horizontal part of the leash's pull; the ground carries the rest and the weight.
 /// The force f_ext with which the person pushes off the ground makes of it a mass, spring and damper about
 /// the place w where the person wants to be:
+///
 ///     f_ext = C u + K (w - x),   w' = u,                 when walking with the wanted velocity u,
 ///     f_ext = F d,               w' = v + K/C (x - w),   when pulling with the force F in direction d.
+///
 /// So a person who is led gives way to the leash, K^-1 f, but keeps the wanted speed in the mean; and who
 /// pulls forgets about the place. Following, u points where the leash leads over ground and has the wanted
 /// speed, less below felt_tension, |u| = speed min(1, T / felt_tension): nobody follows a slack leash.

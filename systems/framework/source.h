@@ -101,10 +101,23 @@ class Source {
   const System& owner() const { return *owner_; }
   /// "robot.pd.u": the path of the block, and the name.
   std::string path() const;
+  /// The type of the value as one writes it: "LeggedState", "Vec<12>", "double".
+  std::string type_name() const;
+  /// The same, to look into.
+  const internal::TypeInfo& type() const { return *type_; }
   /// Names and units of the elements of the value; sizes known at run time are those of the model value.
   std::vector<Element> elements() const;
+  /// The elements before anything is computed: those of a state at the start, and those that an optional
+  /// input has while nothing is connected to it.
+  std::vector<double> initial_numbers() const;
+  /// An input that has a default and need not be connected.
+  bool is_optional() const { return kind_ == SourceKind::kInput && has_initial_value_; }
   const Trigger& trigger() const { return trigger_; }
   bool is_sampled() const { return trigger_.when == Trigger::When::kSampled; }
+  /// What its calculation uses, but for the time.
+  std::vector<const Source*> uses() const;
+  /// Of a derivative or an update: the state that it belongs to; else null.
+  const Source* target() const { return target_; }
   /// What this port is connected to, one hop up; null if nothing.
   const Source* driver() const { return driver_; }
   void AppendTo(std::vector<internal::Slot>& slots) const {

@@ -19,8 +19,26 @@ std::string Source::path() const {
   return owner_->path() + "." + spec_.name;
 }
 
+std::string Source::type_name() const {
+  return internal::TypeName(*type_);
+}
+
 std::vector<Element> Source::elements() const {
   return internal::ListElements(*type_, model_, spec_);
+}
+
+std::vector<double> Source::initial_numbers() const {
+  std::vector<double> numbers(internal::CountScalars(*type_, model_));
+  internal::ToDoubles(*type_, model_, numbers.data());
+  return numbers;
+}
+
+std::vector<const Source*> Source::uses() const {
+  std::vector<const Source*> sources;
+  for (const internal::Slot& slot : arguments_) {
+    if (slot.what == internal::Slot::What::kSource) sources.push_back(slot.source);
+  }
+  return sources;
 }
 
 const Source& Source::Resolve() const {

@@ -55,8 +55,9 @@ class Leaf : public System {
 ///       InputPort<double>  ref{this, {"ref", "m"}};
 ///       OutputPort<double> u{this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), &Pd::CalcU};
 ///      private:
-///       double CalcU(const Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd *
-///       x[1]; }
+///       double CalcU(const Vec<2>& x, double ref) const {
+///         return params.kp * (ref - x[0]) - params.kd * x[1];
+///       }
 ///     };
 ///
 /// Parameters stand in the base, so that the members can use them. If they have a `void Validate() const`, it

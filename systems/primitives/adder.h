@@ -9,8 +9,8 @@
 namespace tenon {
 
 struct AdderParams {
-  std::vector<double> weights = {1, 1};  // one per input: {1, -1} subtracts
-  std::string unit = "";                 // of the inputs and of the output
+  std::vector<double> weights = {1, 1};  ///< one per input: {1, -1} subtracts
+  std::string unit = "";                 ///< of the inputs and of the output
   void Validate() const {
     Demand(!weights.empty(), "weights must not be empty: give one weight per input");
     Demand(internal::IsFinite(weights), "weights must be finite");

@@ -8,7 +8,7 @@ namespace tenon {
 
 template <class T = double>
 struct ConstantParams {
-  T value = internal::Zeroed<T>();  // [unit]
+  T value = internal::Zeroed<T>();  ///< [unit]
   std::string unit = "";
 };
 

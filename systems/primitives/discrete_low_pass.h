@@ -10,10 +10,10 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct DiscreteLowPassParams {
-  double time_constant = 0.1;          // [s]
-  T initial = internal::Filled<T>(0);  // y at the first tick [unit]
+  double time_constant = 0.1;          ///< [s]
+  T initial = internal::Filled<T>(0);  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  // of input and output
+  std::string unit = "";  ///< of input and output
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");

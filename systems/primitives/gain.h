@@ -9,9 +9,9 @@
 namespace tenon {
 
 struct GainParams {
-  double gain = 1;          // [unit of y / unit of u]
-  std::string u_unit = "";  // of the input
-  std::string y_unit = "";  // of the output
+  double gain = 1;          ///< [unit of y / unit of u]
+  std::string u_unit = "";  ///< of the input
+  std::string y_unit = "";  ///< of the output
   void Validate() const { Demand(std::isfinite(gain), "gain must be finite"); }
 };
 

@@ -9,9 +9,9 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct IntegratorParams {
-  T initial = internal::Filled<T>(0);  // y at t = 0 [y_unit]
-  std::string u_unit = "";             // of the input: y_unit per second
-  std::string y_unit = "";             // of the output
+  T initial = internal::Filled<T>(0);  ///< y at t = 0 [y_unit]
+  std::string u_unit = "";             ///< of the input: y_unit per second
+  std::string y_unit = "";             ///< of the output
   void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 

@@ -9,9 +9,9 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct LowPassFilterParams {
-  double time_constant = 0.1;          // [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
-  T initial = internal::Filled<T>(0);  // y at t = 0 [unit]
-  std::string unit = "";               // of input and output
+  double time_constant = 0.1;          ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
+  T initial = internal::Filled<T>(0);  ///< y at t = 0 [unit]
+  std::string unit = "";               ///< of input and output
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");

@@ -8,8 +8,8 @@
 namespace tenon {
 
 struct MuxParams {
-  std::string units = "";     // of the vector's elements: one for all, or one each, comma-separated
-  std::string elements = "";  // their names, comma-separated; their indices if empty
+  std::string units = "";     ///< of the vector's elements: one for all, or one each, comma-separated
+  std::string elements = "";  ///< their names, comma-separated; their indices if empty
 };
 
 /// Makes a vector of N numbers:

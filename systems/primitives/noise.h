@@ -9,7 +9,7 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct NoiseParams {
-  T standard_deviation = internal::Filled<T>(1);  // [unit], 0 or more
+  T standard_deviation = internal::Filled<T>(1);  ///< [unit], 0 or more
   Rate rate = Hz(1000);
   std::string unit = "";
   void Validate() const {

@@ -11,10 +11,10 @@ namespace tenon {
 
 template <class T = double>
 struct SampleDelayParams {
-  int samples = 1;                    // the length of the delay, in periods; at least 1
-  T initial = internal::Zeroed<T>();  // y before the first sample arrives [unit]
+  int samples = 1;                    ///< the length of the delay, in periods; at least 1
+  T initial = internal::Zeroed<T>();  ///< y before the first sample arrives [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  // of input and output
+  std::string unit = "";  ///< of input and output
   void Validate() const { Demand(samples >= 1, "samples must be 1 or more: a delay of 0 is a connection"); }
 };
 

@@ -11,9 +11,9 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct SaturationParams {
-  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  // [unit]
-  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   // [unit]
-  std::string unit = "";                                                    // of input, output and limits
+  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< [unit]
+  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< [unit]
+  std::string unit = "";                                                    ///< of input, output and limits
   void Validate() const {
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");

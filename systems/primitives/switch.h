@@ -8,7 +8,7 @@
 namespace tenon {
 
 struct SwitchParams {
-  std::string unit = "";  // of the two signals and the output
+  std::string unit = "";  ///< of the two signals and the output
 };
 
 /// Passes on one of two signals:
@@ -35,9 +35,9 @@ class Switch final : public LeafSystem<SwitchParams> {
 };
 
 struct ThresholdSwitchParams {
-  double threshold = 0;           // [control_unit]
-  std::string control_unit = "";  // of the control input
-  std::string unit = "";          // of the two signals and the output
+  double threshold = 0;           ///< [control_unit]
+  std::string control_unit = "";  ///< of the control input
+  std::string unit = "";          ///< of the two signals and the output
   void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
 };
 

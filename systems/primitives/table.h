@@ -12,8 +12,8 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct TableParams {
-  std::vector<double> u = {};  // [u_unit], increasing, at least two
-  std::vector<T> y = {};       // [y_unit], one for each u
+  std::vector<double> u = {};  ///< [u_unit], increasing, at least two
+  std::vector<T> y = {};       ///< [y_unit], one for each u
   std::string u_unit = "";
   std::string y_unit = "";
   void Validate() const {

@@ -12,10 +12,10 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct TrajectoryParams {
-  std::vector<double> times = {};             // [s], increasing, at least two
-  std::vector<T> values = {};                 // [unit], one for each time
-  T start_velocity = internal::Filled<T>(0);  // at the first time [unit/s]
-  T end_velocity = internal::Filled<T>(0);    // at the last time [unit/s]
+  std::vector<double> times = {};             ///< [s], increasing, at least two
+  std::vector<T> values = {};                 ///< [unit], one for each time
+  T start_velocity = internal::Filled<T>(0);  ///< at the first time [unit/s]
+  T end_velocity = internal::Filled<T>(0);    ///< at the last time [unit/s]
   std::string unit = "";
   void Validate() const {
     Demand(times.size() >= 2, "a trajectory needs two times or more");

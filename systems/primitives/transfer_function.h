@@ -11,10 +11,10 @@
 namespace tenon {
 
 struct TransferFunctionParams {
-  std::vector<double> numerator = {1};   // coefficients of powers of s [1/s], highest first
-  std::vector<double> denominator = {};  // the same; Order + 1 of them, the first not zero
-  std::string u_unit = "";               // of the input
-  std::string y_unit = "";               // of the output
+  std::vector<double> numerator = {1};   ///< coefficients of powers of s [1/s], highest first
+  std::vector<double> denominator = {};  ///< the same; Order + 1 of them, the first not zero
+  std::string u_unit = "";               ///< of the input
+  std::string y_unit = "";               ///< of the output
   void Validate() const {
     Demand(!numerator.empty(), "numerator must not be empty");
     Demand(internal::IsFinite(numerator) && internal::IsFinite(denominator), "coefficients must be finite");

@@ -8,9 +8,9 @@ namespace tenon {
 
 template <class T = double>
 struct UnitDelayParams {
-  T initial = internal::Zeroed<T>();  // y at the first tick [unit]
+  T initial = internal::Zeroed<T>();  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  // of input and output
+  std::string unit = "";  ///< of input and output
 };
 
 /// A delay by one sample, which models computation time and breaks loops of sampled blocks:

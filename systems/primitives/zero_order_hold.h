@@ -8,7 +8,7 @@ namespace tenon {
 
 struct ZeroOrderHoldParams {
   Rate rate = Hz(1000);
-  std::string unit = "";  // of input and output
+  std::string unit = "";  ///< of input and output
 };
 
 /// Samples its input and holds it, with h the period:

@@ -35,8 +35,8 @@ std::string WriteYaml(const TypeInfo& type, const void* value);
 ///
 /// A key that is left out keeps its default unless it is Required. Refused are keys that the struct does not
 /// have, keys given twice, values of another type or length, numbers that are not finite, and what Validate()
-/// refuses. Every error is a ParameterError that begins with file:line:column and the path of the key, as in
-/// `plant.yaml:12:5: masses.2.place_m: expected a list of 3, found a list of 2`.
+/// refuses. Every error is a ParameterError that begins with file, line, column and the path of the key, as
+/// in `plant.yaml:12:5: masses.2.place_m: expected a list of 3, found a list of 2`.
 class YamlDocument {
  public:
   /// Reads a file. Throws if it cannot be read, is not valid YAML or holds more than one document.

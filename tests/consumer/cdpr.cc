@@ -2,7 +2,7 @@
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/model/resources.h>
-#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/simulation.h>
 
 #include <cstdio>
 

@@ -5,7 +5,7 @@
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/model/resources.h>
-#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/simulation.h>
 
 #include <cstdio>
 

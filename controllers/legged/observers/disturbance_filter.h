@@ -23,7 +23,9 @@ inline constexpr int kMaxEstimatorOrder = 12;
 std::vector<double> GainsOfPolynomial(const std::vector<double>& coefficients);
 
 /// Butterworth's polynomial: flat up to the bandwidth w [rad/s], where a sine has lost 3 dB,
+///
 ///     K_i = w sin(i pi / 2r) / cos((i - 1) pi / 2r);
+///
 /// order 1 is the low-pass of gain w, order 3 is (w/2, w, 2w). Throws ParameterError unless the order is from
 /// 1 to kMaxEstimatorOrder and the bandwidth positive.
 std::vector<double> ButterworthGains(int order, double bandwidth);

@@ -33,14 +33,14 @@ struct NonlinearDisturbanceObserverParams {
 /// coordinates of the legs (DecoupledDynamics),
 ///
 ///     M_q qdd + C_q nu = tau + J_q^T f + F,
-///     F_hat = z + p,   p = x qd,   z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),   Lambda = x
-///     M_q^-1,
+///     F_hat = z + p,   p = x qd,   Lambda = x M_q^-1,
+///     z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),
 ///
 /// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat): of first order, as fast as the legs are light. In
 /// steps of h by the implicit rule, stable for all x,
 ///
-///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f -
-///     F_hat[n-1])),
+///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f
+///                - F_hat[n-1])),
 ///
 /// where tau is the torque of the interval and C_q nu - J_q^T f the mean of its ends. The first tick only
 /// remembers, so that it may start on a moving robot. Ports, and what becomes of F_hat at the feet, are as

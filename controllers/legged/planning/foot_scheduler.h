@@ -72,6 +72,7 @@ struct ContactEvents {
 /// The leg's next state. The first row that applies:
 ///
 /// | from      | if                    | to        |
+/// | --------- | --------------------- | --------- |
 /// | any       | lift_off              | swing     |
 /// | stance    | unloaded              | searching |
 /// | swing     | loaded and may_land   | stance    |

@@ -16,7 +16,9 @@ Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForce
 /// The forces at the centres of the feet that do at the joints what `torque` does: J_leg^T f = torque for
 /// each leg. A leg is singular if it is straight, or if the foot is below the roll joint's axis; where the
 /// smallest singular value s of its Jacobian is below s_0 = min_singular_value [m], f minimises
+///
 ///     |J_leg^T f - torque|^2 + (s_0^2 - s^2) |f|^2,
+///
 /// so that what the joints cannot feel goes to zero instead of to infinity.
 FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& torque,
                            double min_singular_value);

@@ -19,13 +19,16 @@ struct JointPdParams {
 };
 
 /// The joint torques at which a robot stands still in its nominal stance, level, on four feet [N m]:
+///
 ///     tau = g_q - sum_i J_i^T f_i,   f_i = (0, 0, N_i),
+///
 /// with g_q the joints' rows of the gravity term and N the smallest vertical forces (in the sum of their
 /// squares) that carry the weight without a moment about the centre of mass. Throws ParameterError if there
 /// are none, the feet being in a line.
 Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
 
 /// Holds joint angles:
+///
 ///     tau = K_p (q_ref - q) - K_d qd + StandingTorque,   kept within the torque limits of the joints.
 ///
 ///     ports in  joints     measured angles and speeds

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
 struct CartParams {

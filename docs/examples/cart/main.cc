@@ -1,8 +1,7 @@
 // A cart, a digital PD controller and a reference, wired into a diagram and simulated.
 
-#include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/simulation.h>
 
 #include <cstdio>
 

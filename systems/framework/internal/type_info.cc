@@ -1,5 +1,12 @@
 #include <tenon/systems/framework/internal/type_info.h>
 
+#include <cxxabi.h>
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <memory>
+#include <regex>
+
 #include <tenon/systems/geometry.h>
 
 namespace tenon::internal {
@@ -60,7 +67,54 @@ void Resize(const TypeInfo& type, void* value, ValueVisitor& visitor, std::size_
   *rows = wanted_rows, *cols = wanted_cols;
 }
 
+std::string Extent(int number) {
+  return number < 0 ? "X" : std::to_string(number);
+}
+
+std::string MatrixName(int rows, int cols, const std::string& scalar) {
+  const std::string of = scalar == "double" ? "" : ", " + scalar;
+  if (cols == 1) return fmt::format("Vec<{}{}>", Extent(rows), of);
+  return fmt::format("Mat<{}, {}{}>", Extent(rows), Extent(cols), of);
+}
+
+std::string Demangled(const char* name) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
+                                                    std::free);
+  return status == 0 ? text.get() : name;
+}
+
+/// Without namespaces, and with matrices among template arguments as MatrixName gives them.
+std::string Shortened(std::string name) {
+  static const std::regex kNamespaces(R"(tenon::|\(anonymous namespace\)::)");
+  static const std::regex kGap("> (?=>)");
+  static const std::regex kMatrix(R"(Eigen::Matrix<(\w+), (-?\d+), (-?\d+), -?\d+, -?\d+, -?\d+>)");
+  name = std::regex_replace(std::regex_replace(name, kNamespaces, ""), kGap, ">");
+  for (std::smatch match; std::regex_search(name, match, kMatrix);) {
+    const std::string matrix = MatrixName(std::stoi(match[2]), std::stoi(match[3]), match[1]);
+    name = match.prefix().str() + matrix + match.suffix().str();
+  }
+  return name;
+}
+
 }  // namespace
+
+std::string TypeName(const TypeInfo& type) {
+  switch (type.kind) {
+    case Kind::kArray:
+      return fmt::format("std::array<{}, {}>", TypeName(type.item()), type.count);
+    case Kind::kList:
+      return fmt::format("std::vector<{}>", TypeName(type.item()));
+    case Kind::kOptional:
+      return fmt::format("std::optional<{}>", TypeName(type.item()));
+    case Kind::kMap:
+      return fmt::format("std::map<std::string, {}>", TypeName(type.item()));
+    case Kind::kText:
+      return "std::string";
+    default:
+      return Shortened(Demangled(type.id->name()));
+  }
+}
 
 std::size_t SizeOf(ScalarKind kind) {
   std::size_t size = 0;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -121,6 +122,7 @@ struct TypeInfo {
     kOpaque,    ///< does not describe itself
   };
   Kind kind = Kind::kOpaque;
+  const std::type_info* id = nullptr;
   std::size_t size = 0;
   std::size_t alignment = 0;
   bool bitwise = false;
@@ -152,6 +154,10 @@ struct TypeInfo {
   std::size_t num_scalars = 0;
   bool fixed = false;
 };
+
+/// The type as one writes it where Tenon's names are known: "LeggedState", "Vec<12>", "Mat<3, 3>",
+/// "std::vector<Shape>". X stands for a number of rows or columns that is known at run time only.
+std::string TypeName(const TypeInfo& type);
 
 /// Is led through a value: past every number in it, in order.
 class ValueVisitor {
@@ -262,6 +268,7 @@ void DescribeItems(TypeInfo& info) {
 template <class T>
 TypeInfo Describe() {
   TypeInfo info;
+  info.id = &typeid(T);
   info.size = sizeof(T);
   info.alignment = alignof(T);
   info.bitwise = kBitwise<T>;

@@ -104,6 +104,33 @@ TEST(SignalTest, WhatDoesNotDescribeItselfHasNoElements) {
   EXPECT_THAT(Elements(std::string("text")), IsEmpty());
 }
 
+// ---- Names of types ----
+
+template <class T>
+struct Pair {
+  T first{}, second{};
+};
+
+TEST(SignalTest, TypesAreNamedAsOneWritesThem) {
+  const auto name = []<class T>(const T&) { return internal::TypeName(TypeInfoOf<T>()); };
+  EXPECT_EQ(name(1.5), "double");
+  EXPECT_EQ(name(true), "bool");
+  EXPECT_EQ(name(Phase::kSwing), "Phase");
+  EXPECT_EQ(name(std::string()), "std::string");
+  EXPECT_EQ(name(Foot()), "Foot");
+  EXPECT_EQ(name(Vec<3>()), "Vec<3>");
+  EXPECT_EQ(name(Vec<12>()), "Vec<12>");
+  EXPECT_EQ(name(Eigen::VectorXd()), "Vec<X>");
+  EXPECT_EQ(name(Eigen::Vector2f()), "Vec<2, float>");
+  EXPECT_EQ(name(Eigen::Matrix<double, 6, Eigen::Dynamic>()), "Mat<6, X>");
+  EXPECT_EQ(name(std::array<Vec<3>, 4>()), "std::array<Vec<3>, 4>");
+  EXPECT_EQ(name(std::vector<Foot>()), "std::vector<Foot>");
+  EXPECT_EQ(name(std::optional<Foot>()), "std::optional<Foot>");
+  EXPECT_EQ(name(std::map<std::string, double>()), "std::map<std::string, double>");
+  EXPECT_EQ(name(Pair<Vec<4>>()), "Pair<Vec<4>>");
+  EXPECT_EQ(name(Opaque()), "Opaque");
+}
+
 // ---- Numbers ----
 
 TEST(SignalTest, FlattensAndBack) {

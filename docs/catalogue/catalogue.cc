@@ -1,0 +1,245 @@
+#include <tenon/docs/catalogue/catalogue.h>
+
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/primitives/constant.h>
+#include <tenon/systems/primitives/discrete_low_pass.h>
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/integrator.h>
+#include <tenon/systems/primitives/low_pass_filter.h>
+#include <tenon/systems/primitives/mux.h>
+#include <tenon/systems/primitives/noise.h>
+#include <tenon/systems/primitives/sample_delay.h>
+#include <tenon/systems/primitives/saturation.h>
+#include <tenon/systems/primitives/switch.h>
+#include <tenon/systems/primitives/table.h>
+#include <tenon/systems/primitives/trajectory.h>
+#include <tenon/systems/primitives/transfer_function.h>
+#include <tenon/systems/primitives/unit_delay.h>
+#include <tenon/systems/primitives/zero_order_hold.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::docs {
+namespace {
+
+/// Stands for any type in a template's place: a size that no other block has.
+using T = Vec<7>;
+
+template <class Scenario>
+Scenario ReadScenario(const std::string& name) {
+  return YamlDocument::Load(FindResource("scenarios", name).string()).Read<Scenario>();
+}
+
+/// What ships.
+struct Shipped {
+  QuadrupedDescription dog = LoadQuadruped(FindResource("robots", "dogbot").string());
+  apps::QuadrupedScenario flat = ReadScenario<apps::QuadrupedScenario>("flat");
+  QuadrupedWalkParams walk = apps::MakeWalkParams(flat);
+  QuadrupedStandParams stand = apps::MakeStandParams(ReadScenario<apps::QuadrupedScenario>("stand"));
+  GuideDogParams guide_dog = apps::MakeGuideDogParams(ReadScenario<apps::GuideDogScenario>("C1"));
+  CdprLoopParams cdpr_mpc = apps::MakeLoopParams(ReadScenario<apps::CdprScenario>("D1"));
+  CdprLoopParams cdpr_pd = [this] {
+    CdprLoopParams params = cdpr_mpc;
+    params.mpc.reset();
+    return params;
+  }();
+};
+
+template <class Block, class... Params>
+Entry Make(std::string name, Params&&... params) {
+  return {name, name, std::make_unique<Block>(std::forward<Params>(params)...)};
+}
+
+/// Of a template with one type in it.
+template <class Block, class... Params>
+Entry MakeOfType(const std::string& name, Params&&... params) {
+  return {name + "<T>", name, std::make_unique<Block>(std::forward<Params>(params)...), {{"Vec<7>", "T"}}};
+}
+
+Entry WithNote(Entry entry, std::string note) {
+  entry.note = std::move(note);
+  return entry;
+}
+
+Shelf Primitives() {
+  Shelf shelf{"primitives", {}};
+  auto& entries = shelf.entries;
+  const auto put = [&](Entry entry) { entries.push_back(std::move(entry)); };
+  const std::string number = "`T` is a double or a `Vec<N>`.", any = "`T` is any copyable type.";
+
+  put(WithNote(MakeOfType<Adder<T>>("Adder", AdderParams{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<ConstantSource<T>>("ConstantSource", ConstantParams<T>{.unit = "unit"}), any));
+  put(WithNote(MakeOfType<DiscreteLowPass<T>>("DiscreteLowPass", DiscreteLowPassParams<T>{.unit = "unit"}),
+               number));
+  put(WithNote(MakeOfType<Gain<T>>("Gain", GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number));
+  put(WithNote(
+      MakeOfType<Integrator<T>>("Integrator", IntegratorParams<T>{.u_unit = "u_unit", .y_unit = "y_unit"}),
+      number));
+  put(WithNote(MakeOfType<LowPassFilter<T>>("LowPassFilter", LowPassFilterParams<T>{.unit = "unit"}),
+               number));
+  put({"Mux<N>", "Mux", std::make_unique<Mux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
+  put({"Demux<N>", "Demux", std::make_unique<Demux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
+  put(WithNote(MakeOfType<WhiteNoise<T>>("WhiteNoise", NoiseParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<AddNoise<T>>("AddNoise", NoiseParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<SampleDelay<T>>("SampleDelay", SampleDelayParams<T>{.unit = "unit"}),
+               "`T` is any copyable type but bool."));
+  entries.back().placeholders.emplace_back("std::vector<Vec<7>>", "std::vector<T>");
+  put(WithNote(MakeOfType<Saturation<T>>("Saturation", SaturationParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<Switch<T>>("Switch", SwitchParams{.unit = "unit"}), any));
+  put(WithNote(MakeOfType<ThresholdSwitch<T>>(
+                   "ThresholdSwitch", ThresholdSwitchParams{.control_unit = "control_unit", .unit = "unit"}),
+               any));
+  const std::vector<T> two_values{T::Zero(), T::Ones()};
+  put(WithNote(
+      MakeOfType<Table<T>>(
+          "Table", TableParams<T>{.u = {0, 1}, .y = two_values, .u_unit = "u_unit", .y_unit = "y_unit"}),
+      number));
+  put(WithNote(MakeOfType<Trajectory<T>>(
+                   "Trajectory", TrajectoryParams<T>{.times = {0, 1}, .values = two_values, .unit = "unit"}),
+               number));
+  put({"TransferFunction<Order>",
+       "TransferFunction",
+       std::make_unique<TransferFunction<7>>(TransferFunctionParams{
+           .denominator = {1, 0, 0, 0, 0, 0, 0, 1}, .u_unit = "u_unit", .y_unit = "y_unit"}),
+       {{"Vec<7>", "Vec<Order>"}},
+       "The output follows u at once if the numerator has as many coefficients as the denominator."});
+  put(WithNote(MakeOfType<UnitDelay<T>>("UnitDelay", UnitDelayParams<T>{.unit = "unit"}), any));
+  put(WithNote(MakeOfType<ZeroOrderHold<T>>("ZeroOrderHold", ZeroOrderHoldParams{.unit = "unit"}), any));
+  return shelf;
+}
+
+Shelf QuadrupedPlants(const Shipped& shipped) {
+  const QuadrupedWorldParams& world = shipped.walk.world;
+  Shelf shelf{"quadruped plants", {}};
+  auto& entries = shelf.entries;
+  entries.push_back(Make<QuadrupedPlant>("QuadrupedPlant", world.plant));
+  entries.push_back(Make<PulseForce>("PulseForce"));
+  entries.push_back(Make<SineForce>("SineForce"));
+  entries.push_back(Make<RandomForce>("RandomForce", RandomForceParams{.robot = shipped.dog}));
+  entries.push_back(Make<ForceBundle>("ForceBundle", ForceBundleParams{.count = 2}));
+  entries.push_back(Make<FallMonitor>("FallMonitor"));
+  entries.push_back(Make<JointEncoders>("JointEncoders"));
+  entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
+  entries.push_back(Make<FootForceSensor>("FootForceSensor"));
+  entries.push_back({"TrunkImu", "BasicImu", std::make_unique<TrunkImu>()});
+  return shelf;
+}
+
+Shelf Surroundings(const Shipped& shipped) {
+  Shelf shelf{"surroundings", {}};
+  shelf.entries.push_back(Make<Person>("Person", shipped.guide_dog.person));
+  shelf.entries.push_back(Make<Leash>("Leash"));
+  shelf.entries.push_back(Make<ObstacleDetector>("ObstacleDetector"));
+  return shelf;
+}
+
+Shelf CdprPlants(const Shipped& shipped) {
+  const CdprDescription& robot = shipped.cdpr_pd.robot;
+  Shelf shelf{"cable robot plants", {}};
+  auto& entries = shelf.entries;
+  entries.push_back(Make<CdprPlant>(
+      "CdprPlant",
+      CdprPlantParams{.robot = robot, .initial_tension = CableVector::Zero(robot.num_cables())}));
+  entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
+  entries.push_back(Make<SlackMonitor>("SlackMonitor"));
+  entries.push_back(Make<PoseSensor>("PoseSensor"));
+  entries.push_back({"Imu", "BasicImu", std::make_unique<Imu>()});
+  return shelf;
+}
+
+Shelf QuadrupedControllers(const Shipped& shipped) {
+  const LeggedLocomotionParams& locomotion = shipped.walk.locomotion;
+  const DisturbanceObserverParams& observer = shipped.walk.observer;
+  Shelf shelf{"quadruped controllers", {}};
+  auto& entries = shelf.entries;
+  entries.push_back(Make<WalkSchedule>("WalkSchedule", shipped.walk.walk));
+  entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
+  entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
+  entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
+  entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));
+  entries.push_back(WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
+                             "Ends the run when more solves in a row fail than `max_failures_in_a_row`."));
+  entries.push_back(Make<JointPd>("JointPd", shipped.stand.pd));
+  entries.push_back(Make<LegMomentumObserver>("LegMomentumObserver", observer.legs));
+  entries.push_back(Make<ComObserver>("ComObserver", observer.com));
+  entries.push_back(Make<NonlinearDisturbanceObserver>("NonlinearDisturbanceObserver", observer.ndo));
+  LeggedStateEstimatorParams estimator;
+  estimator.robot = shipped.dog;
+  entries.push_back(Make<LeggedStateEstimator>("LeggedStateEstimator", estimator));
+  entries.push_back(Make<Supervisor>("Supervisor"));
+  entries.push_back(Make<AdmittanceFilter>("AdmittanceFilter"));
+  entries.push_back(Make<TrackingError>("TrackingError", TrackingErrorParams{.robot = shipped.dog}));
+  entries.push_back(Make<WalkView>("WalkView", WalkViewParams{.robot = shipped.dog}));
+  return shelf;
+}
+
+Shelf CdprControllers(const Shipped& shipped) {
+  const CdprLoopParams& loop = shipped.cdpr_pd;
+  Shelf shelf{"cable robot controllers", {}};
+  auto& entries = shelf.entries;
+  entries.push_back(
+      Make<ReferenceGenerator>("ReferenceGenerator", ReferenceGeneratorParams{.path = loop.path}));
+  entries.push_back(Make<CablePd>("CablePd", CablePdParams{.robot = loop.robot,
+                                                           .stiffness_N_per_m = loop.pd_stiffness_N_per_m,
+                                                           .damping_N_s_per_m = loop.pd_damping_N_s_per_m}));
+  entries.push_back(Make<CdprEstimator>("CdprEstimator"));
+  entries.push_back(WithNote(Make<CdprMpc>("CdprMpc", *shipped.cdpr_mpc.mpc),
+                             "Ends the run when more solves in a row fail than `max_fallbacks_in_a_row`."));
+  return shelf;
+}
+
+Shelf Diagrams(const Shipped& shipped) {
+  Shelf shelf{"diagrams", {}};
+  auto& entries = shelf.entries;
+  entries.push_back(Make<LeggedLocomotion>("LeggedLocomotion", shipped.walk.locomotion));
+  entries.push_back(Make<DisturbanceObserver>("DisturbanceObserver", shipped.walk.observer));
+  entries.push_back(Make<QuadrupedWorld>("QuadrupedWorld", shipped.walk.world));
+  entries.push_back(Make<QuadrupedWalk>("QuadrupedWalk", shipped.walk));
+  entries.push_back(Make<QuadrupedStand>("QuadrupedStand", shipped.stand));
+  entries.push_back(Make<GuideDog>("GuideDog", shipped.guide_dog));
+  entries.push_back(WithNote(Make<CdprLoop>("CdprLoop", shipped.cdpr_pd),
+                             "Or under its model predictive controller, whose command it then puts out."));
+  return shelf;
+}
+
+}  // namespace
+
+std::vector<Shelf> MakeCatalogue() {
+  const Shipped shipped;
+  std::vector<Shelf> shelves;
+  shelves.push_back(Primitives());
+  shelves.push_back(QuadrupedPlants(shipped));
+  shelves.push_back(Surroundings(shipped));
+  shelves.push_back(CdprPlants(shipped));
+  shelves.push_back(QuadrupedControllers(shipped));
+  shelves.push_back(CdprControllers(shipped));
+  shelves.push_back(Diagrams(shipped));
+  return shelves;
+}
+
+std::vector<Picture> MakePictures() {
+  const Shipped shipped;
+  std::vector<Picture> pictures;
+  const auto draw = [&]<class Block, class Params>(std::in_place_type_t<Block>, const std::string& name,
+                                                   const std::string& block, const Params& params) {
+    DiagramBuilder builder;
+    builder.Add<Block>(block, params);
+    pictures.push_back({name, builder.BuildWithOpenInputs()->Graphviz()});
+  };
+  draw(std::in_place_type<LeggedLocomotion>, "legged_locomotion", "locomotion", shipped.walk.locomotion);
+  draw(std::in_place_type<DisturbanceObserver>, "disturbance_observer", "observer", shipped.walk.observer);
+  draw(std::in_place_type<QuadrupedWorld>, "quadruped_world", "world", shipped.walk.world);
+  draw(std::in_place_type<QuadrupedWalk>, "quadruped_walk", "walk", shipped.walk);
+  draw(std::in_place_type<QuadrupedStand>, "quadruped_stand", "stand", shipped.stand);
+  draw(std::in_place_type<GuideDog>, "guide_dog", "guide_dog", shipped.guide_dog);
+  draw(std::in_place_type<CdprLoop>, "cdpr_loop_pd", "loop", shipped.cdpr_pd);
+  draw(std::in_place_type<CdprLoop>, "cdpr_loop_mpc", "loop", shipped.cdpr_mpc);
+  return pictures;
+}
+
+}  // namespace tenon::docs

@@ -1,0 +1,75 @@
+// What docs/ says of blocks and diagrams is what they are.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <tenon/docs/catalogue/documents.h>
+#include <tenon/docs/catalogue/headers.h>
+
+namespace tenon::docs {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kSource = TENON_SOURCE_DIR;
+constexpr const char* kRenew = "; renew it by tools/docs --blocks";
+
+std::vector<std::string> ReadLines(std::istream&& in) {
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(BlocksTest, EveryBlockOfThePublicHeadersIsInTheCatalogue) {
+  std::set<std::string> known;
+  for (const Shelf& shelf : MakeCatalogue()) {
+    for (const Entry& entry : shelf.entries) known.insert(entry.name);
+  }
+  int blocks = 0;
+  for (const auto& [name, declaration] : ReadHeaders(kSource)) {
+    if (!declaration.is_block) continue;
+    ++blocks;
+    EXPECT_TRUE(known.contains(name))
+        << declaration.header << " declares " << name << ": put it into docs/catalogue/catalogue.cc";
+  }
+  EXPECT_EQ(blocks, known.size());
+}
+
+TEST(BlocksTest, HeadersTellWhatBlocksAreFor) {
+  const auto declarations = ReadHeaders(kSource);
+  EXPECT_EQ(declarations.at("Gain").header, "systems/primitives/gain.h");
+  EXPECT_EQ(declarations.at("Gain").summary, "A factor.");
+  EXPECT_EQ(declarations.at("QuadrupedPlant").summary,
+            "A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), feet that stick "
+            "(foot_contact.h).");
+  EXPECT_FALSE(declarations.at("LeggedState").is_block);
+  for (const auto& [name, declaration] : declarations) {
+    EXPECT_TRUE(!declaration.is_block || !declaration.summary.empty()) << name;
+  }
+}
+
+TEST(BlocksTest, ThePageIsUpToDate) {
+  const auto found = ReadLines(std::ifstream(kSource / "docs/blocks.md"));
+  const auto wanted = ReadLines(std::istringstream(WriteBlocks(kSource)));
+  const auto [ours, theirs] = std::mismatch(found.begin(), found.end(), wanted.begin(), wanted.end());
+  EXPECT_TRUE(ours == found.end() && theirs == wanted.end())
+      << "docs/blocks.md, line " << ours - found.begin() + 1 << ", is\n  "
+      << (ours == found.end() ? "missing" : *ours) << "\nand should be\n  "
+      << (theirs == wanted.end() ? "missing" : *theirs) << kRenew;
+}
+
+TEST(BlocksTest, ThePicturesAreUpToDate) {
+  for (const Picture& picture : MakePictures()) {
+    EXPECT_TRUE(IsUpToDate(picture, kSource / "docs/diagrams"))
+        << "docs/diagrams/" << picture.name << ".svg shows the diagram as it was" << kRenew;
+  }
+}
+
+}  // namespace
+}  // namespace tenon::docs
