@@ -49,8 +49,9 @@ function(tenon_add_library name component)
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${arg_LINK_PUBLIC} PRIVATE ${arg_LINK_PRIVATE})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
-    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} POSITION_INDEPENDENT_CODE ON
-    VISIBILITY_INLINES_HIDDEN ON)
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  tenon_as_library(${target})
+  tenon_precompile(${target})
   tenon_set_rpath(${target})
   get_target_property(type ${target} TYPE)
   if(type STREQUAL SHARED_LIBRARY)
@@ -65,6 +66,28 @@ function(tenon_add_library name component)
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tenon_development)
     set_property(GLOBAL APPEND PROPERTY TENON_EXPORTS ${component})
   endif()
+endfunction()
+
+# tenon_precompile(TARGET): Eigen and what writing a block takes are read once for all targets, not once for each file.
+# CMAKE_DISABLE_PRECOMPILE_HEADERS turns it off.
+function(tenon_precompile target)
+  if(NOT TARGET tenon_precompiled)
+    add_library(tenon_precompiled OBJECT ${PROJECT_SOURCE_DIR}/systems/precompiled.cc)
+    target_compile_features(tenon_precompiled PRIVATE cxx_std_20)
+    target_link_libraries(tenon_precompiled PRIVATE Eigen3::Eigen fmt::fmt)
+    target_include_directories(tenon_precompiled PRIVATE
+      $<TARGET_PROPERTY:tenon_systems,INTERFACE_INCLUDE_DIRECTORIES>)
+    target_precompile_headers(tenon_precompiled PRIVATE
+      <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <fmt/format.h> <tenon/systems/block.h>)
+    tenon_as_library(tenon_precompiled)
+    tenon_warnings(tenon_precompiled)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM tenon_precompiled)
+endfunction()
+
+# How all code of libraries is compiled, static ones too.
+function(tenon_as_library target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
 # -Wno-restrict: GCC 12 warns of overlapping copies inside operator+ of strings, falsely (GCC bug 105651).

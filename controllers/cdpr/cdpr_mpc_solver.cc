@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -55,6 +56,13 @@ Reference ReferenceAt(const EquilibriumPath& path, double time) {
   reference.u.noalias() += cables.structure.transpose() * multiplier;
   reference.length_rate = at.length_rate;
   return reference;
+}
+
+/// Of the linear problem x' = [A B] [x ; u] at the costs Q and R per second, diagonals, for ever.
+Eigen::Matrix<double, 12, 12> CostToGo(const Eigen::Ref<const Eigen::MatrixXd>& AB, const CentroidalState& Q,
+                                       const Eigen::Ref<const Eigen::VectorXd>& R, double period) {
+  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(R.size()), Eigen::MatrixXd((period * Q).asDiagonal()),
+                              Eigen::MatrixXd((period * R).asDiagonal()));
 }
 
 }  // namespace
@@ -116,14 +124,97 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   return plan;
 }
 
+/// Everything that does not depend on the number of cables, which the solver for it must know when compiled.
 class CdprMpcSolver::Impl {
  public:
+  explicit Impl(const CdprMpcParams& params)
+      : path_(params.path),
+        equilibrium_input_(params.equilibrium_input),
+        period_(params.rate.period()),
+        steps_(Steps(params)),
+        targets_(steps_.size() + 1),
+        cache_(1 + static_cast<std::size_t>(std::lround(params.horizon / period_))) {}
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
-  virtual SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) = 0;
+
+  SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) {
+    SetTargets(time);
+    // The angles next to those of the reference.
+    for (int i = 9; i < 12; ++i) {
+      constexpr double kTurn = 2 * std::numbers::pi;
+      x[i] -= kTurn * std::round((x[i] - targets_[0].x[i]) / kTurn);
+    }
+    const SlqReport report = Improve(time - plan.start, x, targets_, plan);
+    plan.start = time;
+    return report;
+  }
+
+ protected:
+  /// What CdprTrackingProblem knows of a node.
+  struct Target {
+    CentroidalState x;
+    CableVector u, lower, upper;
+  };
+
+  /// `plan`, seen `elapsed` [s] later, becomes the one for a start at x.
+  virtual SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
+                            CdprPlan& plan) = 0;
+
+  const EquilibriumPath& path() const { return *path_; }
+  double period() const { return period_; }
+
+ private:
+  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again.
+  void SetTargets(double time) {
+    const long now = std::lround(time / period_);
+    long index = 0;
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
+      if (cached.time != time + index * period_) {
+        cached.time = time + index * period_;
+        cached.target = TargetFor(ReferenceAt(*path_, cached.time));
+      }
+      targets_[k] = cached.target;
+      if (k < steps_.size()) index += steps_[k];
+    }
+  }
+  Target TargetFor(const Reference& reference) const {
+    const CdprDescription& robot = path_->robot();
+    const CableProperties& cable = robot.cable;
+    Target target{reference.x, reference.u, reference.u, reference.u};
+    for (int i = 0; i < robot.num_cables(); ++i) {
+      const double reel = robot.winch.reel_damping * reference.length_rate[i];
+      target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
+      target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
+    }
+    if (!equilibrium_input_) target.u.setZero();
+    return target;
+  }
+
+  std::shared_ptr<const EquilibriumPath> path_;
+  bool equilibrium_input_;
+  double period_;
+  std::vector<int> steps_;
+  std::vector<Target> targets_;
+  struct Cached {
+    double time = -1;
+    Target target;
+  };
+  std::vector<Cached> cache_;
 };
 
 namespace {
+
+std::vector<double> StepsInSeconds(const CdprMpcParams& params) {
+  std::vector<double> seconds;
+  for (const int step : CdprMpcSolver::Steps(params)) seconds.push_back(step * params.rate.period());
+  return seconds;
+}
+
+template <class From, class To>
+void CopyEntries(const From& from, To& to) {
+  std::copy_n(from.data(), to.size(), to.data());
+}
 
 /// The solver for a number of cables that is known to the compiler.
 template <int n>
@@ -132,104 +223,58 @@ class SolverFor final : public CdprMpcSolver::Impl {
   using Problem = CdprTrackingProblem<n>;
 
   explicit SolverFor(const CdprMpcParams& params)
-      : path_(params.path),
-        equilibrium_input_(params.equilibrium_input),
-        period_(params.rate.period()),
-        steps_(CdprMpcSolver::Steps(params)),
-        slq_(MakeProblem(params), Seconds(params), params.slq),
-        cache_(1 + static_cast<std::size_t>(std::lround(params.horizon / period_))) {
-    SetTerminalCost(params);
+      : Impl(params), slq_(MakeProblem(params), StepsInSeconds(params), params.slq) {
+    if (params.terminal == TerminalCost::kRiccati) SetCostToGo();
   }
-  std::unique_ptr<CdprMpcSolver::Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
-
-  SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) override {
-    const double elapsed = time - plan.start;
-    auto& policy = slq_.policy();
-    for (std::size_t k = 0; k < policy.size(); ++k) {
-      policy[k].x = plan.nodes[k].x;
-      policy[k].u = plan.nodes[k].u;
-      policy[k].K = plan.nodes[k].K;
-    }
-    if (elapsed > 0) slq_.Shift(elapsed);
-    SetTargets(time);
-    // The angles next to those of the reference.
-    for (int i = 9; i < 12; ++i) {
-      constexpr double kTurn = 2 * std::numbers::pi;
-      x[i] -= kTurn * std::round((x[i] - slq_.problem().targets[0].x[i]) / kTurn);
-    }
-    const SlqReport report = slq_.Solve(x);
-    plan.start = time;
-    for (std::size_t k = 0; k < policy.size(); ++k) {
-      plan.nodes[k].x = policy[k].x;
-      plan.nodes[k].u = policy[k].u;
-      plan.nodes[k].K = policy[k].K;
-    }
-    return report;
-  }
+  std::unique_ptr<Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
 
  private:
-  static std::vector<double> Seconds(const CdprMpcParams& params) {
-    std::vector<double> seconds;
-    for (const int step : CdprMpcSolver::Steps(params)) seconds.push_back(step * params.rate.period());
-    return seconds;
-  }
   static Problem MakeProblem(const CdprMpcParams& params) {
     Problem problem(params.path->robot(), params.num_steps);
     problem.Q = Diagonal(params.path->robot(), params.weights);
     problem.R.setConstant(params.weights.tension);
-    problem.Q_f = Diagonal(params.path->robot(), params.terminal_weights).asDiagonal();
+    problem.Q_f.diagonal() = Diagonal(params.path->robot(), params.terminal_weights);
     return problem;
   }
-  void SetTerminalCost(const CdprMpcParams& params) {
-    if (params.terminal == TerminalCost::kGiven) return;
-    Problem& problem = slq_.problem();
-    const CdprReference rest = path_->At(path_->path().start_time());
+  void SetCostToGo() {
+    const CdprReference rest = path().At(path().path().start_time());
     CentroidalState x = CentroidalState::Zero(), next;
     x.segment<3>(6) = rest.position;
     x.tail<3>() = rest.euler;
+    typename Problem::Input u;
+    CopyEntries(rest.tension, u);
     typename RungeKutta<Problem>::Tangent tangent;
-    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period_, x, rest.tension, next,
-                                    tangent);
-    problem.Q_f = SolveDiscreteRiccati(tangent.template leftCols<12>(), tangent.template rightCols<n>(),
-                                       (period_ * problem.Q).asDiagonal().toDenseMatrix(),
-                                       (period_ * problem.R).asDiagonal().toDenseMatrix());
+    Problem& problem = slq_.problem();
+    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period(), x, u, next, tangent);
+    problem.Q_f = CostToGo(tangent, problem.Q, problem.R, period());
   }
 
-  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again.
-  void SetTargets(double time) {
-    const long now = std::lround(time / period_);
-    long index = 0;
-    for (std::size_t k = 0; k < slq_.problem().targets.size(); ++k) {
-      Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
-      if (cached.time != time + index * period_) {
-        cached.time = time + index * period_;
-        SetTarget(ReferenceAt(*path_, cached.time), cached.target);
-      }
-      slq_.problem().targets[k] = cached.target;
-      if (k < steps_.size()) index += steps_[k];
+  SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
+                    CdprPlan& plan) override {
+    auto& policy = slq_.policy();
+    for (std::size_t k = 0; k < policy.size(); ++k) {
+      policy[k].x = plan.nodes[k].x;
+      CopyEntries(plan.nodes[k].u, policy[k].u);
+      CopyEntries(plan.nodes[k].K, policy[k].K);
     }
-  }
-  void SetTarget(const Reference& reference, typename Problem::Target& target) const {
-    const CdprDescription& robot = path_->robot();
-    const CableProperties& cable = robot.cable;
-    const typename Problem::Input reel = robot.winch.reel_damping * reference.length_rate;
-    target.x = reference.x;
-    target.lower = (reel.array() + cable.tension_min).cwiseMax(cable.tension_min);
-    target.upper = (reel.array() + cable.tension_max).cwiseMin(cable.tension_max);
-    target.u.setZero();
-    if (equilibrium_input_) target.u = reference.u;
+    if (elapsed > 0) slq_.Shift(elapsed);
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      auto& target = slq_.problem().targets[k];
+      target.x = targets[k].x;
+      CopyEntries(targets[k].u, target.u);
+      CopyEntries(targets[k].lower, target.lower);
+      CopyEntries(targets[k].upper, target.upper);
+    }
+    const SlqReport report = slq_.Solve(x);
+    for (std::size_t k = 0; k < policy.size(); ++k) {
+      plan.nodes[k].x = policy[k].x;
+      CopyEntries(policy[k].u, plan.nodes[k].u);
+      CopyEntries(policy[k].K, plan.nodes[k].K);
+    }
+    return report;
   }
 
-  std::shared_ptr<const EquilibriumPath> path_;
-  bool equilibrium_input_;
-  double period_;
-  std::vector<int> steps_;
   Slq<Problem> slq_;
-  struct Cached {
-    double time = -1;
-    typename Problem::Target target;
-  };
-  std::vector<Cached> cache_;
 };
 
 std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {

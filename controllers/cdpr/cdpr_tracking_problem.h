@@ -37,13 +37,17 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
     const Target& target = targets[k];
     return ((x - target.x).cwiseAbs2().dot(Q) + (u - target.u).cwiseAbs2().dot(R)) / 2;
   }
-  void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, StateMatrix& Hxx,
+  [[gnu::always_inline]] void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, StateMatrix& Hxx,
                     Eigen::Matrix<double, n, n>& Huu) const {
     const Target& target = targets[k];
-    gx += h * Q.cwiseProduct(x - target.x);
-    gu += h * R.cwiseProduct(u - target.u);
-    Hxx.diagonal() += h * Q;
-    Huu.diagonal() += h * R;
+    for (int i = 0; i < 12; ++i) {
+      gx[i] += h * (Q[i] * (x[i] - target.x[i]));
+      Hxx(i, i) += h * Q[i];
+    }
+    for (int i = 0; i < n; ++i) {
+      gu[i] += h * (R[i] * (u[i] - target.u[i]));
+      Huu(i, i) += h * R[i];
+    }
   }
   double TerminalCost(const State& x) const {
     const State error = x - targets.back().x;

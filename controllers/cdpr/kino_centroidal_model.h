@@ -44,11 +44,17 @@ class KinoCentroidalModel {
     void Multiply(const Tangent& tangent, Tangent& rate) const;
     void MultiplyIdentity(Tangent& rate) const {
       rate.setZero();
-      rate.template block<6, 6>(0, 6) = momentum_by_pose;
-      rate.template topRightCorner<6, n>() = momentum_by_tension;
-      rate.template block<3, 3>(6, 0).setIdentity();
-      rate.template block<3, 3>(9, 3) = euler_by_momentum;
-      rate.template block<3, 3>(9, 9) = euler_by_euler;
+      for (int r = 0; r < 6; ++r) {
+        for (int c = 0; c < 6; ++c) rate(r, 6 + c) = momentum_by_pose(r, c);
+        for (int c = 0; c < n; ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
+      }
+      for (int r = 0; r < 3; ++r) {
+        rate(6 + r, r) = 1;
+        for (int c = 0; c < 3; ++c) {
+          rate(9 + r, 3 + c) = euler_by_momentum(r, c);
+          rate(9 + r, 9 + c) = euler_by_euler(r, c);
+        }
+      }
     }
   };
 

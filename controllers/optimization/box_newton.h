@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 namespace tenon {
@@ -30,38 +31,41 @@ class BoxNewton {
 
   /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
   /// something is not finite, or after 50 iterations without end.
-  bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper, Vector& x) {
+  [[gnu::noinline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper, Vector& x) {
     constexpr int kMaxIterations = 50, kMaxHalvings = 30;
     constexpr double kSufficientDecrease = 0.1;
-    x = x.cwiseMax(lower).cwiseMin(upper);
-    const double scale = 1e-12 * (1 + g.cwiseAbs().maxCoeff());
+    const Eigen::Index size = x.size();
+    for (Eigen::Index i = 0; i < size; ++i) x[i] = std::min(std::max(x[i], lower[i]), upper[i]);
+    const double scale = 1e-12 * (1 + Largest(g));
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       gradient_ = g;
       gradient_.noalias() += H * x;
       bool changed = iteration == 0;
-      for (Eigen::Index i = 0; i < x.size(); ++i) {
+      for (Eigen::Index i = 0; i < size; ++i) {
         const double is_free =
             (x[i] <= lower[i] && gradient_[i] > 0) || (x[i] >= upper[i] && gradient_[i] < 0) ? 0 : 1;
         changed = changed || is_free != free_[i];
         free_[i] = is_free;
       }
       if (changed && !Factor(H)) return false;
-      step_ = -gradient_.cwiseProduct(free_);
-      const double steepest = step_.cwiseAbs().maxCoeff();
+      for (Eigen::Index i = 0; i < size; ++i) step_[i] = -(gradient_[i] * free_[i]);
+      const double steepest = Largest(step_);
       if (!(steepest < kHuge)) return false;
       if (steepest <= scale) return true;
       Substitute(step_.data());
       double alpha = 1;
       for (int halving = 0; halving <= kMaxHalvings; ++halving, alpha /= 2) {
-        trial_ = (x + alpha * step_).cwiseMax(lower).cwiseMin(upper);
+        for (Eigen::Index i = 0; i < size; ++i) {
+          trial_[i] = std::min(std::max(x[i] + alpha * step_[i], lower[i]), upper[i]);
+          change_[i] = trial_[i] - x[i];
+        }
         // The change of the cost, from gradient and Hessian at x: no cancellation of large numbers.
-        change_ = trial_ - x;
         const double slope = gradient_.dot(change_);
         curvature_.noalias() = H * change_;
         if (slope + change_.dot(curvature_) / 2 <= kSufficientDecrease * slope) break;
       }
       x = trial_;
-      if (change_.cwiseAbs().maxCoeff() <= 1e-15 * (1 + x.cwiseAbs().maxCoeff())) return true;  // rounding
+      if (Largest(change_) <= 1e-15 * (1 + Largest(x))) return true;  // rounding
     }
     return false;
   }
@@ -82,33 +86,40 @@ class BoxNewton {
   /// others it becomes the transpose: how the solution moves when g moves by G y, as long as the same entries
   /// are free.
   template <class Derived>
-  void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
-    const Eigen::Index size = free_.size();
+  [[gnu::noinline]] void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
+    const Eigen::Index size = free_.size(), rows = C.rows();
+    const auto scale = [&](Eigen::Index j, double factor) {
+      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) *= factor;
+    };
+    const auto subtract = [&](Eigen::Index j, double factor, Eigen::Index k) {
+      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) -= factor * C(r, k);
+    };
     for (Eigen::Index j = 0; j < size; ++j) {
-      C.col(j) *= -free_[j];
-      for (Eigen::Index k = 0; k < j; ++k) C.col(j) -= masked_(j, k) * C.col(k);
-      C.col(j) *= masked_(j, j);
+      scale(j, -free_[j]);
+      for (Eigen::Index k = 0; k < j; ++k) subtract(j, masked_(j, k), k);
+      scale(j, masked_(j, j));
     }
     for (Eigen::Index j = size - 1; j >= 0; --j) {
-      for (Eigen::Index k = j + 1; k < size; ++k) C.col(j) -= masked_(k, j) * C.col(k);
-      C.col(j) *= masked_(j, j);
+      for (Eigen::Index k = j + 1; k < size; ++k) subtract(j, masked_(k, j), k);
+      scale(j, masked_(j, j));
     }
   }
 
  private:
   static constexpr double kHuge = 1e300;
 
+  static double Largest(const Vector& v) { return v.cwiseAbs().maxCoeff(); }
+
   // H with the rows and columns of held entries replaced by those of the unit matrix.
-  bool Factor(const Matrix& H) {
+  [[gnu::noinline]] bool Factor(const Matrix& H) {
     masked_ = H;
-    for (Eigen::Index i = 0; i < free_.size(); ++i) {
+    const Eigen::Index size = free_.size();
+    for (Eigen::Index i = 0; i < size; ++i) {
       if (free_[i] != 0) continue;
-      masked_.row(i).setZero();
-      masked_.col(i).setZero();
+      for (Eigen::Index j = 0; j < size; ++j) masked_(i, j) = masked_(j, i) = 0;
       masked_(i, i) = 1;
     }
     // Cholesky, with the reciprocals of the diagonal.
-    const Eigen::Index size = free_.size();
     for (Eigen::Index j = 0; j < size; ++j) {
       for (Eigen::Index k = 0; k < j; ++k)
         for (Eigen::Index i = j; i < size; ++i) masked_(i, j) -= masked_(i, k) * masked_(j, k);
@@ -121,7 +132,7 @@ class BoxNewton {
   }
 
   // x <- (L L^T)^{-1} x
-  void Substitute(double* x) const {
+  [[gnu::always_inline]] void Substitute(double* x) const {
     const Eigen::Index size = free_.size();
     for (Eigen::Index j = 0; j < size; ++j) {
       x[j] *= masked_(j, j);

@@ -79,21 +79,24 @@ class RungeKutta {
             Tangent& tangent) {
     const Tableau& tableau = TableauOf(method);
     next = x;
-    tangent.setIdentity();
+    tangent.setZero();
+    for (Eigen::Index j = 0; j < tangent.rows(); ++j) tangent(j, j) = 1;
     for (int i = 0; i < tableau.stages; ++i) {
       if (i == 0) {
         system.Linearize(x, u, k_, f_);
         f_.MultiplyIdentity(K_);
       } else {
         at_ = x + (tableau.a[i] * h) * k_;
-        S_ = (tableau.a[i] * h) * K_;
-        S_.diagonal().array() += 1;
+        const double scale = tableau.a[i] * h;
+        for (Eigen::Index j = 0; j < S_.size(); ++j) S_.data()[j] = scale * K_.data()[j];
+        for (Eigen::Index j = 0; j < S_.rows(); ++j) S_(j, j) += 1;
         system.Linearize(at_, u, k_, f_);
         f_.Multiply(S_, K_);
       }
       if (tableau.b[i] == 0) continue;
-      next += (tableau.b[i] * h) * k_;
-      tangent += (tableau.b[i] * h) * K_;
+      const double weight = tableau.b[i] * h;
+      next += weight * k_;
+      for (Eigen::Index j = 0; j < K_.size(); ++j) tangent.data()[j] += weight * K_.data()[j];
     }
   }
 

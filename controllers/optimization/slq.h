@@ -7,6 +7,7 @@
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <concepts>
 #include <string>
 #include <utility>
@@ -109,7 +110,10 @@ class Slq {
     double cost = 0;
   };
 
-  void Clamp(int k, Input& u) const { u = u.cwiseMax(problem_.Lower(k)).cwiseMin(problem_.Upper(k)); }
+  void Clamp(int k, Input& u) const {
+    const Input &lower = problem_.Lower(k), &upper = problem_.Upper(k);
+    for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::min(std::max(u[i], lower[i]), upper[i]);
+  }
   bool Linearize(const State& x0, bool with_policy);  ///< along a roll-out; the result is nominal_
   bool Backward(double mu);
   bool RollOut(double alpha);  ///< of nominal_ with increments and feedback; the result is candidate_

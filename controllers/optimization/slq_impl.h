@@ -2,6 +2,8 @@
 
 // The bodies of slq.h.
 
+#include <tenon/controllers/optimization/slq.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,30 +19,43 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
   const int states = problem_.num_states(), inputs = problem_.num_inputs();
   if (steps_.empty()) throw ParameterError("Slq: there are no steps; give at least one");
   if (options_.max_iterations < 1) throw ParameterError("Slq: max_iterations must be at least 1");
-  policy_.assign(steps_.size() + 1,
-                 {0, State::Zero(states), Input::Zero(inputs), Gain::Zero(inputs, states)});
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
+  const std::size_t count = steps_.size();
+  policy_.resize(count + 1);
+  for (Node& node : policy_) {
+    node.x.setZero(states);
+    node.u.setZero(inputs);
+    node.K.setZero(inputs, states);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
     if (!(steps_[k] > 0 && std::isfinite(steps_[k])))
       throw ParameterError("Slq: step " + std::to_string(k) + " is " + std::to_string(steps_[k]) +
                            " s; the steps must be positive");
     policy_[k + 1].time = policy_[k].time + steps_[k];
   }
-  nominal_.x.assign(steps_.size() + 1, State::Zero(states));
-  nominal_.u.assign(steps_.size(), Input::Zero(inputs));
-  candidate_ = nominal_;
-  tangents_.assign(steps_.size(), Tangent::Zero(states, states + inputs));
-  increment_.assign(steps_.size(), Input::Zero(inputs));
-  gain_.assign(steps_.size(), Gain::Zero(inputs, states));
-  gx_ = Vx_ = dx_ = State::Zero(states);
-  gu_ = du_ = lower_ = upper_ = Input::Zero(inputs);
-  V_ = StateMatrix::Zero(states, states);
-  VT_ = tangents_[0];
-  transposed_ = VT_.transpose();
+  for (Trajectory* trajectory : {&nominal_, &candidate_}) {
+    trajectory->x.resize(count + 1);
+    trajectory->u.resize(count);
+    for (State& x : trajectory->x) x.setZero(states);
+    for (Input& u : trajectory->u) u.setZero(inputs);
+  }
+  tangents_.resize(count);
+  increment_.resize(count);
+  gain_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    tangents_[k].setZero(states, states + inputs);
+    increment_[k].setZero(inputs);
+    gain_[k].setZero(inputs, states);
+  }
+  for (State* x : {&gx_, &Vx_, &dx_}) x->setZero(states);
+  for (Input* u : {&gu_, &du_, &lower_, &upper_}) u->setZero(inputs);
+  for (StateMatrix* A : {&V_, &decrease_}) A->setZero(states, states);
+  VT_.setZero(states, states + inputs);
+  transposed_.setZero(states + inputs, states);
   H_.setZero(states + inputs, states + inputs);
   Huu_.setZero(inputs, inputs);
-  Hux_ = gain_[0];
-  Hxu_ = Kt_ = Hux_.transpose();
-  decrease_ = V_;
+  Hux_.setZero(inputs, states);
+  Hxu_.setZero(states, inputs);
+  Kt_.setZero(states, inputs);
 }
 
 template <SlqProblem P>
@@ -61,9 +76,9 @@ void Slq<P>::Shift(double elapsed) {
     while (j + 2 < policy_.size() && policy_[j + 1].time <= time) ++j;
     const Node &a = policy_[j], &b = policy_[j + 1];
     const double s = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
-    policy_[i].x = (1 - s) * a.x + s * b.x;
-    policy_[i].u = (1 - s) * a.u + s * b.u;
-    policy_[i].K = (1 - s) * a.K + s * b.K;
+    internal::Interpolate(a.x, b.x, s, policy_[i].x);
+    internal::Interpolate(a.u, b.u, s, policy_[i].u);
+    internal::Interpolate(a.K, b.K, s, policy_[i].K);
   }
 }
 
@@ -109,29 +124,35 @@ TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
   for (int k = num_steps() - 1; k >= 0; --k) {
     // [A B]^T V [A B] and [A B]^T Vx
     internal::Multiply(V_, tangents_[k], VT_);
-    transposed_ = tangents_[k].transpose();
+    internal::Transpose(tangents_[k], transposed_);
     internal::MultiplyLower(transposed_, VT_, H_);
     gx_ = transposed_.topRows(states).lazyProduct(Vx_);
     gu_ = transposed_.bottomRows(inputs).lazyProduct(Vx_);
-    V_ = H_.topLeftCorner(states, states);
-    Hux_ = H_.bottomLeftCorner(inputs, states);
-    Huu_ = H_.bottomRightCorner(inputs, inputs).template selfadjointView<Eigen::Lower>();
+    for (int c = 0; c < states; ++c) {
+      for (int r = 0; r < states; ++r) V_(r, c) = H_(r, c);
+      for (int r = 0; r < inputs; ++r) Hux_(r, c) = H_(states + r, c);
+    }
+    for (int c = 0; c < inputs; ++c)
+      for (int r = c; r < inputs; ++r) Huu_(r, c) = Huu_(c, r) = H_(states + r, states + c);
     problem_.AddStageCost(k, nominal_.x[k], nominal_.u[k], steps_[k], gx_, gu_, V_, Huu_);
 
     Input& du = increment_[k];
     Gain& K = gain_[k];
-    Huu_.diagonal().array() += mu;
+    for (int i = 0; i < inputs; ++i) Huu_(i, i) += mu;
     if (options_.bounds == SlqBounds::kProjectedNewton) {
-      lower_ = problem_.Lower(k) - nominal_.u[k];
-      upper_ = problem_.Upper(k) - nominal_.u[k];
-      du.setZero();
+      for (int i = 0; i < inputs; ++i) {
+        lower_[i] = problem_.Lower(k)[i] - nominal_.u[k][i];
+        upper_[i] = problem_.Upper(k)[i] - nominal_.u[k][i];
+        du[i] = 0;
+      }
       if (!box_.Solve(Huu_, gu_, lower_, upper_, du)) return false;
     } else if (!box_.SolveFree(Huu_, gu_, du)) {
       return false;
     }
-    Hxu_ = Kt_ = Hux_.transpose();
+    internal::Transpose(Hux_, Hxu_);
+    Kt_ = Hxu_;
     box_.Sensitivity(Kt_);
-    K = Kt_.transpose();
+    internal::Transpose(Kt_, K);
 
     slope_ += gu_.dot(du);
     du_ = Huu_.lazyProduct(du);
@@ -155,7 +176,7 @@ bool Slq<P>::RollOut(double alpha) {
     const State& x = candidate_.x[k];
     Input& u = candidate_.u[k];
     dx_ = x - nominal_.x[k];
-    u = nominal_.u[k] + alpha * increment_[k];
+    for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = nominal_.u[k][i] + alpha * increment_[k][i];
     u.noalias() += gain_[k] * dx_;
     Clamp(k, u);
     candidate_.cost += steps_[k] * problem_.StageCost(k, x, u);

@@ -38,7 +38,7 @@ template <int rows, int inner, int columns>
 [[gnu::always_inline]] inline void Product(const double* A, int lda, const double* B, int ldb,
                                            double* __restrict C, int ldc) {
   constexpr int packets = rows / 4, rest = 4 * packets;
-  constexpr int width = columns % 2 == 0 ? 2 : 1;  // columns at a time
+  constexpr int width = columns % 4 == 0 && packets <= 3 ? 4 : columns % 2 == 0 ? 2 : 1;  // columns at a time
   for (int j = 0; j < columns; j += width) {
     Packet c[width][packets + 1] = {};
     double tail[width][4] = {};
@@ -88,6 +88,19 @@ template <class MA, class MB, class MC>
   } else {
     C = A.lazyProduct(B);
   }
+}
+
+/// B = A^T
+template <class MA, class MB>
+[[gnu::always_inline]] inline void Transpose(const MA& A, MB& B) {
+  for (Eigen::Index c = 0; c < A.cols(); ++c)
+    for (Eigen::Index r = 0; r < A.rows(); ++r) B(c, r) = A(r, c);
+}
+
+/// C = (1 - s) A + s B
+template <class M>
+void Interpolate(const M& A, const M& B, double s, M& C) {
+  for (Eigen::Index i = 0; i < C.size(); ++i) C.data()[i] = (1 - s) * A.data()[i] + s * B.data()[i];
 }
 
 }  // namespace tenon::internal
