@@ -61,7 +61,8 @@ Reference ReferenceAt(const EquilibriumPath& path, double time) {
 /// Of the linear problem x' = [A B] [x ; u] at the costs Q and R per second, diagonals, for ever.
 Eigen::Matrix<double, 12, 12> CostToGo(const Eigen::Ref<const Eigen::MatrixXd>& AB, const CentroidalState& Q,
                                        const Eigen::Ref<const Eigen::VectorXd>& R, double period) {
-  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(R.size()), Eigen::MatrixXd((period * Q).asDiagonal()),
+  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(R.size()),
+                              Eigen::MatrixXd((period * Q).asDiagonal()),
                               Eigen::MatrixXd((period * R).asDiagonal()));
 }
 

@@ -37,8 +37,9 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
     const Target& target = targets[k];
     return ((x - target.x).cwiseAbs2().dot(Q) + (u - target.u).cwiseAbs2().dot(R)) / 2;
   }
-  [[gnu::always_inline]] void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, StateMatrix& Hxx,
-                    Eigen::Matrix<double, n, n>& Huu) const {
+  [[gnu::always_inline]] void AddStageCost(int k, const State& x, const Input& u, double h, State& gx,
+                                           Input& gu, StateMatrix& Hxx,
+                                           Eigen::Matrix<double, n, n>& Huu) const {
     const Target& target = targets[k];
     for (int i = 0; i < 12; ++i) {
       gx[i] += h * (Q[i] * (x[i] - target.x[i]));

@@ -31,7 +31,8 @@ class BoxNewton {
 
   /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
   /// something is not finite, or after 50 iterations without end.
-  [[gnu::noinline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper, Vector& x) {
+  [[gnu::noinline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper,
+                               Vector& x) {
     constexpr int kMaxIterations = 50, kMaxHalvings = 30;
     constexpr double kSufficientDecrease = 0.1;
     const Eigen::Index size = x.size();

@@ -52,7 +52,8 @@ Context::Context(const Context& other, const internal::Program& program)
       fixed_(other.fixed_),
       started_(other.started_),
       next_step_(other.next_step_),
-      last_error_(other.last_error_) {
+      last_error_(other.last_error_),
+      step_start_(other.step_start_) {
   std::memcpy(memory_.get(), other.memory_.get(), program.bitwise_end);
   for (const Cell& cell : program.objects) {
     const Source& source = *cell.source;
@@ -174,7 +175,10 @@ bool Context::IsFresh(const Op& op) const {
   return op.varies ? stamps_[op.calculation] == instant_ : stamps_[op.calculation] != 0;
 }
 
+/// After a change by hand: nothing that was computed holds.
 void Context::MarkAllStale() {
+  ++edition_;
+  step_start_.valid = false;
   const auto& calculations = diagram_.program().calculations;
   for (std::size_t i = 0; i < calculations.size(); ++i) {
     const Source& source = *calculations[i].source;

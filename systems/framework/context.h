@@ -123,10 +123,20 @@ class Context {
   std::uint64_t instant_ = 1;
   std::vector<bool> fixed_;  ///< which open inputs have been set
 
+  /// Counts what anybody but the run has changed.
+  std::uint64_t edition_ = 0;
+
   // Progress of a run, and what the step size control remembers.
   bool started_ = false;
   double next_step_ = 0;
   double last_error_ = 0;
+  /// Where the integrator has to begin to come here again, if the context is inside a step or at its end:
+  /// with these states, a step of this size and these memories of the step size control.
+  struct StepStart {
+    bool valid = false;
+    double time = 0, size = 0, next_step = 0, last_error = 0;
+    std::vector<double> states = {};
+  } step_start_;
 };
 
 }  // namespace tenon

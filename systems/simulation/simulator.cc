@@ -25,6 +25,11 @@ double Rounding(double time) {
   return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
 }
 
+/// A rounding error of the time.
+double Tiny(double time) {
+  return 1e-14 * (1 + std::abs(time));
+}
+
 /// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
 constexpr double kInstant = 1e-7;
 
@@ -56,9 +61,13 @@ double Simulator::next_tick_time() const {
 
 void Simulator::AddLog(Rate rate, std::vector<const Source*> signals,
                        std::vector<std::shared_ptr<LogSink>> sinks) {
-  logs_.push_back(
-      std::make_unique<RatedLog>(RatedLog{rate, SignalLog(*context_, std::move(signals), std::move(sinks))}));
-  RebuildSchedule();
+  auto same = std::find_if(logs_.begin(), logs_.end(), [&](const RatedLog& log) { return log.rate == rate; });
+  if (same == logs_.end()) {
+    logs_.push_back({rate, {}});
+    RebuildSchedule();
+    same = logs_.end() - 1;
+  }
+  same->logs.push_back(std::make_unique<SignalLog>(*context_, std::move(signals), std::move(sinks)));
 }
 
 std::shared_ptr<MemoryLog> Simulator::AddLog(Rate rate, std::vector<const Source*> signals) {
@@ -69,19 +78,20 @@ std::shared_ptr<MemoryLog> Simulator::AddLog(Rate rate, std::vector<const Source
 
 void Simulator::RebuildSchedule() {
   std::vector<internal::SampleGroup> entries = program_.groups;
-  for (const auto& log : logs_) {
-    entries.push_back({{log->rate.numerator(), log->rate.denominator()}, {0, 1}, "log"});
+  for (const RatedLog& log : logs_) {
+    entries.push_back({{log.rate.numerator(), log.rate.denominator()}, {0, 1}, "a log"});
   }
-  if (entries.size() > 64)
-    throw BuildError("more than 64 different sample times and logs: give logs the same rate");
-  schedule_ = std::make_unique<internal::Schedule>(std::move(entries));
+  schedule_ = std::make_unique<internal::Schedule>(entries);
   schedule_->MoveTo(context_->time(), !context_->started_);
+  due_.reserve(entries.size());
 }
 
 /// Finds the place in the schedule again after the context was restored or set by hand.
 void Simulator::Synchronize() {
-  if (synchronized_time_ == context_->time() && context_->started_) return;
+  if (known_edition_ == context_->edition_ && context_->started_) return;
+  known_edition_ = context_->edition_;
   schedule_->MoveTo(context_->time(), !context_->started_);
+  step_ends_ = false;
   end_reason_.reset();
   pace_start_.reset();
 }
@@ -114,7 +124,6 @@ RunStatus Simulator::AdvanceTo(double time) {
       if (tick && !end_reason_) Tick();
       KeepPace();
     }
-    synchronized_time_ = context_->time();
   } catch (...) {
     FlushLogs();
     throw;
@@ -133,52 +142,98 @@ void Simulator::Start() {
   }
 }
 
-void Simulator::IntegrateTo(double end) {
+/// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator
+/// runs ahead, step by step if something is to be read on the way; what follows a step happens where it ends.
+void Simulator::IntegrateTo(double target) {
   const bool each_step = !program_.each_step.empty() || !program_.each_step_verdicts.empty();
   if (program_.num_continuous == 0 && program_.witness_plans.empty() && !each_step) {
-    context_->SetRunTime(end);
+    context_->SetRunTime(target);
     return;
   }
-  // What rounding leaves over, behind a root say, is no interval that could be integrated.
-  const auto goes_on = [&] { return end - context_->time() > 1e-14 * (1 + std::abs(end)) && !end_reason_; };
-  context_->RunStale(program_.held);
-  if (goes_on()) integrator_->Restart(end);
-  while (goes_on()) {
-    const SundialsIntegrator::Stop stop = integrator_->Advance(each_step);
-    if (each_step) AfterStep();
-    if (stop == SundialsIntegrator::Stop::kRoot) HandleRoots();
-    const bool changed = stop == SundialsIntegrator::Stop::kRoot || !program_.each_step.empty();
-    if (changed && goes_on()) {
+  const double horizon = schedule_->next_feeding_time();
+  const bool by_step = each_step || !program_.witness_plans.empty() || horizon - target > Tiny(target);
+  for (long steps = 0; !end_reason_;) {
+    // What rounding leaves over, behind a root say, is no interval that could be integrated.
+    if (!step_ends_ && target - context_->time() <= Tiny(target)) break;
+    if (!integrator_->can_go_on()) {
       context_->RunStale(program_.held);
-      integrator_->Restart(end);
+      integrator_->Start(horizon);
+      step_ends_ = integrator_->finish() > context_->time();
     }
+    if (integrator_->finish() > target + Tiny(target)) {
+      integrator_->MoveContext(target);
+      return;
+    }
+    if (step_ends_) {
+      EndStep();
+      continue;
+    }
+    if (by_step && ++steps > options_.max_steps) integrator_->ThrowTooManySteps();
+    root_ = integrator_->Advance(by_step) == SundialsIntegrator::Stop::kRoot;
+    step_ends_ = true;
   }
-  if (context_->time() < end && !end_reason_) context_->SetRunTime(end);
+  if (context_->time() < target && !end_reason_) context_->SetRunTime(target);
+}
+
+/// Moves to where the integrator has come, and does what follows a step.
+void Simulator::EndStep() {
+  step_ends_ = false;
+  integrator_->MoveContext(integrator_->finish());
+  // A root inside a step ends it if the integrator has to start again there.
+  if (!root_ || RootsFeed()) {
+    Judge(program_.each_step_monitors, program_.each_step_verdicts);
+    Apply(program_.each_step);
+  }
+  if (root_) HandleRoots();
+}
+
+bool Simulator::RootsFeed() const {
+  const std::vector<int>& roots = integrator_->roots();
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    if (roots[i] != 0 && program_.witness_plans[i].updates.feeds) return true;
+  }
+  return false;
+}
+
+void Simulator::Apply(const internal::UpdatePlan& plan) {
+  context_->Apply(plan);
+  if (plan.feeds) integrator_->Halt();
+}
+
+const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
+  for (const auto& plan : plans_) {
+    if (plan->groups == due) return *plan;
+  }
+  plans_.push_back(std::make_unique<TickPlan>(program_.MakeTick(due)));
+  return *plans_.back();
 }
 
 /// The first tick of a run gives samples the values that witnesses may read; the others may change them.
 void Simulator::Tick(bool first) {
-  const std::uint64_t due = schedule_->Take();
-  const std::uint64_t own =
-      program_.groups.empty() ? 0 : due & (~std::uint64_t{0} >> (64 - program_.groups.size()));
-  if (!first) EvaluateWitnesses(witness_values_);
-  const TickPlan* plan = nullptr;
-  if (own != 0) {
-    plan = &*std::lower_bound(program_.ticks.begin(), program_.ticks.end(), own,
-                              [](const TickPlan& tick, std::uint64_t mask) { return tick.groups < mask; });
+  const auto num_groups = static_cast<int>(program_.groups.size());
+  const std::vector<int>& due = schedule_->Take();
+  const auto logs_begin = std::lower_bound(due.begin(), due.end(), num_groups);
+  due_.assign(due.begin(), logs_begin);
+  const TickPlan* plan = due_.empty() ? nullptr : &PlanFor(due_);
+  const bool feeds = plan != nullptr && plan->feeds;
+  if (feeds && !first) EvaluateWitnesses(witness_values_);
+  if (plan != nullptr) {
     context_->Invalidate(plan->invalidates);
     context_->RunStale(plan->outputs);
     CheckSamples(*plan);
   }
-  for (std::size_t i = 0; i < logs_.size(); ++i) {
-    if (due >> (program_.groups.size() + i) & 1) logs_[i]->log.Sample();
+  for (auto log = logs_begin; log != due.end(); ++log) {
+    for (const auto& each : logs_[static_cast<std::size_t>(*log - num_groups)].logs) each->Sample();
   }
   if (first) EvaluateWitnesses(witness_values_);
   if (plan != nullptr) {
     Judge(plan->monitors, plan->verdicts);
     context_->Apply(plan->updates);
   }
-  if (!program_.witness_plans.empty()) HandleJumps();
+  if (feeds) {
+    integrator_->Halt();
+    HandleJumps();
+  }
 }
 
 /// A sampled NaN would be held and spoil everything downstream: it is reported where it arises.
@@ -207,11 +262,6 @@ void Simulator::Judge(const internal::OpList& ops, const std::vector<const Sourc
   }
 }
 
-void Simulator::AfterStep() {
-  Judge(program_.each_step_monitors, program_.each_step_verdicts);
-  context_->Apply(program_.each_step);
-}
-
 void Simulator::EvaluateWitnesses(std::vector<double>& values) {
   if (values.empty()) return;
   context_->RunStale(program_.held);
@@ -233,7 +283,7 @@ void Simulator::Fire(std::size_t witness) {
                     "from the crossing",
                     plan.witness->path(), events.count, now));
   }
-  context_->Apply(plan.updates);
+  Apply(plan.updates);
 }
 
 void Simulator::HandleRoots() {
@@ -249,6 +299,7 @@ void Simulator::HandleRoots() {
 
 /// Fires the witnesses whose sign differs from the last look, until none does.
 void Simulator::HandleJumps() {
+  if (witness_values_.empty()) return;
   for (bool fired = true; fired;) {
     fired = false;
     EvaluateWitnesses(new_witness_values_);
@@ -273,7 +324,9 @@ void Simulator::KeepPace() {
 }
 
 void Simulator::FlushLogs() {
-  for (const auto& log : logs_) log->log.Flush();
+  for (const RatedLog& log : logs_) {
+    for (const auto& each : log.logs) each->Flush();
+  }
 }
 
 }  // namespace tenon

@@ -17,7 +17,8 @@ class SundialsIntegrator;
 
 namespace internal {
 class Schedule;
-}
+struct UpdatePlan;
+}  // namespace internal
 
 /// How an advance ended.
 struct RunStatus {
@@ -43,17 +44,19 @@ class Simulator {
   Context& context() { return *context_; }
   const Context& context() const { return *context_; }
 
-  /// Logs ports and states at a rate. Ticks of a log end integration steps, as all ticks do.
+  /// Logs ports and states at a rate. What it logs is read from inside the integrator's steps: no log changes
+  /// the run.
   void AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
   /// The same into memory.
   std::shared_ptr<MemoryLog> AddLog(Rate rate, std::vector<const Source*> signals);
 
   /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
   RunStatus Initialize();
-  /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors. A time
-  /// that is no tick cuts a step in two and so changes the last digits of what follows. Throws RunError: what
-  /// a block threw, the first value that is not finite, the integrator's failure with its worst state, or
-  /// events without end.
+  /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors.
+  /// However a run is divided into advances, it is the same run: where `time` lies inside a step of the
+  /// integrator, which steps past it, the states are read from there, with about its accuracy. Throws
+  /// RunError: what a block threw, the first value that is not finite, the integrator's failure with its
+  /// worst state, or events without end.
   RunStatus AdvanceTo(double time);
   /// Time of the next tick [s], infinity if there is none.
   double next_tick_time() const;
@@ -63,10 +66,13 @@ class Simulator {
  private:
   void Synchronize();
   void RebuildSchedule();
-  void IntegrateTo(double end);
+  void IntegrateTo(double target);
+  void EndStep();
+  bool RootsFeed() const;
   void Start();
   void Tick(bool first = false);
-  void AfterStep();
+  const internal::TickPlan& PlanFor(const std::vector<int>& due);
+  void Apply(const internal::UpdatePlan& plan);
   void HandleRoots();
   void HandleJumps();
   void Fire(std::size_t witness);
@@ -81,13 +87,17 @@ class Simulator {
   const internal::Program& program_;
   std::unique_ptr<SundialsIntegrator> integrator_;
   std::unique_ptr<internal::Schedule> schedule_;
-  double synchronized_time_ = -1;
+  std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< those that have occurred
+  std::vector<int> due_;                                    ///< groups at a tick, logs left out
+  std::uint64_t known_edition_ = 0;                         ///< of the context, at the last advance's end
+  bool step_ends_ = false;  ///< what follows a step is due where the integrator has come to
+  bool root_ = false;       ///< and it is a root
 
   struct RatedLog {
     Rate rate;
-    SignalLog log;
+    std::vector<std::unique_ptr<SignalLog>> logs;
   };
-  std::vector<std::unique_ptr<RatedLog>> logs_;
+  std::vector<RatedLog> logs_;
 
   std::vector<double> witness_values_;
   std::vector<double> new_witness_values_;

@@ -41,6 +41,8 @@ struct IntegratorStatistics {
   long steps = 0;
   long failed_steps = 0;
   long evaluations = 0;  ///< of the time derivatives
+  /// Besides: for the states at ticks and ends that lie inside a step.
+  long interpolant_evaluations = 0;
   double last_step = 0;  ///< [s]
   double smallest_step = 0;
   double largest_step = 0;

@@ -14,5 +14,7 @@ class Pd final : public tenon::LeafSystem<PdParams> {
   tenon::OutputPort<double> u{this, {"u", "N"}, tenon::Sampled{params.rate}, tenon::Uses(x, ref), &Pd::CalcU};
 
  private:
-  double CalcU(const tenon::Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd * x[1]; }
+  double CalcU(const tenon::Vec<2>& x, double ref) const {
+    return params.kp * (ref - x[0]) - params.kd * x[1];
+  }
 };

@@ -37,6 +37,7 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
   Order();
   LayOut();
   FillArguments();
+  FindFeeders();
   FindGroups();
   MakePlans();
 }
@@ -163,9 +164,9 @@ void Compiler::Order() {
   for (Source* source : sources_) {
     if (source->run_ != nullptr && !GivesValue(*source)) AddCalculation(*source);
   }
-  affects_.resize(program_.calculations.size());
   for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
-    for (const int used : program_.calculations[i].uses) affects_[used].push_back(static_cast<int>(i));
+    for (const int used : program_.calculations[i].uses)
+      program_.calculations[used].affects.push_back(static_cast<int>(i));
   }
 }
 
@@ -185,7 +186,7 @@ void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
 }
 
 void Compiler::AddCalculation(Source& source) {
-  CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source), 0};
+  CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source)};
   for (const Slot& slot : source.arguments_) {
     if (slot.what == Slot::What::kTime) info.varies = true;
     if (slot.source == nullptr) continue;
@@ -200,7 +201,7 @@ void Compiler::AddCalculation(Source& source) {
   for (const Slot& slot : source.arguments_) {
     if (slot.source == nullptr || info.sampled) continue;
     const Source& origin = slot.source->Resolve();
-    if (origin.kind() == SourceKind::kDiscrete) readers_[&origin].push_back(source.calculation_);
+    if (origin.kind() == SourceKind::kDiscrete) program_.readers[&origin].push_back(source.calculation_);
   }
   program_.calculations.push_back(std::move(info));
 }

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <tenon/systems/framework/internal/program.h>
@@ -37,22 +36,14 @@ class Compiler {
 
   // compiler_plans.cc: what runs when
   void FindGroups();
+  void FindFeeders();
   void MakePlans();
-  void MakeTicks();
-  TickPlan MakeTick(std::uint64_t groups) const;
-  UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
-  void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
-  std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
-  std::uint64_t GroupMask(const Source& source) const;
 
   bool open_inputs_;
   Program program_;
   std::vector<Source*> sources_;               ///< of all leaves, in order
   std::vector<Source*> ports_;                 ///< of subdiagrams
   std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default
-  /// Discrete state -> calculations, other than samples, that read it.
-  std::unordered_map<const Source*, std::vector<int>> readers_;
-  std::vector<std::vector<int>> affects_;  ///< calculation -> calculations that read its result
 };
 
 }  // namespace tenon::internal

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <tenon/systems/framework/internal/rational.h>
@@ -24,10 +25,12 @@ using OpList = std::vector<Op>;
 struct CalculationInfo {
   const Source* source;
   Op op;
-  std::vector<int> uses;  ///< calculations whose results it reads
-  bool varies;            ///< as in `op`
-  bool sampled;           ///< a sampled output, held between its ticks
-  std::uint64_t group;    ///< bit of the sample group; 0 if not sampled
+  std::vector<int> uses;          ///< calculations whose results it reads
+  bool varies;                    ///< as in `op`
+  bool sampled;                   ///< a sampled output, held between its ticks
+  int group = -1;                 ///< of samples
+  bool feeds = false;             ///< reaches a derivative or a witness, by whatever way
+  std::vector<int> affects = {};  ///< calculations that read its result
 };
 
 /// Calculations that share a sample time.
@@ -35,7 +38,11 @@ struct SampleGroup {
   Rational period;
   Rational offset;
   std::string example;  ///< the path of one member, for messages
+  bool feeds = false;   ///< one of them does: its ticks end a step of the integrator
 };
+
+/// Sample groups that are due together, by their indices, ascending.
+using Groups = std::vector<int>;
 
 /// An update that has been computed takes effect: state = next.
 struct Commit {
@@ -49,12 +56,14 @@ struct UpdatePlan {
   std::vector<Commit> commits;
   std::vector<std::uint32_t> invalidates;  ///< held calculations that the new values make stale
   bool changes_continuous = false;
+  bool feeds = false;  ///< the integrator has to start again afterwards
   bool empty() const { return commits.empty(); }
 };
 
 /// Everything that happens at a tick, for one combination of due sample groups.
 struct TickPlan {
-  std::uint64_t groups;                    ///< bit mask
+  Groups groups;
+  bool feeds = false;                      ///< the integrator has to start again afterwards
   std::vector<std::uint32_t> invalidates;  ///< calculations downstream of the due outputs
   OpList outputs;                          ///< due sampled outputs and what they need, in dataflow order
   std::vector<const Source*> due;          ///< the sampled outputs, for the check for NaN:
@@ -83,7 +92,13 @@ enum class Which { kVarying, kHeld, kAll };
 struct Program {
   /// What `sinks` depend on (themselves included if they are sampled outputs), in dataflow order. Sampled
   /// outputs count only if they are in the `due` groups: the others are held.
-  OpList Needed(const std::vector<const Source*>& sinks, Which which, std::uint64_t due = 0) const;
+  OpList Needed(const std::vector<const Source*>& sinks, Which which, const Groups& due = {}) const;
+  void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
+  /// What has to be computed again when the results of `changed` have changed; they themselves left out.
+  std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
+  UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
+  /// Combinations of due groups are many in principle and few in practice: plans are made when they occur.
+  TickPlan MakeTick(const Groups& due) const;
   /// What the values of `sources` take to compute: what they depend on, and they themselves.
   OpList Evaluation(const std::vector<const Source*>& sources) const;
 
@@ -105,7 +120,8 @@ struct Program {
   std::vector<WitnessPlan> witness_plans;
 
   std::vector<SampleGroup> groups;
-  std::vector<TickPlan> ticks;  ///< ordered by mask
+  /// Discrete state -> calculations, other than samples, that read it.
+  std::unordered_map<const Source*, std::vector<int>> readers;
   UpdatePlan at_start;
   UpdatePlan each_step;
   OpList each_step_monitors;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,9 +12,10 @@
 namespace tenon::internal {
 namespace {
 constexpr std::int64_t kMaxTicksPerSecond = 1'000'000'000'000;
-}
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+}  // namespace
 
-Schedule::Schedule(std::vector<SampleGroup> groups) {
+Schedule::Schedule(const std::vector<SampleGroup>& groups) {
   for (const SampleGroup& group : groups) {
     for (const std::int64_t denominator : {group.period.denominator, group.offset.denominator}) {
       const std::int64_t factor = denominator / std::gcd(per_second_, denominator);
@@ -27,8 +29,10 @@ Schedule::Schedule(std::vector<SampleGroup> groups) {
   }
   for (const SampleGroup& group : groups) {
     const std::int64_t offset = group.offset.numerator * (per_second_ / group.offset.denominator);
-    entries_.push_back({group.period.numerator * (per_second_ / group.period.denominator), offset, offset});
+    entries_.push_back(
+        {group.period.numerator * (per_second_ / group.period.denominator), offset, offset, group.feeds});
   }
+  due_.reserve(entries_.size());
   FindNext();
 }
 
@@ -46,37 +50,31 @@ void Schedule::MoveTo(double time, bool inclusive) {
   FindNext();
 }
 
-std::uint64_t Schedule::Take() {
-  std::uint64_t due = 0;
+const Groups& Schedule::Take() {
+  due_.clear();
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].next != next_tick_) continue;
-    due |= std::uint64_t{1} << i;
+    due_.push_back(static_cast<int>(i));
     entries_[i].next += entries_[i].period;
   }
   FindNext();
-  return due;
+  return due_;
 }
 
-std::int64_t Schedule::cycle_end() const {
-  constexpr std::int64_t kHuge = std::int64_t{1} << 62;
-  std::int64_t cycle = 1, latest_offset = 0;
-  for (const Entry& entry : entries_) {
-    latest_offset = std::max(latest_offset, entry.offset);
-    const std::int64_t factor = entry.period / std::gcd(cycle, entry.period);
-    if (cycle > kHuge / factor) return kHuge;
-    cycle *= factor;
-  }
-  return latest_offset + cycle;
+double Schedule::Time(std::int64_t tick) const {
+  return tick == kNever ? std::numeric_limits<double>::infinity()
+                        : static_cast<double>(tick) / static_cast<double>(per_second_);
 }
 
 void Schedule::FindNext() {
-  if (entries_.empty()) {
-    next_time_ = std::numeric_limits<double>::infinity();
-    return;
+  std::int64_t feeding = kNever;
+  next_tick_ = kNever;
+  for (const Entry& entry : entries_) {
+    next_tick_ = std::min(next_tick_, entry.next);
+    if (entry.feeds) feeding = std::min(feeding, entry.next);
   }
-  next_tick_ = entries_.front().next;
-  for (const Entry& entry : entries_) next_tick_ = std::min(next_tick_, entry.next);
-  next_time_ = static_cast<double>(next_tick_) / static_cast<double>(per_second_);
+  next_time_ = Time(next_tick_);
+  next_feeding_time_ = Time(feeding);
 }
 
 }  // namespace tenon::internal

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 
 namespace tenon {
@@ -17,6 +19,7 @@ constexpr double kSafety = 0.9;  // of our step size, see ChooseStep
 constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
 constexpr int kMaxRefused = 50;
+constexpr double kFirstTry = 1e-3;  // s, where nothing is known; the error test corrects it
 
 void CheckOptions(const SimulatorOptions& options) {
   const auto demand = [](bool holds, const std::string& text) {
@@ -67,27 +70,43 @@ std::vector<int> RootDirections(const internal::Program& program) {
   return directions;
 }
 
+/// What SUNDIALS is told of an interval without end.
+constexpr double kFarAway = 1e6;  // s
+
+/// A rounding error of the time.
+double Tiny(double time) {
+  return 1e-14 * (1 + std::abs(time));
+}
+
 /// Divides what is left of the interval evenly into steps no larger than `wanted`: no sliver at the end.
 double EvenStep(double remaining, double wanted) {
+  if (std::isinf(remaining)) return wanted;
   const double count = std::ceil(remaining / wanted * (1 - 1e-9));
   return remaining / std::max(1.0, count);
 }
 
 }  // namespace
 
-struct SundialsIntegrator::Run final : internal::SundialsClient {
+struct SundialsIntegrator::Run final : internal::SundialsClient, internal::DerivativeSource {
   Run(Context& c, const SimulatorOptions& o)
       : context(c),
         program(c.diagram().program()),
         options((CheckOptions(o), o)),
         roots(program.witness_plans.size(), 0),
         tolerances(AbsoluteTolerances(options, c.diagram())),
-        solver(options, c.time(), tolerances, RootDirections(program), *this) {}
+        solver(options, c.time(), tolerances, RootDirections(program), *this),
+        interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
+        before(static_cast<std::size_t>(program.num_continuous)) {}
 
-  void Restart(double to);
+  void Start(double to);
+  void Restart(double time, double first_step);
   Stop Advance(bool one_step);
-  void StoreState(double t);
+  void MoveContext(double t);
+  void KeepStepStart();
+  double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
+  bool has_past() const { return options.method != Method::kErk; }
   double FirstStep() const;
+  double LargestStep(double time) const;
   void Count(double step);
   [[noreturn]] void ThrowFailure(int flag);
   std::string DescribeWorstState(int flag, double h);
@@ -96,6 +115,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient {
   int Derivatives(double t, const double* y, double* ydot) override;
   int Roots(double t, const double* y, double* g) override;
   double ChooseStep(double t, double h, double error, int order) override;
+  void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
 
   Context& context;
   const internal::Program& program;
@@ -104,7 +124,14 @@ struct SundialsIntegrator::Run final : internal::SundialsClient {
   std::vector<double> tolerances;  // absolute, one per state
   internal::SundialsSolver solver;
 
-  double end = 0;
+  bool live = false;          // the solver stands at `finish` and can go on
+  std::uint64_t edition = 0;  // of the context that it knows
+  double finish = 0;
+  internal::StepInterpolant interpolant;
+  std::vector<double> before;     // the states where the last Advance began
+  double begin = 0;               // and when
+  bool in_step = false;           // the last Advance ended at a root, inside a step
+  double end = 0;                 // of the interval
   double step = 0;                // the first one after the restart; if fixed, all
   int refused = 0;                // evaluations since the restart that were not finite
   bool first_evaluation = false;  // after the restart
@@ -119,56 +146,119 @@ struct SundialsIntegrator::Run final : internal::SundialsClient {
   bool seeks_worst = false;
   std::exception_ptr thrown;
   std::string not_finite;
-  long evaluations = 0;
+  long evaluations = 0, interpolant_evaluations = 0;
   double last_step = 0, smallest_step = 0, largest_step = 0;
 };
 
 double SundialsIntegrator::Run::FirstStep() const {
   const double remaining = end - context.time();
   double wanted = options.fixed_step > 0 ? options.fixed_step : context.next_step_;
-  if (wanted <= 0) wanted = std::min(remaining, 1e-3);  // nothing known yet; the error test corrects it
-  if (options.max_step > 0) wanted = std::min(wanted, options.max_step);
-  return EvenStep(remaining, wanted);
+  if (wanted <= 0) wanted = std::min(remaining, kFirstTry);
+  return EvenStep(remaining, std::min(wanted, LargestStep(context.time())));
 }
 
-void SundialsIntegrator::Run::Restart(double to) {
-  end = to;
-  step = FirstStep();
+/// Where no tick ends the interval, a step doubles the time at most: what is exact for a while (a free fall)
+/// would take steps in which roots could not be told apart.
+double SundialsIntegrator::Run::LargestStep(double time) const {
+  double largest = options.max_step > 0 ? options.max_step : std::numeric_limits<double>::infinity();
+  if (std::isinf(end) && options.fixed_step == 0) largest = std::min(largest, kFirstTry + std::abs(time));
+  return largest;
+}
+
+void SundialsIntegrator::Run::Restart(double time, double first_step) {
+  step = first_step;
   first_evaluation = true;
   refused = 0;
-  std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
-  solver.Restart(context.time(), end, step);
+  finish = time;
+  live = true;
+  in_step = false;
+  edition = context.edition_;
+  interpolant.Restart();
+  solver.Restart(time, end, step);
+}
+
+void SundialsIntegrator::Run::Start(double to) {
+  end = to;
+  Context::StepStart& from = context.step_start_;
+  if (!from.valid) {
+    std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
+    Restart(context.time(), FirstStep());
+    return;
+  }
+  // The context is inside a step, or at the end of one that the solver does not know.
+  const double time = context.time();
+  std::copy(from.states.begin(), from.states.end(), solver.states());
+  context.next_step_ = from.next_step;
+  context.last_error_ = from.last_error;
+  Restart(from.time, from.size);
+  first_evaluation = false;  // what the context holds is of another time
+  while (finish < time - Tiny(time)) Advance(true);
+  MoveContext(time);
 }
 
 SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
-  double t = context.time();
+  begin = finish;
   thrown = nullptr;
   not_finite.clear();
-  const int flag = solver.Evolve(end, &t, one_step);
+  if (one_step) {
+    std::copy_n(solver.states(), program.num_continuous, before.data());
+    if (!in_step) KeepStepStart();
+  } else {
+    context.step_start_.valid = false;
+  }
+  double t = finish;
+  if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
+  const int flag = solver.Evolve(Target(), &t, one_step);
   if (flag < 0) ThrowFailure(flag);
   const bool root = solver.IsRoot(flag);
   const bool arrived = !root && (solver.IsStopTime(flag) || t >= end);
-  StoreState(arrived ? end : t);
+  finish = arrived ? end : t;
+  in_step = root;
   if (solver.multistep()) {
     Count(solver.last_step());
   } else if (options.fixed_step > 0) {
     Count(step);
   }
+  if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
   if (!root) return arrived ? Stop::kArrived : Stop::kStep;
   solver.GetRoots(&roots);
   return Stop::kRoot;
 }
 
-/// Moves the context to `t` and the solver's states. If that is where the last derivatives were evaluated, as
-/// it is with most Runge-Kutta methods at the end of an interval, then what they took to compute stays fresh
-/// for the tick.
-void SundialsIntegrator::Run::StoreState(double t) {
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
-  const bool there =
-      at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
-  if (there) return;
-  std::copy_n(solver.states(), program.num_continuous, context.continuous_data());
+/// What it takes to come here again: of an explicit Runge-Kutta method the step, of methods with a past that
+/// SUNDIALS shows nobody (Jacobians, earlier steps) everything since it started.
+void SundialsIntegrator::Run::KeepStepStart() {
+  Context::StepStart& from = context.step_start_;
+  if (from.valid && has_past()) return;
+  from.valid = true;
+  from.time = begin;
+  from.states = before;
+  from.size = step;
+  from.next_step = context.next_step_;
+  from.last_error = context.last_error_;
+}
+
+/// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
+/// methods at the end of an interval, then what they took to compute stays fresh for the tick.
+void SundialsIntegrator::Run::MoveContext(double t) {
+  if (std::abs(t - finish) <= Tiny(t)) {
+    const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+    const bool there =
+        at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
+    if (there) return;
+    std::copy_n(solver.states(), program.num_continuous, context.continuous_data());
+  } else if (solver.multistep()) {
+    solver.Interpolate(t, context.continuous_data());
+  } else {
+    interpolant.At(t, *this, before.data());
+    std::copy(before.begin(), before.end(), context.continuous_data());
+  }
   context.SetRunTime(t);
+}
+
+void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
+  ++interpolant_evaluations;
+  context.CalcTimeDerivatives(t, x, xdot);
 }
 
 void SundialsIntegrator::Run::Count(double step) {
@@ -187,7 +277,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   // its end is kept for the next tick. Sums of steps miss the end by their rounding.
   const bool first = first_evaluation && t == context.time();
   first_evaluation = false;
-  at_end = !first && std::abs(t - end) <= 1e-14 * (1 + std::abs(end));
+  at_end = !first && std::abs(t - end) <= Tiny(t);
   if (at_end && !needs_end) {
     at_end = false;
     std::fill_n(ydot, size, 0.0);
@@ -245,6 +335,10 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   double factor = kSafety * std::pow(error, -0.7 / order);
   const bool accepted = measured <= 1;
   if (accepted) {
+    if (!has_past()) {
+      context.step_start_.size = h;
+      context.step_start_.next_step = context.next_step_;
+    }
     if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
     if (!cut) context.last_error_ = error;
     if (seeks_worst) FindWorstState();
@@ -254,7 +348,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   }
   double wanted = h * std::clamp(factor, kMinShrink, kMaxGrowth);
   if (accepted && cut) wanted = std::max(wanted, context.next_step_);
-  if (options.max_step > 0) wanted = std::min(wanted, options.max_step);
+  wanted = std::min(wanted, LargestStep(t));
   context.next_step_ = wanted;
   const double remaining = end - t;
   return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
@@ -271,7 +365,7 @@ std::string SundialsIntegrator::Run::DescribeWorstState(int flag, double h) {
     // ARKODE keeps no estimate from step to step: ChooseStep looks at that of one step more.
     double t = 0;
     seeks_worst = true;
-    solver.Evolve(end, &t, true);
+    solver.Evolve(Target(), &t, true);
     seeks_worst = false;
   }
   const std::vector<std::string> names = context.diagram().ContinuousStateNames();
@@ -312,11 +406,27 @@ void SundialsIntegrator::Run::ThrowFailure(int flag) {
 SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
     : run_(std::make_unique<Run>(context, options)) {}
 SundialsIntegrator::~SundialsIntegrator() = default;
-void SundialsIntegrator::Restart(double end) {
-  run_->Restart(end);
+bool SundialsIntegrator::can_go_on() const {
+  return run_->live && run_->edition == run_->context.edition_;
+}
+void SundialsIntegrator::Start(double end) {
+  run_->Start(end);
+}
+void SundialsIntegrator::Halt() {
+  run_->live = false;
+  run_->context.step_start_.valid = false;
 }
 SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) {
   return run_->Advance(one_step);
+}
+double SundialsIntegrator::finish() const {
+  return run_->finish;
+}
+void SundialsIntegrator::MoveContext(double time) {
+  run_->MoveContext(time);
+}
+void SundialsIntegrator::ThrowTooManySteps() {
+  run_->ThrowFailure(internal::SundialsSolver::kTooMuchWork);
 }
 const std::vector<int>& SundialsIntegrator::roots() const {
   return run_->roots;
@@ -326,6 +436,7 @@ IntegratorStatistics SundialsIntegrator::statistics() const {
   return {.steps = run_->solver.steps(),
           .failed_steps = run_->solver.failed_steps(),
           .evaluations = run_->evaluations,
+          .interpolant_evaluations = run_->interpolant_evaluations,
           .last_step = run_->last_step,
           .smallest_step = run_->smallest_step,
           .largest_step = run_->largest_step,

@@ -10,8 +10,9 @@
 
 namespace tenon {
 
-/// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. A Simulator
-/// uses it between ticks.
+/// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. It
+/// integrates ahead: up to `finish`, to which and to any time on the way the context can be moved then. A
+/// Simulator uses it between the ticks that change what is integrated.
 class SundialsIntegrator {
  public:
   /// Throws ParameterError for an order that the method does not have, or tolerances that are not positive.
@@ -20,12 +21,26 @@ class SundialsIntegrator {
 
   enum class Stop { kArrived, kRoot, kStep };
 
-  /// Restarts from the context's time and states, for an interval that ends at `end`. Needed whenever
-  /// anything but Advance has changed them or a held value.
-  void Restart(double end);
-  /// Integrates to the end of the interval, to a root of a witness, or (`one_step`) for one step. Throws
-  /// RunError: what a block threw, the first value that is not finite, or the worst state by name.
+  /// Whether it can go on from where it has come. If not (at first, after Halt, and when the context was
+  /// changed by hand) Start is due.
+  bool can_go_on() const;
+  /// Starts at the context's time and states; or, if the context says in which step it was (a clone, or one
+  /// that was restored), takes that step again and goes on from there, bit for bit; methods with a past of
+  /// their own (all but kErk) begin where they started last. `end` is when what is integrated will change;
+  /// infinity if it never does.
+  void Start(double end);
+  /// What is integrated changes here.
+  void Halt();
+  /// Integrates on: to the end of the interval, to a root of a witness, or (`one_step`) for one step. Throws
+  /// RunError: what a block threw, the first value that is not finite, or the worst state by name. The
+  /// context is at no certain time until it is moved.
   Stop Advance(bool one_step);
+  /// How far it has come [s].
+  double finish() const;
+  /// Moves the context to `time`, between where Advance began and the finish.
+  void MoveContext(double time);
+  /// Throws RunError: it takes more steps than SimulatorOptions::max_steps.
+  [[noreturn]] void ThrowTooManySteps();
   /// After kRoot: +1 or -1 for witnesses that rose or fell, else 0.
   const std::vector<int>& roots() const;
   IntegratorStatistics statistics() const;

@@ -182,6 +182,7 @@ struct SundialsSolver::Handles {
     if (table != nullptr) ARKodeButcherTable_Free(table);
     if (linear_solver != nullptr) SUNLinSolFree(linear_solver);
     if (matrix != nullptr) SUNMatDestroy(matrix);
+    if (scratch != nullptr) N_VDestroy(scratch);
     N_VDestroy(atol);
     N_VDestroy(y);
     SUNContext_Free(&sun);
@@ -190,6 +191,7 @@ struct SundialsSolver::Handles {
   SUNContext sun = nullptr;
   N_Vector y = nullptr;
   N_Vector atol = nullptr;
+  N_Vector scratch = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear_solver = nullptr;
   ARKodeButcherTable table = nullptr;
@@ -261,10 +263,10 @@ void SundialsSolver::CreateRungeKutta(double time, SundialsClient& client) {
 
 void SundialsSolver::CreateMultistep(double time) {
   Handles& h = *handles_;
+  h.scratch = N_VClone(h.y);
   memory_ = CVodeCreate(options_.method == Method::kBdf ? CV_BDF : CV_ADAMS, h.sun);
   CVodeInit(memory_, Derivatives, time, h.y);
   CVodeSetMaxOrd(memory_, options_.order);
-  if (options_.max_step > 0) CVodeSetMaxStep(memory_, options_.max_step);
   h.matrix = SUNDenseMatrix(N_VGetLength(h.y), N_VGetLength(h.y), h.sun);
   h.linear_solver = SUNLinSol_Dense(h.y, h.matrix, h.sun);
   CVodeSetLinearSolver(memory_, h.linear_solver, h.matrix);
@@ -276,7 +278,7 @@ void SundialsSolver::Restart(double time, double end, double step) {
     earlier_failures_ = failed_steps();
   }
   api_.reset(memory_, time, handles_->y);
-  api_.set_stop_time(memory_, end);
+  if (!std::isinf(end)) api_.set_stop_time(memory_, end);
   if (multistep()) return;
   options_.fixed_step > 0 ? api_.set_fixed_step(memory_, step) : api_.set_first_step(memory_, step);
 }
@@ -284,6 +286,15 @@ void SundialsSolver::Restart(double time, double end, double step) {
 int SundialsSolver::Evolve(double end, double* time, bool one_step) {
   static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_NORMAL == CV_NORMAL);
   return api_.evolve(memory_, end, handles_->y, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
+}
+
+void SundialsSolver::SetMaxStep(double step) {
+  CVodeSetMaxStep(memory_, std::isinf(step) ? 0 : step);
+}
+
+void SundialsSolver::Interpolate(double time, double* states) {
+  CVodeGetDky(memory_, time, 0, handles_->scratch);
+  std::copy_n(N_VGetArrayPointer(handles_->scratch), N_VGetLength(handles_->scratch), states);
 }
 
 bool SundialsSolver::IsRoot(int flag) {
@@ -298,9 +309,10 @@ bool SundialsSolver::IsErrorTestFailure(int flag) {
   static_assert(ARK_ERR_FAILURE == CV_ERR_FAILURE);
   return flag == ARK_ERR_FAILURE;
 }
+const int SundialsSolver::kTooMuchWork = ARK_TOO_MUCH_WORK;
 bool SundialsSolver::IsTooMuchWork(int flag) {
   static_assert(ARK_TOO_MUCH_WORK == CV_TOO_MUCH_WORK);
-  return flag == ARK_TOO_MUCH_WORK;
+  return flag == kTooMuchWork;
 }
 
 void SundialsSolver::GetRoots(std::vector<int>* roots) const {

@@ -42,6 +42,10 @@ class SundialsSolver {
   /// Starts again at `time` with what is in states(), towards `end`, with a first step of `step`: with all
   /// steps of that size if the options fix them, while CVODE takes one of its own.
   void Restart(double time, double end, double step);
+  /// No step of a multistep method is larger; infinity for no limit.
+  void SetMaxStep(double step);
+  /// The states at a time within the last step, from CVODE's history; multistep methods alone.
+  void Interpolate(double time, double* states);
   /// Up to the end of the interval, a root or, if asked, one step on. Returns SUNDIALS's flag.
   int Evolve(double end, double* time, bool one_step);
 
@@ -51,6 +55,7 @@ class SundialsSolver {
   static bool IsStopTime(int flag);
   static bool IsErrorTestFailure(int flag);
   static bool IsTooMuchWork(int flag);
+  static const int kTooMuchWork;
 
   void GetRoots(std::vector<int>* roots) const;
   /// |local error estimate| times error weight, one per state.

@@ -3,7 +3,8 @@
 
 class Source final : public tenon::LeafSystem<void> {
  public:
-  tenon::OutputPort<Eigen::Vector4d> q{this, {"q"}, tenon::Uses(), [] { return Eigen::Vector4d(1, 0, 0, 0); }};
+  tenon::OutputPort<Eigen::Vector4d> q{
+      this, {"q"}, tenon::Uses(), [] { return Eigen::Vector4d(1, 0, 0, 0); }};
 };
 class Sink final : public tenon::LeafSystem<void> {
  public:

@@ -4,5 +4,6 @@
 class Twice final : public tenon::LeafSystem<void> {
  public:
   tenon::InputPort<tenon::Vec<3>> u{this, {"u"}};
-  tenon::OutputPort<tenon::Vec<3>> y{this, {"y"}, tenon::Uses(u), [](const tenon::Vec<3>& u) { return 2 * u; }};
+  tenon::OutputPort<tenon::Vec<3>> y{
+      this, {"y"}, tenon::Uses(u), [](const tenon::Vec<3>& u) { return 2 * u; }};
 };

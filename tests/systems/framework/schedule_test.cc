@@ -22,9 +22,9 @@ TEST(ScheduleTest, TicksOfTwoRatesMeetExactly) {
   int counts[2] = {0, 0}, together = 0;
   while (schedule.next_time() < 10) {
     const double time = schedule.next_time();
-    const std::uint64_t due = schedule.Take();
-    for (int i : {0, 1}) counts[i] += due >> i & 1;
-    if (due != 3) continue;
+    const Groups due = schedule.Take();
+    for (const int i : due) ++counts[i];
+    if (due.size() != 2) continue;
     EXPECT_EQ(time, together / 100.0);
     ++together;
   }
@@ -35,13 +35,16 @@ TEST(ScheduleTest, TicksOfTwoRatesMeetExactly) {
 
 TEST(ScheduleTest, OffsetsMayExceedThePeriod) {
   Schedule schedule({{{1, 10}, {1, 4}, "late"}, {{1, 10}, {0, 1}, "soon"}});
-  std::vector<std::pair<double, std::uint64_t>> ticks;
+  std::vector<std::pair<double, Groups>> ticks;
   for (int i = 0; i < 5; ++i) {
     const double time = schedule.next_time();
     ticks.emplace_back(time, schedule.Take());
   }
-  EXPECT_THAT(ticks, testing::ElementsAre(testing::Pair(0, 2), testing::Pair(0.1, 2), testing::Pair(0.2, 2),
-                                          testing::Pair(0.25, 1), testing::Pair(0.3, 2)));
+  using testing::ElementsAre;
+  using testing::Pair;
+  EXPECT_THAT(ticks,
+              ElementsAre(Pair(0, ElementsAre(1)), Pair(0.1, ElementsAre(1)), Pair(0.2, ElementsAre(1)),
+                          Pair(0.25, ElementsAre(0)), Pair(0.3, ElementsAre(1))));
 }
 
 TEST(ScheduleTest, MovesToWhatComesAfterATime) {
@@ -72,9 +75,14 @@ TEST(ScheduleTest, MoveToKeepsOffsets) {
   EXPECT_EQ(schedule.next_time(), 7.35);
 }
 
-TEST(ScheduleTest, CycleEndsWhenEverythingRepeats) {
-  EXPECT_EQ(Schedule({{{1, 300}, {0, 1}, "a"}, {{1, 1000}, {0, 1}, "b"}}).cycle_end(), 30);  // of 1/3000 s
-  EXPECT_EQ(Schedule({{{1, 10}, {1, 4}, "a"}}).cycle_end(), 5 + 2);                          // of 1/20 s
+TEST(ScheduleTest, KnowsWhenTheIntegratorHasToStartAgain) {
+  Schedule schedule({{{1, 10}, {0, 1}, "sensor"}, {{1, 4}, {0, 1}, "controller", true}});
+  EXPECT_EQ(schedule.next_feeding_time(), 0);
+  schedule.Take();
+  EXPECT_EQ(schedule.next_time(), 0.1);
+  EXPECT_EQ(schedule.next_feeding_time(), 0.25);
+  EXPECT_EQ(Schedule({{{1, 10}, {0, 1}, "sensor"}}).next_feeding_time(),
+            std::numeric_limits<double>::infinity());
 }
 
 TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {

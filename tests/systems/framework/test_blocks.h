@@ -55,6 +55,12 @@ class Oscillator final : public LeafSystem<double> {
   Vec<2> CalcDx(const Vec<2>& x, double u) const { return {x[1], -params * params * x[0] + u}; }
 };
 
+/// A sampled force of 0: at each of its ticks the integrator has to start again.
+inline void AddRestarts(DiagramBuilder& builder, const std::string& name, Rate rate,
+                        InputPort<double>& force) {
+  builder.Connect(builder.AddFunction(name, Sampled{rate}, Uses(), [] { return 0.0; }), force);
+}
+
 /// y = f(u), not sampled.
 class Map final : public LeafSystem<std::function<double(double)>> {
  public:

@@ -182,8 +182,7 @@ TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
 
 TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
   DiagramBuilder builder;
-  builder.Add<Oscillator>("plant");
-  builder.Add<Counter>("ticks", Sampled{Hz(100)});
+  AddRestarts(builder, "ticks", Hz(100), builder.Add<Oscillator>("plant").u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
   simulator.AdvanceTo(1);
@@ -198,8 +197,7 @@ TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
 TEST(SundialsIntegratorTest, StatisticsCount) {
   for (const Method method : kMethods) {
     DiagramBuilder builder;
-    builder.Add<Oscillator>("plant");
-    builder.Add<Counter>("ticks", Sampled{Hz(10)});
+    AddRestarts(builder, "ticks", Hz(10), builder.Add<Oscillator>("plant").u);
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method});
     EXPECT_EQ(simulator.statistics().steps, 0);
@@ -218,8 +216,7 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
 
 TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
   DiagramBuilder builder;
-  builder.Add<Oscillator>("plant");
-  builder.Add<Counter>("ticks", Sampled{Hz(1000)});
+  AddRestarts(builder, "ticks", Hz(1000), builder.Add<Oscillator>("plant").u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   simulator.AdvanceTo(10);
