@@ -74,11 +74,11 @@ function(tenon_precompile target)
   if(NOT TARGET tenon_precompiled)
     add_library(tenon_precompiled OBJECT ${PROJECT_SOURCE_DIR}/systems/precompiled.cc)
     target_compile_features(tenon_precompiled PRIVATE cxx_std_20)
-    target_link_libraries(tenon_precompiled PRIVATE Eigen3::Eigen fmt::fmt)
+    target_link_libraries(tenon_precompiled PRIVATE Eigen3::Eigen)
     target_include_directories(tenon_precompiled PRIVATE
       $<TARGET_PROPERTY:tenon_systems,INTERFACE_INCLUDE_DIRECTORIES>)
     target_precompile_headers(tenon_precompiled PRIVATE
-      <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <fmt/format.h> <tenon/systems/block.h>)
+      <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <tenon/systems/block.h>)
     tenon_as_library(tenon_precompiled)
     tenon_warnings(tenon_precompiled)
   endif()

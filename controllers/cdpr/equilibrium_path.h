@@ -64,10 +64,13 @@ class Path {
 
 /// What the robot should be doing at a time, as far as statics can tell.
 struct CdprReference {
-  Eigen::Vector3d position, velocity, acceleration;  ///< of the CoM, in W [m, m/s, m/s^2]
-  Eigen::Vector3d euler, euler_rate;                 ///< ZYX [rad, rad/s]
-  CableVector length, length_rate;                   ///< of the pose and the twist above [m, m/s]
-  CableVector tension;                               ///< of the equilibrium at `position` [N]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< of the CoM, in W [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< [m/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2]
+  Eigen::Vector3d euler = Eigen::Vector3d::Zero();         ///< ZYX [rad]
+  Eigen::Vector3d euler_rate = Eigen::Vector3d::Zero();    ///< [rad/s]
+  CableVector length, length_rate;                         ///< of the pose and the twist above [m, m/s]
+  CableVector tension;                                     ///< of the equilibrium at `position` [N]
 
   static FieldList Fields() {
     return {{"position", &CdprReference::position, "m"},

@@ -287,7 +287,8 @@ std::string WritePage(const std::string& text, const std::vector<Shelf>& catalog
   for (const Shelf& shelf : catalogue) {
     std::string sections;
     for (const Entry& entry : shelf.entries) {
-      sections += (sections.empty() ? "" : "\n") + Section(entry, declarations, signals);
+      if (!sections.empty()) sections += "\n";
+      sections += Section(entry, declarations, signals);
     }
     Replace(page, "{{" + shelf.name + "}}\n", sections);
   }

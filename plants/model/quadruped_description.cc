@@ -15,7 +15,8 @@ namespace {
 /// One value for each leg.
 template <class T>
 struct PerLeg {
-  T front_left{}, front_right{}, rear_left{}, rear_right{};
+  T front_left = internal::Zeroed<T>(), front_right = front_left, rear_left = front_left,
+    rear_right = front_left;
   std::array<T, kNumLegs> InOrder() const { return {front_left, front_right, rear_left, rear_right}; }
   static FieldList Fields() {
     return {Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),

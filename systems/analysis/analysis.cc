@@ -71,6 +71,12 @@ std::vector<std::string> Names(Context& context, const std::vector<const Source*
 
 LinearModel Linearize(const Context& original, const std::vector<const Source*>& inputs,
                       const std::vector<const Source*>& outputs) {
+  if (original.diagram().num_continuous_states() == 0 && original.diagram().has_samples()) {
+    throw RunError(
+        "Linearize: this diagram has no continuous state, and what is sampled is held: nothing would be left "
+        "of its "
+        "dynamics; linearise the plant that it belongs to");
+  }
   const std::unique_ptr<Context> context = original.Clone();
   Variables variables(*context, inputs);
   const auto evaluate_outputs = [&] {

@@ -20,7 +20,8 @@ struct LinearModel {
 /// Linearises a diagram about a context's values, by central differences. x is the diagram's continuous
 /// state, with time, discrete states and samples held; `inputs` are open inputs or sampled outputs (of which
 /// the diagram holds the value: so a plant inside a digital loop can be linearised from its command),
-/// `outputs` any ports. The context is left as it is. Throws RunError if an input cannot be set.
+/// `outputs` any ports. The context is left as it is. Throws RunError if an input
+/// cannot be set, and for a diagram that has samples and no continuous state.
 LinearModel Linearize(const Context& context, const std::vector<const Source*>& inputs,
                       const std::vector<const Source*>& outputs);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -27,6 +28,31 @@ concept Usable = requires {
   typename S::Argument;
 };
 struct Refused {};  ///< what has been complained of once
+
+inline bool Exists(const Time&) {
+  return true;  // of a base class
+}
+inline bool Exists(const Declared& member) {
+  return Declared::IsDeclared(member);
+}
+
+/// Tells two functions apart where the compiler does not: Clang 14 gives lambdas of a class that is declared
+/// inside a function one name, and templates made of them one body. Evaluated where the calculation is
+/// declared and, by kTag, in that body.
+#ifdef __clang__
+template <class F>
+constexpr std::uint64_t HashOf() {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char* c = __PRETTY_FUNCTION__; *c != 0; ++c)
+    hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3u;
+  return hash;
+}
+template <class F>
+using TagOf = std::integral_constant<std::uint64_t, HashOf<F>()>;
+#else
+template <class F>
+using TagOf = std::integral_constant<std::uint64_t, 0>;
+#endif
 template <class S>
 struct ArgumentOf {
   using Type = Refused;
@@ -42,6 +68,7 @@ struct ArgumentOf<S> {
 template <class... Arguments>
 struct UsesList {
   std::vector<internal::Slot> slots;
+  int undeclared = 0;  ///< the first one that does not exist yet, counted from 1
 };
 
 /// Declares what a calculation uses: its function receives exactly these values, in this order. Inputs,
@@ -52,7 +79,16 @@ auto Uses(const S&... sources) {
   UsesList<typename internal::ArgumentOf<S>::Type...> uses;
   if constexpr ((internal::Usable<S> && ...)) {
     uses.slots.reserve(sizeof...(S));
-    (sources.AppendTo(uses.slots), ...);
+    int index = 0;
+    const auto append = [&](const auto& source) {
+      ++index;
+      if (!internal::Exists(source)) {
+        if (uses.undeclared == 0) uses.undeclared = index;
+      } else {
+        source.AppendTo(uses.slots);
+      }
+    };
+    (append(sources), ...);
   } else {
     static_assert(internal::kFalse<UsesList<S...>>,
                   "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. What "

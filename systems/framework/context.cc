@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <exception>
 
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/framework/internal/program.h>
@@ -14,8 +15,9 @@ using internal::Cell;
 using internal::Finiteness;
 using internal::Op;
 
-Context::Context(const Diagram& diagram, std::uint64_t seed) : diagram_(diagram), seed_(seed) {
-  const internal::Program& program = diagram.program();
+Context::Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed)
+    : diagram_(std::move(diagram)), seed_(seed) {
+  const internal::Program& program = diagram_->program();
   memory_.reset(static_cast<std::byte*>(::operator new(program.memory_size, std::align_val_t(64))));
   std::memset(memory_.get(), 0, program.memory_size);
   for (const Cell& cell : program.cells) {
@@ -32,12 +34,12 @@ Context::Context(const Diagram& diagram, std::uint64_t seed) : diagram_(diagram)
 
 Context::~Context() {
   if (!memory_) return;
-  for (const Cell& cell : diagram_.program().objects)
+  for (const Cell& cell : diagram_->program().objects)
     cell.source->type_->destroy(memory_.get() + cell.offset);
 }
 
 std::unique_ptr<Context> Context::Clone() const {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   // Not through the public constructor, which makes initial values only to have them overwritten.
   std::unique_ptr<Context> clone(new Context(*this, program));
   return clone;
@@ -51,6 +53,7 @@ Context::Context(const Context& other, const internal::Program& program)
       instant_(other.instant_),
       fixed_(other.fixed_),
       started_(other.started_),
+      failure_(other.failure_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       step_start_(other.step_start_) {
@@ -66,7 +69,7 @@ Context::Context(const Context& other, const internal::Program& program)
 void Context::CheckOwned(const Source& source) const {
   const System* top = &source.owner();
   while (top->parent() != nullptr) top = top->parent();
-  for (const auto& block : diagram_.blocks()) {
+  for (const auto& block : diagram_->blocks()) {
     if (block.get() == top) return;
   }
   throw RunError(
@@ -89,6 +92,11 @@ const void* Context::EvalAddress(const Source& source) {
   return Address(source);
 }
 
+bool Context::IsKnown(const Source& source) const {
+  CheckOwned(source);
+  return source.calculation_ < 0 || IsFresh(diagram_->program().calculations[source.calculation_].op);
+}
+
 std::vector<double> Context::EvalDoubles(const Source& source) {
   const void* value = EvalAddress(source);
   std::vector<double> doubles(internal::CountScalars(*source.type_, value));
@@ -99,7 +107,13 @@ std::vector<double> Context::EvalDoubles(const Source& source) {
 void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();
-  if (origin.calculation_ >= 0 && !diagram_.program().calculations[origin.calculation_].sampled) {
+  if (source.kind() == SourceKind::kInput && origin.kind() != SourceKind::kInput) {
+    throw RunError(
+        fmt::format("input '{}' is connected to '{}': set what that depends on, or build the diagram "
+                    "without the connection",
+                    source.path(), origin.path()));
+  }
+  if (origin.calculation_ >= 0 && !diagram_->program().calculations[origin.calculation_].sampled) {
     throw RunError(
         fmt::format("'{}' is computed: set the states and inputs that it depends on instead", source.path()));
   }
@@ -110,7 +124,7 @@ void* Context::MutableAddress(const Source& source) {
   const Source& origin = source.Resolve();
   MarkAllStale();
   if (origin.calculation_ >= 0) stamps_[origin.calculation_] = 1;
-  const auto& open = diagram_.program().open_inputs;
+  const auto& open = diagram_->program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (open[i] == &origin) fixed_[i] = true;
   }
@@ -128,7 +142,7 @@ void Context::SetDoubles(const Source& source, std::span<const double> values) {
 }
 
 void Context::CheckFixed(const Source& origin) const {
-  const auto& open = diagram_.program().open_inputs;
+  const auto& open = diagram_->program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (open[i] != &origin || fixed_[i]) continue;
     throw RunError(fmt::format("input '{}' is open and has no value: fix it before the first evaluation",
@@ -137,7 +151,7 @@ void Context::CheckFixed(const Source& origin) const {
 }
 
 void Context::CheckAllFixed() const {
-  for (const Source* input : diagram_.program().open_inputs) CheckFixed(*input);
+  for (const Source* input : diagram_->program().open_inputs) CheckFixed(*input);
 }
 
 void Context::CheckSample(const CalculationInfo& sampled) const {
@@ -150,7 +164,7 @@ void Context::CheckSample(const CalculationInfo& sampled) const {
 }
 
 void Context::CheckSamplesFor(const internal::OpList& ops) const {
-  const auto& calculations = diagram_.program().calculations;
+  const auto& calculations = diagram_->program().calculations;
   for (const Op& op : ops) {
     for (const int used : calculations[op.calculation].uses) {
       if (calculations[used].sampled) CheckSample(calculations[used]);
@@ -159,7 +173,7 @@ void Context::CheckSamplesFor(const internal::OpList& ops) const {
 }
 
 void Context::EnsureFresh(int calculation) {
-  const CalculationInfo& info = diagram_.program().calculations[calculation];
+  const CalculationInfo& info = diagram_->program().calculations[calculation];
   if (IsFresh(info.op)) return;
   if (info.sampled) CheckSample(info);
   for (const internal::Slot& slot : info.source->arguments_) {
@@ -179,7 +193,7 @@ bool Context::IsFresh(const Op& op) const {
 void Context::MarkAllStale() {
   ++edition_;
   step_start_.valid = false;
-  const auto& calculations = diagram_.program().calculations;
+  const auto& calculations = diagram_->program().calculations;
   for (std::size_t i = 0; i < calculations.size(); ++i) {
     const Source& source = *calculations[i].source;
     const bool held = calculations[i].sampled && (stamps_[i] != 0 || source.has_initial_value_);
@@ -199,45 +213,45 @@ void Context::SetRunTime(double time) {
 }
 
 double* Context::continuous_data() {
-  return reinterpret_cast<double*>(memory_.get() + diagram_.program().continuous_begin);
+  return reinterpret_cast<double*>(memory_.get() + diagram_->program().continuous_begin);
 }
 double* Context::derivative_data() {
-  return reinterpret_cast<double*>(memory_.get() + diagram_.program().derivative_begin);
+  return reinterpret_cast<double*>(memory_.get() + diagram_->program().derivative_begin);
 }
 
 Eigen::Map<const Eigen::VectorXd> Context::continuous_state() const {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   return {reinterpret_cast<const double*>(memory_.get() + program.continuous_begin), program.num_continuous};
 }
 
 void Context::SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state) {
-  if (state.size() != diagram_.num_continuous_states()) {
+  if (state.size() != diagram_->num_continuous_states()) {
     throw RunError(fmt::format("the diagram has {} continuous states, but {} values are given",
-                               diagram_.num_continuous_states(), state.size()));
+                               diagram_->num_continuous_states(), state.size()));
   }
   std::copy(state.data(), state.data() + state.size(), continuous_data());
   MarkAllStale();
 }
 
 Eigen::VectorXd Context::EvalTimeDerivatives() {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   CheckAllFixed();
   CheckSamplesFor(program.held);
   CheckSamplesFor(program.derivatives);
   RunStale(program.held);
   RunStale(program.derivatives);
-  return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_.num_continuous_states());
+  return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_->num_continuous_states());
 }
 
 void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
   double* states = continuous_data();
-  if (states != x) std::memcpy(states, x, bytes);
+  if (states != x && bytes > 0) std::memcpy(states, x, bytes);
   SetRunTime(t);
   RunAll(program.derivatives);
   ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
-  std::memcpy(xdot, derivative_data(), bytes);
+  if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
 }
 
 void Context::RunAll(const internal::OpList& ops) {
@@ -265,14 +279,15 @@ void Context::RunStale(const internal::OpList& ops) {
 }
 
 void Context::RethrowFrom(const Op& op) const {
-  const Source& source = *diagram_.program().calculations[op.calculation].source;
+  const Source& source = *diagram_->program().calculations[op.calculation].source;
   try {
     throw;
   } catch (const std::exception& error) {
-    throw RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what()));
+    std::throw_with_nested(
+        RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what())));
   } catch (...) {
-    throw RunError(fmt::format("'{}' failed at t = {} s: it threw something that is no std::exception",
-                               source.path(), time()));
+    std::throw_with_nested(RunError(fmt::format(
+        "'{}' failed at t = {} s: it threw something that is no std::exception", source.path(), time())));
   }
 }
 
@@ -291,7 +306,7 @@ void Context::Apply(const internal::UpdatePlan& plan) {
 }
 
 std::string Context::DescribeNonFinite() const {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   const auto describe = [&](const Source& source) {
     const void* value = Address(source);
     const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());

@@ -33,7 +33,7 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  const Diagram& diagram() const { return diagram_; }
+  const Diagram& diagram() const { return *diagram_; }
   double time() const { return *reinterpret_cast<const double*>(memory_.get()); }
   std::uint64_t seed() const { return seed_; }
 
@@ -43,10 +43,17 @@ class Context {
   const typename S::Value& Eval(const S& source) {
     return *static_cast<const typename S::Value*>(EvalAddress(source));
   }
+  /// The same of a context that must not change: what is not known yet is computed in a clone.
+  template <class S>
+  typename S::Value Eval(const S& source) const {
+    if (!IsKnown(source)) return Clone()->Eval(source);
+    return *static_cast<const typename S::Value*>(static_cast<const void*>(Address(source)));
+  }
   /// The same for a source known by path only: all its elements as doubles.
   std::vector<double> EvalDoubles(const Source& source);
 
-  /// Sets a state, fixes an open input, or (for tests) overwrites a held sample.
+  /// Sets a state, fixes an open input, or (for tests) overwrites a held sample. Throws RunError for what is
+  /// computed or connected.
   template <class S>
   void Set(const S& source, const typename S::Value& value) {
     *static_cast<typename S::Value*>(MutableAddress(source)) = value;
@@ -86,10 +93,11 @@ class Context {
     void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t(64)); }
   };
 
-  Context(const Diagram& diagram, std::uint64_t seed);
+  Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed);
   Context(const Context& other, const internal::Program& program);
 
   const void* EvalAddress(const Source& source);
+  bool IsKnown(const Source& source) const;
   void* MutableAddress(const Source& source);
   const std::byte* Address(const Source& source) const;
   void CheckOwned(const Source& source) const;
@@ -115,7 +123,7 @@ class Context {
   /// The first value in dataflow order that is not finite, as "pd.u[1] is nan", or nothing.
   std::string DescribeNonFinite() const;
 
-  const Diagram& diagram_;
+  std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<std::byte, Free> memory_;
   std::uint64_t seed_;
   /// A varying calculation is fresh if its stamp is `instant_`; any other if its stamp is not 0.
@@ -128,6 +136,7 @@ class Context {
 
   // Progress of a run, and what the step size control remembers.
   bool started_ = false;
+  std::string failure_;  ///< why the run cannot go on
   double next_step_ = 0;
   double last_error_ = 0;
   /// Where the integrator has to begin to come here again, if the context is inside a step or at its end:

@@ -27,7 +27,10 @@ void LoadNumbers(std::vector<double>& numbers, internal::Archive& archive) {
 }  // namespace
 
 std::vector<std::byte> Context::Save() const {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
+  if (!failure_.empty()) {
+    throw RunError(fmt::format("a run that failed cannot be saved: {}; save before", failure_));
+  }
   internal::Archive archive;
   internal::Save(program.signature, archive);
   internal::Save(time(), archive);
@@ -63,7 +66,7 @@ void Context::Restore(std::span<const std::byte> bytes) {
 }
 
 void Context::Load(std::span<const std::byte> bytes) {
-  const internal::Program& program = diagram_.program();
+  const internal::Program& program = diagram_->program();
   internal::Archive archive;
   archive.Write(bytes.data(), bytes.size());
   std::uint64_t signature = 0;
@@ -78,6 +81,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
   SetTime(time);
+  failure_.clear();
   internal::Load(step_start_.valid, archive);
   if (step_start_.valid) {
     for (double* number :

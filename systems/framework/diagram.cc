@@ -4,25 +4,27 @@
 
 #include <functional>
 
-#include <tenon/systems/framework/internal/compiler.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 #include <tenon/systems/framework/internal/program.h>
 
 namespace tenon {
 
-Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks, bool open_inputs)
-    : blocks_(std::move(blocks)),
-      program_(std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks_, open_inputs))) {
-}
+Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks,
+                 std::unique_ptr<const internal::Program> program)
+    : blocks_(std::move(blocks)), program_(std::move(program)) {}
 
 Diagram::~Diagram() = default;
 
 std::unique_ptr<Context> Diagram::CreateContext(std::uint64_t seed) const {
-  return std::unique_ptr<Context>(new Context(*this, seed));
+  return std::unique_ptr<Context>(new Context(shared_from_this(), seed));
 }
 
 int Diagram::num_continuous_states() const {
   return program_->num_continuous;
+}
+
+bool Diagram::has_samples() const {
+  return !program_->groups.empty();
 }
 
 std::vector<std::string> Diagram::ContinuousStateNames() const {

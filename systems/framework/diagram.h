@@ -16,8 +16,8 @@ struct Program;
 }
 
 /// A compiled diagram. Constant: whatever changes lives in a Context, so several threads can run one diagram,
-/// each with a context of its own.
-class Diagram {
+/// each with a context of its own. Contexts keep it alive.
+class Diagram : public std::enable_shared_from_this<Diagram> {
  public:
   Diagram(const Diagram&) = delete;
   Diagram& operator=(const Diagram&) = delete;
@@ -32,6 +32,8 @@ class Diagram {
   const Source& Find(std::string_view path) const;
 
   int num_continuous_states() const;
+  /// Whether anything in it happens at sample times.
+  bool has_samples() const;
   /// "cart.x.velocity": path and element name of every scalar of the continuous state vector, in its order.
   std::vector<std::string> ContinuousStateNames() const;
   /// Inputs that nothing is connected to (only in diagrams built with BuildWithOpenInputs).
@@ -45,7 +47,7 @@ class Diagram {
 
  private:
   friend class DiagramBuilder;
-  Diagram(std::vector<std::unique_ptr<System>> blocks, bool open_inputs);
+  Diagram(std::vector<std::unique_ptr<System>> blocks, std::unique_ptr<const internal::Program> program);
 
   std::vector<std::unique_ptr<System>> blocks_;
   std::unique_ptr<const internal::Program> program_;

@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <exception>
+
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/compiler.h>
 
 namespace tenon {
 
@@ -30,9 +33,9 @@ void Assembly::RethrowWithName(const std::string& name) {
   try {
     throw;
   } catch (const ParameterError& error) {
-    throw ParameterError(fmt::format("block '{}': {}", name, error.what()));
+    std::throw_with_nested(ParameterError(fmt::format("block '{}': {}", name, error.what())));
   } catch (const BuildError& error) {
-    throw BuildError(fmt::format("inside '{}': {}", name, error.what()));
+    std::throw_with_nested(BuildError(fmt::format("inside '{}': {}", name, error.what())));
   }
 }
 
@@ -59,14 +62,24 @@ void Assembly::Join(const Source& from, Source& to) {
   to.SetDriver(from);
 }
 
-}  // namespace internal
-
-std::unique_ptr<Diagram> DiagramBuilder::Build() {
-  return std::unique_ptr<Diagram>(new Diagram(TakeBlocks(), false));
+void Assembly::IgnoreUnitsOf(Source& to) {
+  to.ignores_units_ = true;
 }
 
-std::unique_ptr<Diagram> DiagramBuilder::BuildWithOpenInputs() {
-  return std::unique_ptr<Diagram>(new Diagram(TakeBlocks(), true));
+}  // namespace internal
+
+std::shared_ptr<const Diagram> DiagramBuilder::Compile(bool open_inputs) {
+  auto program =
+      std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks(), open_inputs));
+  return std::shared_ptr<const Diagram>(new Diagram(TakeBlocks(), std::move(program)));
+}
+
+std::shared_ptr<const Diagram> DiagramBuilder::Build() {
+  return Compile(false);
+}
+
+std::shared_ptr<const Diagram> DiagramBuilder::BuildWithOpenInputs() {
+  return Compile(true);
 }
 
 }  // namespace tenon

@@ -15,6 +15,9 @@ namespace tenon {
 
 class Diagram;
 
+/// Says that a connection is meant though the units differ.
+struct IgnoreUnits {};
+
 namespace internal {
 
 /// What DiagramBuilder and Subdiagram share: blocks, and connections between them.
@@ -51,6 +54,12 @@ class Assembly {
                   "Connect: the two ports carry different types.");
     Join(from, to);
   }
+  /// The same for ports whose units differ on purpose, which Build would refuse.
+  template <class From, class To>
+  void Connect(const From& from, To& to, IgnoreUnits) {
+    Connect(from, to);
+    IgnoreUnitsOf(to);
+  }
 
   /// Adds a block that is one function of the values it uses, connects it to them, and returns its output.
   /// `Uses(builder.time, plant.state)` may name outputs of other blocks and own inputs.
@@ -84,6 +93,7 @@ class Assembly {
   void CheckName(const std::string& name) const;
   System& Adopt(std::unique_ptr<System> block, const std::string& name);
   void Join(const Source& from, Source& to);
+  static void IgnoreUnitsOf(Source& to);
   [[noreturn]] static void RethrowWithName(const std::string& name);
 
   System* self_;  ///< the subdiagram, or null at top level
@@ -148,12 +158,16 @@ auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F functi
 class DiagramBuilder : public internal::Assembly {
  public:
   DiagramBuilder() : Assembly(nullptr) {}
-  /// Checks and compiles the diagram; the builder is empty afterwards, while references to blocks stay good.
-  /// Throws BuildError: unconnected inputs, algebraic loops (with every hop), states without derivative,
-  /// offsets without initial value.
-  std::unique_ptr<Diagram> Build();
+  /// Checks and compiles the diagram, which owns the blocks from then on; the builder is empty. Throws
+  /// BuildError with all faults that it finds: unconnected inputs, units or sizes that differ, algebraic
+  /// loops (with every hop), states without derivative, offsets without initial value. Then the builder is as
+  /// before: mend the diagram and build again.
+  std::shared_ptr<const Diagram> Build();
   /// The same, but leaves inputs that are not connected open, to be fixed by hand in each context.
-  std::unique_ptr<Diagram> BuildWithOpenInputs();
+  std::shared_ptr<const Diagram> BuildWithOpenInputs();
+
+ private:
+  std::shared_ptr<const Diagram> Compile(bool open_inputs);
 };
 
 /// A block made of blocks. Derive from it, declare ports as members, and add and connect inside the

@@ -42,8 +42,10 @@ class Calculated : public Source {
   Calculated(System* owner, SourceKind kind, Spec spec)
       : Source(owner, kind, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
 
+  /// `tag` is that of F as the block knows it.
   template <class... A, class F>
-  void Calculate(UsesList<A...> uses, F function) {
+  void Calculate(UsesList<A...> uses, F function, std::uint64_t tag) {
+    this->CheckUses(uses.undeclared, tag != internal::TagOf<F>::value);
     using Code = internal::Calculation<T, F, A...>;
     if constexpr ((std::is_same_v<A, internal::Refused> || ...)) {
       // Uses has said what is wrong.
@@ -77,23 +79,27 @@ class OutputPort : public Calculated<T> {
   using Argument = const T&;
 
   template <class... A, class F>
-  OutputPort(Leaf* owner, Spec spec, UsesList<A...> uses, F function)
+  OutputPort(Leaf* owner, Spec spec, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<T>(owner, SourceKind::kOutput, std::move(spec)) {
-    this->Calculate(std::move(uses), std::move(function));
+    this->Calculate(std::move(uses), std::move(function), tag);
   }
   template <class... A, class F>
-  OutputPort(Leaf* owner, Spec spec, T initial, UsesList<A...> uses, F function)
-      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function)) {
+  OutputPort(Leaf* owner, Spec spec, T initial, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function), tag) {
     this->model_ = std::move(initial);
   }
   template <class... A, class F>
-  OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<A...> uses, F function)
-      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function)) {
+  OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function), tag) {
     this->SetTrigger({Trigger::When::kSampled, sampled, nullptr});
   }
   template <class... A, class F>
-  OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function)
-      : OutputPort(owner, std::move(spec), sampled, std::move(uses), std::move(function)) {
+  OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), sampled, std::move(uses), std::move(function), tag) {
     this->model_ = std::move(initial);
     this->SetHasInitialValue();
   }
@@ -105,7 +111,8 @@ class OutputPort : public Calculated<T> {
 
  private:
   OutputPort(Leaf* owner, const Source& state, int)
-      : Calculated<T>(owner, SourceKind::kOutput, state.spec()) {
+      : Calculated<T>(owner, SourceKind::kOutput,
+                      internal::CheckDeclared(state, "an OutputPort{this, state}").spec()) {
     this->SetDriver(state);
   }
 };
@@ -127,7 +134,7 @@ class Inputs {
 
 /// A list of input ports whose number is known at run time only; they are named `name_0`, `name_1`, ….
 template <class T>
-class InputPorts {
+class InputPorts : public internal::Declared {
  public:
   using Argument = Inputs<T>;
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <tenon/systems/framework/fields.h>
+
 namespace tenon {
 
 /// A stream of random numbers whose whole state is 48 bytes of the context, so that saving, cloning and
@@ -22,6 +24,12 @@ class RandomStream {
   double Uniform();                         ///< uniform in [0, 1)
   double Uniform(double low, double high);  ///< uniform in [low, high)
   double Normal();                          ///< mean 0, standard deviation 1
+
+  static FieldList Fields() {
+    return {{"state", &RandomStream::state_},
+            {"spare", &RandomStream::spare_},
+            {"has_spare", &RandomStream::has_spare_}};
+  }
 
  private:
   std::array<std::uint64_t, 4> state_;

@@ -34,6 +34,8 @@ struct Element {
 
 namespace internal {
 
+/// How many entries a comma-separated list has; 0 if it is empty.
+std::size_t ListLength(const std::string& list);
 /// The unit of the `index`-th element.
 std::string ElementUnit(const Spec& spec, std::size_t index);
 

@@ -24,6 +24,28 @@ class Assembly;
 class Compiler;
 struct Program;
 
+/// What a block's calculations can use. Members of a class are made in the order of their declaration, so one
+/// that is used above its declaration has an address but is no object yet: this is how to tell.
+class Declared {
+ public:
+  Declared(const Declared&) = delete;
+  Declared& operator=(const Declared&) = delete;
+  static bool IsDeclared(const Declared& member);
+
+ protected:
+  Declared();
+  ~Declared();
+};
+
+[[noreturn]] void ThrowUndeclared(const std::string& user, const std::string& used);
+
+/// The same member; throws BuildError if it does not exist yet. `user` says what uses it.
+template <class Member>
+const Member& CheckDeclared(const Member& member, const char* user) {
+  if (!Declared::IsDeclared(member)) ThrowUndeclared(user, "the state or event that it is for");
+  return member;
+}
+
 /// Where a value lies in a context's memory.
 using Offset = std::uint32_t;
 
@@ -90,11 +112,8 @@ struct Trigger {
 /// A value inside a block: a port, a state, a shared value, a next value. Sources register with their block
 /// and are never copied or moved. Users meet the typed classes derived from this one; this is what they
 /// share.
-class Source {
+class Source : public internal::Declared {
  public:
-  Source(const Source&) = delete;
-  Source& operator=(const Source&) = delete;
-
   SourceKind kind() const { return kind_; }
   const Spec& spec() const { return spec_; }
   const std::string& name() const { return spec_.name; }
@@ -143,6 +162,7 @@ class Source {
   void SetTarget(const Source& target) { target_ = &target; }
   void SetTrigger(Trigger trigger) { trigger_ = trigger; }
   void SetHasInitialValue() { has_initial_value_ = true; }
+  void CheckUses(int undeclared, bool merged) const;
   System* mutable_owner() const { return owner_; }
 
  private:
@@ -161,6 +181,7 @@ class Source {
   const internal::TypeInfo* type_;
   const void* model_;  ///< lies in the derived class
   const Source* driver_ = nullptr;
+  bool ignores_units_ = false;      ///< of the driver
   const Source* target_ = nullptr;  ///< of an update or a derivative: the state
   Trigger trigger_;
   bool has_initial_value_ = false;  ///< of a sampled output: readable before its first tick

@@ -34,11 +34,13 @@ class TimeDerivative : public Calculated<T> {
  public:
   using Value = T;
   template <class... A, class F>
-  TimeDerivative(const ContinuousState<T>& state, UsesList<A...> uses, F function)
-      : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kDerivative,
+  TimeDerivative(const ContinuousState<T>& state, UsesList<A...> uses, F function,
+                 std::uint64_t tag = internal::TagOf<F>::value)
+      : Calculated<T>(const_cast<System*>(&internal::CheckDeclared(state, "a TimeDerivative").owner()),
+                      SourceKind::kDerivative,
                       Spec{"d/dt " + state.name(), state.spec().units, state.spec().elements}) {
     this->SetTarget(state);
-    this->Calculate(std::move(uses), std::move(function));
+    this->Calculate(std::move(uses), std::move(function), tag);
   }
 };
 
@@ -75,9 +77,10 @@ class Witness : public Calculated<double> {
   using Value = double;
   using Argument = const double&;
   template <class... A, class F>
-  Witness(Leaf* owner, std::string name, Crossing crossing, UsesList<A...> uses, F function)
+  Witness(Leaf* owner, std::string name, Crossing crossing, UsesList<A...> uses, F function,
+          std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<double>(owner, SourceKind::kWitness, Spec{std::move(name)}), crossing_(crossing) {
-    Calculate(std::move(uses), std::move(function));
+    Calculate(std::move(uses), std::move(function), tag);
   }
   Crossing crossing() const { return crossing_; }
 
@@ -92,29 +95,36 @@ class Update : public Calculated<T> {
  public:
   using Value = T;
   template <class State, class... A, class F>
-  Update(const State& state, Sampled sampled, UsesList<A...> uses, F function)
+  Update(const State& state, Sampled sampled, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
       : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
-               std::move(function)) {}
+               std::move(function), tag) {}
   template <class State, class... A, class F>
-  Update(const State& state, EachStep, UsesList<A...> uses, F function)
-      : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function)) {}
+  Update(const State& state, EachStep, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
+      : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function), tag) {}
   template <class State, class... A, class F>
-  Update(const State& state, AtStart, UsesList<A...> uses, F function)
-      : Update(state, Trigger{.when = Trigger::When::kAtStart}, std::move(uses), std::move(function)) {}
+  Update(const State& state, AtStart, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
+      : Update(state, Trigger{.when = Trigger::When::kAtStart}, std::move(uses), std::move(function), tag) {}
   template <class State, class... A, class F>
-  Update(const State& state, const Witness& witness, UsesList<A...> uses, F function)
-      : Update(state, Trigger{.when = Trigger::When::kWitness, .witness = &witness}, std::move(uses),
-               std::move(function)) {}
+  Update(const State& state, const Witness& witness, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
+      : Update(state,
+               Trigger{.when = Trigger::When::kWitness,
+                       .witness = &internal::CheckDeclared(witness, "an Update")},
+               std::move(uses), std::move(function), tag) {}
 
  private:
   template <class State, class... A, class F>
-  Update(const State& state, Trigger trigger, UsesList<A...> uses, F function)
-      : Calculated<T>(const_cast<System*>(&state.owner()), SourceKind::kUpdate,
+  Update(const State& state, Trigger trigger, UsesList<A...> uses, F function, std::uint64_t tag)
+      : Calculated<T>(const_cast<System*>(&internal::CheckDeclared(state, "an Update").owner()),
+                      SourceKind::kUpdate,
                       Spec{"next " + state.name(), state.spec().units, state.spec().elements}) {
     static_assert(std::is_same_v<typename State::Value, T>, "An Update has the type of its state.");
     this->SetTarget(state);
     this->SetTrigger(trigger);
-    this->Calculate(std::move(uses), std::move(function));
+    this->Calculate(std::move(uses), std::move(function), tag);
   }
 };
 
@@ -126,13 +136,15 @@ class Shared : public Calculated<T> {
   using Value = T;
   using Argument = const T&;
   template <class... A, class F>
-  Shared(Leaf* owner, std::string name, UsesList<A...> uses, F function)
+  Shared(Leaf* owner, std::string name, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<T>(owner, SourceKind::kShared, Spec{std::move(name)}) {
-    this->Calculate(std::move(uses), std::move(function));
+    this->Calculate(std::move(uses), std::move(function), tag);
   }
   template <class... A, class F>
-  Shared(Leaf* owner, std::string name, T model, UsesList<A...> uses, F function)
-      : Shared(owner, std::move(name), std::move(uses), std::move(function)) {
+  Shared(Leaf* owner, std::string name, T model, UsesList<A...> uses, F function,
+         std::uint64_t tag = internal::TagOf<F>::value)
+      : Shared(owner, std::move(name), std::move(uses), std::move(function), tag) {
     this->model_ = std::move(model);
   }
 };
@@ -189,16 +201,18 @@ class Monitor : public Calculated<Verdict> {
  public:
   using Value = Verdict;
   template <class... A, class F>
-  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<A...> uses, F function)
+  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<A...> uses, F function,
+          std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger({Trigger::When::kSampled, sampled, nullptr});
-    Calculate(std::move(uses), std::move(function));
+    Calculate(std::move(uses), std::move(function), tag);
   }
   template <class... A, class F>
-  Monitor(Leaf* owner, std::string name, EachStep, UsesList<A...> uses, F function)
+  Monitor(Leaf* owner, std::string name, EachStep, UsesList<A...> uses, F function,
+          std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger({.when = Trigger::When::kEachStep});
-    Calculate(std::move(uses), std::move(function));
+    Calculate(std::move(uses), std::move(function), tag);
   }
 };
 

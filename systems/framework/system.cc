@@ -2,12 +2,72 @@
 
 #include <fmt/core.h>
 
+#include <mutex>
+#include <unordered_set>
+
 #include <tenon/systems/framework/calculation.h>
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon {
 
 std::string System::path() const {
   return parent_ == nullptr ? name_ : parent_->path() + "." + name_;
+}
+
+namespace internal {
+namespace {
+
+struct Registry {
+  std::mutex mutex;
+  std::unordered_set<const Declared*> members;
+};
+/// Never destroyed: blocks may outlive what is static.
+Registry& DeclaredMembers() {
+  static auto* registry = new Registry;
+  return *registry;
+}
+
+}  // namespace
+
+Declared::Declared() {
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  registry.members.insert(this);
+}
+
+Declared::~Declared() {
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  registry.members.erase(this);
+}
+
+bool Declared::IsDeclared(const Declared& member) {
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  return registry.members.contains(&member);
+}
+
+void ThrowUndeclared(const std::string& user, const std::string& used) {
+  throw BuildError(fmt::format(
+      "{} uses {}, which is declared below it and does not exist yet: move that declaration above it", user,
+      used));
+}
+
+}  // namespace internal
+
+void Source::CheckUses(int undeclared, bool merged) const {
+  if (undeclared > 0) {
+    internal::ThrowUndeclared(fmt::format("'{}'", name()),
+                              fmt::format("member {} of its Uses(...)", undeclared));
+  }
+  if (merged) {
+    throw BuildError(
+        fmt::format("this compiler takes the function of '{}' for that of another member (Clang 14 does so "
+                    "with lambdas of a "
+                    "class declared inside a function): declare the block outside of functions, or give it "
+                    "member functions",
+                    name()));
+  }
 }
 
 Source::Source(System* owner, SourceKind kind, Spec spec, const internal::TypeInfo& type, const void* model)

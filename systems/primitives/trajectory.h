@@ -33,7 +33,7 @@ struct TrajectoryParams {
 /// A trajectory and its derivatives at one time.
 template <class T>
 struct TrajectoryPoint {
-  T y, dy, ddy;
+  T y = internal::Filled<T>(0), dy = y, ddy = y;
   static FieldList Fields() {
     return {{"y", &TrajectoryPoint::y}, {"dy", &TrajectoryPoint::dy}, {"ddy", &TrajectoryPoint::ddy}};
   }

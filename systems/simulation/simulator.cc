@@ -36,13 +36,23 @@ constexpr double kInstant = 1e-7;
 }  // namespace
 
 Simulator::Simulator(const Diagram& diagram, SimulatorOptions options)
-    : Simulator(diagram.CreateContext(options.seed), options) {}
+    : Simulator(diagram.CreateContext(options.seed.value_or(0)), options) {}
+
+Simulator::Simulator(const std::shared_ptr<const Diagram>& diagram, SimulatorOptions options)
+    : Simulator(*diagram, std::move(options)) {}
 
 Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
     : context_(std::move(context)),
       options_(std::move(options)),
       program_(context_->diagram().program()),
       integrator_(std::make_unique<SundialsIntegrator>(*context_, options_)) {
+  if (options_.seed && *options_.seed != context_->seed()) {
+    throw ParameterError(
+        fmt::format("SimulatorOptions: seed = {} is for a context that the simulator makes, but this one "
+                    "exists and has seed {}: "
+                    "give the seed to Diagram::CreateContext",
+                    *options_.seed, context_->seed()));
+  }
   witness_values_.resize(program_.witness_plans.size());
   new_witness_values_.resize(program_.witness_plans.size());
   events_.resize(program_.witness_plans.size());
@@ -108,8 +118,13 @@ RunStatus Simulator::AdvanceTo(double time) {
     throw RunError(
         fmt::format("cannot advance to t = {} s: the run is at t = {} s already", time, context_->time()));
   }
+  if (!context_->failure_.empty()) {
+    throw RunError(
+        fmt::format("this run failed and cannot go on: {}; restore a snapshot from before, or start anew",
+                    context_->failure_));
+  }
+  context_->CheckAllFixed();
   try {
-    context_->CheckAllFixed();
     Synchronize();
     if (options_.real_time_rate > 0 && !pace_start_) {
       pace_start_ =
@@ -124,12 +139,22 @@ RunStatus Simulator::AdvanceTo(double time) {
       if (tick && !end_reason_) Tick();
       KeepPace();
     }
+  } catch (const std::exception& error) {
+    context_->failure_ = error.what();
+    FlushLogs();
+    throw;
   } catch (...) {
+    context_->failure_ = "something that is no std::exception was thrown";
     FlushLogs();
     throw;
   }
   FlushLogs();
   return {context_->time(), end_reason_.has_value(), end_reason_.value_or("")};
+}
+
+void Simulator::RunTo(double time) {
+  const RunStatus status = AdvanceTo(time);
+  if (status.ended) throw RunError(fmt::format("the run ended at t = {} s: {}", status.time, status.reason));
 }
 
 void Simulator::Start() {
@@ -212,9 +237,15 @@ const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
 void Simulator::Tick(bool first) {
   const auto num_groups = static_cast<int>(program_.groups.size());
   const std::vector<int>& due = schedule_->Take();
-  const auto logs_begin = std::lower_bound(due.begin(), due.end(), num_groups);
-  due_.assign(due.begin(), logs_begin);
-  const TickPlan* plan = due_.empty() ? nullptr : &PlanFor(due_);
+  auto logs_begin = due.end();
+  const TickPlan* plan = nullptr;
+  if (due.back() < num_groups) {
+    plan = &PlanFor(due);
+  } else {
+    logs_begin = std::lower_bound(due.begin(), due.end(), num_groups);
+    due_.assign(due.begin(), logs_begin);
+    if (!due_.empty()) plan = &PlanFor(due_);
+  }
   const bool feeds = plan != nullptr && plan->feeds;
   if (feeds && !first) EvaluateWitnesses(witness_values_);
   if (plan != nullptr) {

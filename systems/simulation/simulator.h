@@ -31,13 +31,16 @@ struct RunStatus {
 /// order, takes the logs, asks the monitors, and lets all due updates take effect at once.
 ///
 ///     Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
-///     simulator.AdvanceTo(5);
+///     simulator.RunTo(5);
 ///     simulator.context().Eval(cart.state);
 class Simulator {
  public:
-  /// Makes a context of its own. Throws ParameterError for options that make no sense.
+  /// Makes a context of its own, which keeps the diagram alive. Throws ParameterError for options that make
+  /// no sense.
   explicit Simulator(const Diagram& diagram, SimulatorOptions options = {});
-  /// Goes on with a context that exists: a clone, or one that was restored.
+  explicit Simulator(const std::shared_ptr<const Diagram>& diagram, SimulatorOptions options = {});
+  /// Goes on with a context that exists: a clone, or one that was restored. Throws ParameterError if the
+  /// options give a seed that it does not have.
   Simulator(std::unique_ptr<Context> context, SimulatorOptions options = {});
   ~Simulator();
 
@@ -55,9 +58,12 @@ class Simulator {
   /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors.
   /// However a run is divided into advances, it is the same run: where `time` lies inside a step of the
   /// integrator, which steps past it, the states are read from there, with about its accuracy. Throws
-  /// RunError: what a block threw, the first value that is not finite, the integrator's failure with its
-  /// worst state, or events without end.
-  RunStatus AdvanceTo(double time);
+  /// RunError: what a block threw (std::rethrow_if_nested gives it as it was), the first value that is not
+  /// finite, the integrator's failure with its worst state, or events without end. After that the run refuses
+  /// to go on until a snapshot is restored: half of a tick may have happened.
+  [[nodiscard]] RunStatus AdvanceTo(double time);
+  /// The same for runs that no monitor should end: throws RunError with its reason if one does.
+  void RunTo(double time);
   /// Time of the next tick [s], infinity if there is none.
   double next_tick_time() const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,10 +31,11 @@ struct SimulatorOptions {
   std::vector<StateTolerance> state_atol = {};
   double fixed_step = 0;      ///< [s]; 0 chooses steps by the tolerances. Not for CVODE.
   double max_step = 0;        ///< [s]; 0 for no limit
-  long max_steps = 100000;    ///< between two ticks; more is an error
+  long max_steps = 100000;    ///< between two ticks that restart the integrator, or to the end of an advance
   int max_events = 100;       ///< of witnesses at one instant; more is an error
   double real_time_rate = 0;  ///< 1 paces the run to the clock, 0 runs as fast as it can
-  std::uint64_t seed = 0;     ///< of the random streams
+  /// Of the random streams of a context that the simulator makes, else 0; one that exists has its own.
+  std::optional<std::uint64_t> seed = {};
 };
 
 /// What the integrator did since the simulator was made.

@@ -179,12 +179,12 @@ void PdLoop(benchmark::State& state) {
   builder.Connect(pd.u, cart.force);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   constexpr int kTicks = 1000;
   double end = 1;
   for (auto _ : state) {
     end += kTicks * 1e-3;
-    simulator.AdvanceTo(end);
+    simulator.RunTo(end);
   }
   state.counters["per_tick"] = benchmark::Counter(static_cast<double>(state.iterations()) * kTicks,
                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);

@@ -185,7 +185,7 @@ Trotting RunTenon(int order, double rtol) {
   Trotting result;
   const Stopwatch watch;
   for (int i = 1; i <= kTicks; ++i) {
-    simulator.AdvanceTo(i / 1000.0);
+    simulator.RunTo(i / 1000.0);
     result.path.push_back(simulator.context().Eval(plant.state).p_WB);
   }
   result.seconds = watch.seconds();

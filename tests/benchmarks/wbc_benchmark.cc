@@ -76,7 +76,7 @@ void Replay(benchmark::State& state, const Block& original, const Give& give) {
     Simulator simulator(*diagram);
     for (int n = 0; n < kTicks; ++n) {
       give(simulator.context(), block, Recording()[static_cast<std::size_t>(n)]);
-      const auto tick = [&] { simulator.AdvanceTo(n / 1000.0); };
+      const auto tick = [&] { simulator.RunTo(n / 1000.0); };
       if (n < kFirst) {
         tick();
       } else {
@@ -194,10 +194,10 @@ void Plant(benchmark::State& state) {
   for (auto _ : state) {
     Simulator simulator(*diagram, test::TrotLoop::Options("plant"));
     simulator.context().Set(plant.external, Recording()[0].external);
-    simulator.AdvanceTo((kFirst - 1) / 1000.0);
+    simulator.RunTo((kFirst - 1) / 1000.0);
     const long before = simulator.statistics().evaluations;
     for (int n = kFirst; n < kTicks; ++n) {
-      times.Measure(n, [&] { simulator.AdvanceTo(n / 1000.0); });
+      times.Measure(n, [&] { simulator.RunTo(n / 1000.0); });
     }
     evaluations += simulator.statistics().evaluations - before;
     measured += kTicks - kFirst;
@@ -223,10 +223,10 @@ void All(benchmark::State& state, bool logged) {
                      &loop.locomotion.torque, &loop.locomotion.whole_body.diagnostics, &loop.errors.errors});
       log->Reserve(kTicks + 1);
     }
-    simulator.AdvanceTo(kFirst / 1000.0);
+    simulator.RunTo(kFirst / 1000.0);
     for (std::size_t i = 0; i < best.size(); ++i) {
       const auto begin = std::chrono::steady_clock::now();
-      simulator.AdvanceTo((kFirst + kChunk * (static_cast<int>(i) + 1)) / 1000.0);
+      simulator.RunTo((kFirst + kChunk * (static_cast<int>(i) + 1)) / 1000.0);
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
       best[i] = std::min(best[i], elapsed.count());
     }

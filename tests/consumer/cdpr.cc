@@ -17,7 +17,7 @@ int main() {
   auto& loop = builder.Add<tenon::CdprLoop>("loop", params);
   const auto diagram = builder.Build();
   tenon::Simulator simulator(*diagram, {.order = 2, .rtol = 1e-5});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   const Eigen::Vector3d p = simulator.context().Eval(loop.plant.platform).p_WB;
   std::printf("the platform hangs at (%.4f, %.4f, %.4f) m\n", p[0], p[1], p[2]);
   return (p - Eigen::Vector3d(0, 0, 2)).norm() < 1e-3 ? 0 : 1;

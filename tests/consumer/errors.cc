@@ -27,7 +27,7 @@ int main() {
   tenon::Simulator simulator(*diagram);
   const auto log = simulator.AddLog(tenon::Hz(10), {&bad});
   try {
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
   } catch (const tenon::RunError& error) {
     caught += std::string(error.what()).find("of my own") != std::string::npos;
   }

@@ -36,7 +36,7 @@ TEST(GeometryTest, ConstantsAndMotionSurviveSaveAndRestore) {
   auto& ball = builder.Add<Ball>("ball");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.35);
+  simulator.RunTo(0.35);
   const auto other = diagram->CreateContext();
   other->Restore(simulator.context().Save());
   const Geometry& geometry = other->Eval(ball.geometry);

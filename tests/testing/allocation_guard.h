@@ -6,7 +6,7 @@ namespace tenon {
 /// realloc and the aligned ones (Eigen's among them):
 ///
 ///     AllocationGuard guard;
-///     simulator.AdvanceTo(1);
+///     simulator.RunTo(1);
 ///     EXPECT_EQ(guard.count(), 0);
 ///
 /// Linking tenon::testing replaces malloc by one that counts and passes on to the C library's. Under a

@@ -49,17 +49,18 @@ class TestRig {
   /// The first call does what is due at t = 0, every other one advances to the block's next tick and does
   /// what is due there: sampled outputs, then updates. Throws RunError if the block has no sample times.
   TestRig& Tick() {
-    if (!started_) return AdvanceTo(context().time());
+    if (!started_) return RunTo(context().time());
     const double next = simulator_->next_tick_time();
     if (std::isinf(next)) {
       throw RunError("the block has no tick after t = " + std::to_string(context().time()) +
-                     " s: nothing in it is sampled; use AdvanceTo");
+                     " s: nothing in it is sampled; use RunTo");
     }
-    return AdvanceTo(next);
+    return RunTo(next);
   }
-  /// Runs up to and including the tick at `time` [s].
-  TestRig& AdvanceTo(double time) {
-    simulator_->AdvanceTo(time);
+  /// Runs up to and including the tick at `time` [s], or to where a monitor of the block ends the run: what
+  /// it says can be read like any other value.
+  TestRig& RunTo(double time) {
+    static_cast<void>(simulator_->AdvanceTo(time));
     started_ = true;
     return *this;
   }
@@ -87,7 +88,7 @@ class TestRig {
 
  private:
   Block* block_;
-  std::unique_ptr<Diagram> diagram_;
+  std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<Simulator> simulator_;
   bool started_ = false;
 };

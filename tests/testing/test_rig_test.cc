@@ -114,7 +114,7 @@ TEST(TestRigTest, IntegratesBetweenTicks) {
   EXPECT_EQ(rig.time(), 0.1);
   EXPECT_EQ(rig[block.ticks], 2);
   EXPECT_THAT(rig[block.state], IsNear(Vec<2>(std::cos(0.1), -std::sin(0.1)), 1e-9));
-  rig.AdvanceTo(1);
+  rig.RunTo(1);
   EXPECT_EQ(rig[block.ticks], 11);
   EXPECT_THAT(rig[block.state], IsNear(Vec<2>(std::cos(1), -std::sin(1)), 1e-8));
 }
@@ -134,7 +134,7 @@ TEST(TestRigTest, RefusesTicksWithoutSampleTimes) {
   TestRig<Still> rig;
   rig.Fix(rig.system().u, 1).Tick();
   EXPECT_EQ(rig[rig.system().y], -1);
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "no tick", "use AdvanceTo"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "no tick", "use RunTo"));
 }
 
 TEST(TestRigTest, TicksWithoutAllocating) {

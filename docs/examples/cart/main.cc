@@ -22,7 +22,7 @@ int main() {
   const auto log = simulator.AddLog(tenon::Hz(2), {&cart.state, &pd.u});
   tenon::Report report({.title = "A cart under a digital PD controller"});
   report.Log(simulator, {&cart.state, &ref, &pd.u}, {&cart.geometry});
-  simulator.AdvanceTo(10);
+  simulator.RunTo(10);
   report.Write("cart.html");
 
   for (std::size_t i = 0; i < log->rows(); ++i) {

@@ -3,9 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <set>
-#include <tuple>
-#include <unordered_map>
 
 #include <tenon/systems/framework/diagram_builder.h>
 
@@ -34,6 +31,8 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
   Collect(blocks);
   ResolveInputs();
   CheckDeclarations();
+  CheckConnections();
+  ThrowFaults();
   Order();
   LayOut();
   FillArguments();
@@ -44,111 +43,12 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
 
 void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
   for (const auto& block : blocks) {
+    CheckMembers(*block);
     if (auto* subdiagram = dynamic_cast<Subdiagram*>(block.get())) {
       ports_.insert(ports_.end(), block->sources().begin(), block->sources().end());
       Collect(subdiagram->blocks_);
     } else {
       sources_.insert(sources_.end(), block->sources().begin(), block->sources().end());
-    }
-  }
-}
-
-void Compiler::ResolveInputs() {
-  std::vector<const Source*>& open = program_.open_inputs;
-  // Ports of subdiagrams too: nobody may read them, but they can be set, evaluated and logged.
-  std::vector<const Source*> ports(sources_.begin(), sources_.end());
-  ports.insert(ports.end(), ports_.begin(), ports_.end());
-  for (const Source* source : ports) {
-    const Source& origin = source->Resolve();
-    if (origin.kind() == SourceKind::kOutput && origin.run_ == nullptr) {
-      throw BuildError(fmt::format(
-          "output '{}' of a nested diagram has nothing connected to it inside: connect an inner output to it",
-          origin.path()));
-    }
-    if (origin.kind() != SourceKind::kInput) continue;
-    if (origin.has_initial_value_) {
-      // Several inner inputs may share the port of a subdiagram.
-      if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
-        default_inputs_.push_back(&origin);
-      }
-      continue;
-    }
-    if (!open_inputs_) {
-      const std::string through =
-          &origin == source ? "" : fmt::format(" (it is meant to feed '{}')", source->path());
-      throw BuildError(fmt::format(
-          "input '{}' is not connected{}: connect an output to it, or give the port a default value",
-          origin.path(), through));
-    }
-    if (std::find(open.begin(), open.end(), &origin) == open.end()) open.push_back(&origin);
-  }
-}
-
-void Compiler::CheckDeclarations() {
-  std::unordered_map<const Source*, const Source*> derivatives, sampled_updates, scratch_users;
-  std::set<std::tuple<const Source*, Trigger::When, const Witness*>> triggers;
-  for (const Source* source : sources_) {
-    if (source->run_ != nullptr) CheckArguments(*source);
-    if (source->kind() == SourceKind::kDerivative && !derivatives.emplace(source->target_, source).second) {
-      throw BuildError(
-          fmt::format("state '{}' has two time derivatives: remove one", source->target_->path()));
-    }
-    if (source->kind() == SourceKind::kUpdate && source->is_sampled() &&
-        !sampled_updates.emplace(source->target_, source).second) {
-      throw BuildError(
-          fmt::format("state '{}' has two sampled updates: merge them into one", source->target_->path()));
-    }
-    if (source->kind() == SourceKind::kUpdate &&
-        !triggers.emplace(source->target_, source->trigger().when, source->trigger().witness).second) {
-      throw BuildError(fmt::format("state '{}' has two updates with the same trigger: merge them into one",
-                                   source->target_->path()));
-    }
-    if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && source->is_sampled() &&
-        source->trigger().sampled.offset > 0 && !source->has_initial_value_) {
-      throw BuildError(fmt::format(
-          "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
-          source->path(), source->trigger().sampled.offset));
-    }
-    for (const Slot& slot : source->arguments_) {
-      if (slot.source == nullptr) continue;
-      const SourceKind kind = slot.source->kind();
-      if ((kind == SourceKind::kScratch || kind == SourceKind::kWorkspace) &&
-          !scratch_users.emplace(slot.source, source).second) {
-        throw BuildError(
-            fmt::format("scratch '{}' is used by both '{}' and '{}': it belongs to one calculation",
-                        slot.source->path(), scratch_users[slot.source]->name(), source->name()));
-      }
-    }
-  }
-  for (const Source* source : sources_) {
-    if (source->kind() != SourceKind::kContinuous) continue;
-    if (!derivatives.contains(source)) {
-      throw BuildError(fmt::format("continuous state '{}' has no time derivative: declare a TimeDerivative",
-                                   source->path()));
-    }
-    if (source->elements().size() * sizeof(double) != source->type_->size) {
-      throw BuildError(fmt::format(
-          "continuous state '{}' holds more than its declared doubles: list all members in Fields()",
-          source->path()));
-    }
-  }
-}
-
-void Compiler::CheckArguments(const Source& calculation) {
-  for (const Slot& slot : calculation.arguments_) {
-    if (slot.source == nullptr) continue;
-    if (&slot.source->owner() != &calculation.owner()) {
-      throw BuildError(
-          fmt::format("'{}' uses '{}', which belongs to another block: declare an input and connect it",
-                      calculation.path(), slot.source->path()));
-    }
-    if (slot.source->kind() == SourceKind::kRandom && !calculation.is_sampled() &&
-        calculation.kind() != SourceKind::kUpdate) {
-      throw BuildError(
-          fmt::format("'{}' uses the random stream '{}' but is no sampled output or update: the integrator "
-                      "evaluates it as "
-                      "often as it likes; declare it Sampled",
-                      calculation.path(), slot.source->name()));
     }
   }
 }

@@ -15,17 +15,14 @@ class Assembly;
 class Compiler {
  public:
   /// Throws BuildError: unconnected inputs (unless they may stay open), algebraic loops, states without
-  /// derivative, offsets without initial value, uses of other blocks' ports.
+  /// derivative, offsets without initial value, uses of other blocks' ports, units and sizes that differ.
   static Program Compile(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
 
  private:
   Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
 
-  // compiler.cc: what there is, and whether it makes sense
+  // compiler.cc: what there is
   void Collect(const std::vector<std::unique_ptr<System>>& blocks);
-  void ResolveInputs();
-  void CheckDeclarations();
-  void CheckArguments(const Source& calculation);
   void Order();
   void Visit(Source& source, std::vector<const Source*>& trail);
   void AddCalculation(Source& source);
@@ -34,6 +31,16 @@ class Compiler {
   void Place(Source& source, std::size_t& end);
   void FillArguments();
 
+  // compiler_checks.cc: whether it makes sense. All that does not is reported together.
+  void ResolveInputs();
+  void CheckMembers(const System& block);
+  void CheckSpec(const Source& source);
+  void CheckConnections();
+  void CheckDeclarations();
+  void CheckArguments(const Source& calculation);
+  void Fault(std::string text);
+  void ThrowFaults() const;
+
   // compiler_plans.cc: what runs when
   void FindGroups();
   void FindFeeders();
@@ -41,6 +48,7 @@ class Compiler {
 
   bool open_inputs_;
   Program program_;
+  std::vector<std::string> faults_;
   std::vector<Source*> sources_;               ///< of all leaves, in order
   std::vector<Source*> ports_;                 ///< of subdiagrams
   std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default

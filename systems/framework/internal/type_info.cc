@@ -4,9 +4,12 @@
 #include <fmt/core.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <new>
 #include <regex>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon::internal {
@@ -133,10 +136,59 @@ void StoreInteger(ScalarKind kind, void* value, long long integer) {
   WithKind(kind, value, [&]<class T>(T* number) { *number = static_cast<T>(integer); });
 }
 
+namespace {
+
+/// `T value;` in memory of some other content.
+class Made {
+ public:
+  Made(const TypeInfo& type, int content) : type_(type), memory_(::operator new(type.size, alignment())) {
+    std::memset(memory_, content, type.size);
+    try {
+      type.construct(memory_);
+    } catch (...) {
+      ::operator delete(memory_, alignment());
+      throw;
+    }
+  }
+  ~Made() {
+    type_.destroy(memory_);
+    ::operator delete(memory_, alignment());
+  }
+  Made(const Made&) = delete;
+  Made& operator=(const Made&) = delete;
+  const std::byte* memory() const { return static_cast<const std::byte*>(memory_); }
+
+ private:
+  std::align_val_t alignment() const { return std::align_val_t(type_.alignment); }
+  const TypeInfo& type_;
+  void* memory_;
+};
+
+/// What a constructor leaves unwritten differs where the memory differed.
+void CheckMembersAreWritten(const TypeInfo& type) {
+  if (type.kind != Kind::kStruct || type.construct == nullptr) return;
+  const Made one(type, 0x00), other(type, 0xa5);
+  for (const Field& field : type.fields) {
+    for (const ScalarRun& run : field.type().runs) {
+      const std::size_t offset = field.offset + run.offset;
+      if (std::memcmp(one.memory() + offset, other.memory() + offset, run.count * SizeOf(run.kind)) == 0)
+        continue;
+      throw BuildError(
+          fmt::format("member '{}' of {} has no value in `{} value;`: it would begin as what lies in memory. "
+                      "Give it one where "
+                      "it is declared: `= 0`, `= Vec<3>::Zero()`; braces do not make an Eigen matrix zero",
+                      field.name, TypeName(type), TypeName(type)));
+    }
+  }
+}
+
+}  // namespace
+
 TypeInfo WithRuns(TypeInfo info) {
   info.fixed = AppendRuns(info, 0, info.runs);
   if (!info.fixed) info.runs.clear();
   for (const ScalarRun& run : info.runs) info.num_scalars += run.count;
+  CheckMembersAreWritten(info);
   return info;
 }
 
@@ -167,7 +219,7 @@ void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor) {
       return visitor.Text(*static_cast<std::string*>(value));
     case Kind::kMap:
     case Kind::kOpaque:
-      return visitor.Opaque(value, type.trivial ? type.size : 0);
+      return visitor.Opaque();
   }
 }
 

@@ -126,7 +126,8 @@ struct TypeInfo {
   std::size_t size = 0;
   std::size_t alignment = 0;
   bool bitwise = false;
-  bool trivial = false;  ///< std::is_trivially_copyable
+  bool trivial = false;                   ///< std::is_trivially_copyable
+  void (*construct)(void* at) = nullptr;  ///< as `T value;` does; null if that does not compile
   void (*copy_construct)(void* at, const void* model) = nullptr;
   void (*destroy)(void* value) = nullptr;
   void (*assign)(void* to, const void* from) = nullptr;
@@ -172,8 +173,8 @@ class ValueVisitor {
   /// Before the numbers of what can change its size, which a visitor may ask for.
   virtual void Resize(std::size_t* rows, std::size_t* cols) { (void)rows, (void)cols; }
   virtual void Text(std::string& text) { (void)text; }
-  /// What does not describe itself: its bytes if copying these copies it, else none.
-  virtual void Opaque(void* bytes, std::size_t size) { (void)bytes, (void)size; }
+  /// What does not describe itself.
+  virtual void Opaque() {}
 
  protected:
   ~ValueVisitor() = default;
@@ -181,7 +182,7 @@ class ValueVisitor {
 
 void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor);
 
-/// Fills in the runs.
+/// Fills in the runs. Throws BuildError for a struct with a member that `T value;` leaves unwritten.
 TypeInfo WithRuns(TypeInfo info);
 
 template <class T>
@@ -273,6 +274,9 @@ TypeInfo Describe() {
   info.alignment = alignof(T);
   info.bitwise = kBitwise<T>;
   info.trivial = std::is_trivially_copyable_v<T>;
+  if constexpr (std::is_default_constructible_v<T>) {
+    info.construct = [](void* at) { new (at) T; };
+  }
   info.copy_construct = [](void* at, const void* model) { new (at) T(*static_cast<const T*>(model)); };
   info.destroy = [](void* value) { static_cast<T*>(value)->~T(); };
   info.assign = [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); };

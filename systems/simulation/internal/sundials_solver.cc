@@ -6,6 +6,7 @@
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
+#include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
@@ -13,6 +14,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+
+#if SUNDIALS_VERSION_MAJOR >= \
+    7  // which has other names for the functions of ERKStep and ARKStep, beside these
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+#endif
 
 namespace tenon::internal {
 
@@ -32,7 +38,6 @@ struct SundialsSolver::Api {
   char* (*flag_name)(long);
   void (*free)(void**);
   int (*set_client)(void*, void*);
-  int (*set_error_handler)(void*, ARKErrHandlerFn, void*);
   int (*set_tolerances)(void*, double, N_Vector);
   int (*set_max_steps)(void*, long);
   int (*set_roots)(void*, int, ARKRootFn);
@@ -66,7 +71,6 @@ const SundialsSolver::Api SundialsSolver::Api::kErk{ERKStepEvolve,
                                                     ERKStepGetReturnFlagName,
                                                     ERKStepFree,
                                                     ERKStepSetUserData,
-                                                    ERKStepSetErrHandlerFn,
                                                     ERKStepSVtolerances,
                                                     ERKStepSetMaxNumSteps,
                                                     ERKStepRootInit,
@@ -93,7 +97,6 @@ const SundialsSolver::Api SundialsSolver::Api::kArk{ARKStepEvolve,
                                                     ARKStepGetReturnFlagName,
                                                     ARKStepFree,
                                                     ARKStepSetUserData,
-                                                    ARKStepSetErrHandlerFn,
                                                     ARKStepSVtolerances,
                                                     ARKStepSetMaxNumSteps,
                                                     ARKStepRootInit,
@@ -120,7 +123,6 @@ const SundialsSolver::Api SundialsSolver::Api::kCvode{CVode,
                                                       CVodeGetReturnFlagName,
                                                       CVodeFree,
                                                       CVodeSetUserData,
-                                                      CVodeSetErrHandlerFn,
                                                       CVodeSVtolerances,
                                                       CVodeSetMaxNumSteps,
                                                       CVodeRootInit,
@@ -157,10 +159,10 @@ SundialsClient& Client(void* client) {
   return *static_cast<SundialsClient*>(client);
 }
 int Derivatives(double t, N_Vector y, N_Vector ydot, void* client) {
-  return Client(client).Derivatives(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot));
+  return Client(client).Derivatives(t, NV_DATA_S(y), NV_DATA_S(ydot));
 }
 int Roots(double t, N_Vector y, double* g, void* client) {
-  return Client(client).Roots(t, N_VGetArrayPointer(y), g);
+  return Client(client).Roots(t, NV_DATA_S(y), g);
 }
 int ChooseStep(N_Vector, double t, double h, double, double, double error, double, double, int q, int p,
                double* next, void* client) {
@@ -168,9 +170,15 @@ int ChooseStep(N_Vector, double t, double h, double, double, double error, doubl
   return 0;
 }
 
+#if SUNDIALS_VERSION_MAJOR >= 7
+void KeepMessage(int, const char*, const char*, const char* message, SUNErrCode, void* to, SUNContext) {
+  *static_cast<std::string*>(to) = message == nullptr ? "" : message;
+}
+#else
 void KeepMessage(int, const char*, const char*, char* message, void* to) {
   *static_cast<std::string*>(to) = message;
 }
+#endif
 
 }  // namespace
 
@@ -212,7 +220,15 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, double time,
   std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol));
   multistep() ? CreateMultistep(time) : CreateRungeKutta(time, client);
   api_.set_client(memory_, &client);
-  api_.set_error_handler(memory_, KeepMessage, &message_);
+#if SUNDIALS_VERSION_MAJOR >= 7
+  SUNContext_ClearErrHandlers(handles_->sun);
+  SUNContext_PushErrHandler(handles_->sun, KeepMessage, &message_);
+#else
+  const auto set_error_handler = options.method == Method::kErk    ? ERKStepSetErrHandlerFn
+                                 : options.method == Method::kDirk ? ARKStepSetErrHandlerFn
+                                                                   : CVodeSetErrHandlerFn;
+  set_error_handler(memory_, KeepMessage, &message_);
+#endif
   api_.set_tolerances(memory_, options.rtol, atol);
   api_.set_max_steps(memory_, options.max_steps);
   if (!directions_.empty()) {
@@ -226,7 +242,7 @@ SundialsSolver::~SundialsSolver() {
 }
 
 double* SundialsSolver::states() {
-  return N_VGetArrayPointer(handles_->y);
+  return NV_DATA_S(handles_->y);
 }
 
 void SundialsSolver::CreateRungeKutta(double time, SundialsClient& client) {

@@ -132,7 +132,7 @@ TEST(CdprMpc, ReferenceAccelerates) {
   params.path =
       std::make_shared<EquilibriumPath>(test::FourCableRobot(), Path::Circle({0, 0, 2}, 0.5, 10, 0.1));
   TestRig<CdprMpc> rig(params);
-  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0})).AdvanceTo(3);
+  rig.Fix(rig.system().estimate, At(params, 3, {0, 0, 0})).RunTo(3);
   const auto& plan = rig[rig.system().plan];
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const CdprReference reference = params.path->At(3 + plan.nodes[k].time);
@@ -144,11 +144,11 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   params.max_fallbacks_in_a_row = 3;
   TestRig<CdprMpc> rig(params);
-  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.005);
+  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.005);
   const CdprPlan before = rig[rig.system().plan];
   PlatformEstimate broken = At(params, 0, {0.1, 0, 0});
   broken.platform.p_WB[0] = 1e200;  // its square is not finite
-  rig.Fix(rig.system().estimate, broken).AdvanceTo(0.01);
+  rig.Fix(rig.system().estimate, broken).RunTo(0.01);
   const CdprPlan& after = rig[rig.system().plan];
   EXPECT_EQ(after.diagnostics.fallbacks, 1);
   EXPECT_EQ(after.diagnostics.solves, 2);
@@ -163,9 +163,9 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
 TEST(CdprMpc, DoesNotAllocate) {
   const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   TestRig<CdprMpc> rig(params);
-  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).AdvanceTo(0.02);
+  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
   const AllocationGuard guard;
-  rig.AdvanceTo(0.05);
+  rig.RunTo(0.05);
   EXPECT_EQ(guard.count(), 0);
 }
 

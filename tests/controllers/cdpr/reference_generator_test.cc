@@ -15,7 +15,7 @@ TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
   const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
                                                       Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));
   TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path, Hz(100)});
-  rig.AdvanceTo(1.005);
+  rig.RunTo(1.005);
   EXPECT_THAT(rig[rig.system().reference].position, IsNear(Eigen::Vector3d(0.2, 0, 2), 1e-12));
   EXPECT_THAT(rig[rig.system().reference].tension, IsNear(path->At(1).tension, 1e-12));
   rig.Tick();
@@ -26,7 +26,7 @@ TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
   const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
                                                       Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));
   TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path, Hz(100)});
-  rig.AdvanceTo(1);
+  rig.RunTo(1);
   const Geometry& geometry = rig[rig.system().geometry];
   ASSERT_EQ(geometry.size(), 1);
   EXPECT_EQ(geometry[0].kind, ShapeKind::kTrace);

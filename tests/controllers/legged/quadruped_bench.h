@@ -155,7 +155,7 @@ class Observed {
     Look();
     return estimate();
   }
-  const auto& AdvanceTo(double time) {
+  const auto& RunTo(double time) {
     while (bench.t < time - 1e-9) Tick();
     return estimate();
   }

@@ -32,7 +32,7 @@ struct Cell {
   }
   DiagramBuilder builder;
   CdprLoop& loop;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
 };
 
 TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
@@ -74,7 +74,7 @@ TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-12});
     for (int second = 1; second <= 10; ++second) {
-      simulator.AdvanceTo(second);
+      simulator.RunTo(second);
       ASSERT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(p, 1e-6))
           << "at t = " << second << " s";
     }
@@ -85,13 +85,13 @@ TEST(CdprLoopTest, RestoredRunGoesOnBitForBit) {
   const Cell cell(Circle());
   Simulator straight(*cell.diagram, kOptions);
   for (const double pause : {0.001, 0.385, 1.0}) {
-    straight.AdvanceTo(pause);
+    straight.RunTo(pause);
     auto context = cell.diagram->CreateContext();
     context->Restore(straight.context().Save());
     Simulator restored(std::move(context), kOptions);
-    restored.AdvanceTo(pause + 0.5);
+    restored.RunTo(pause + 0.5);
     Simulator fresh(*cell.diagram, kOptions);
-    fresh.AdvanceTo(pause + 0.5);
+    fresh.RunTo(pause + 0.5);
     EXPECT_EQ(restored.context().Save(), fresh.context().Save()) << "saved at " << pause << " s";
   }
 }
@@ -101,7 +101,7 @@ TEST(CdprLoopTest, ThreadsGiveTheNumbersOfOne) {
   const Cell cell(Circle());
   const auto run = [&](std::vector<std::byte>* result) {
     Simulator simulator(*cell.diagram, kOptions);
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     *result = simulator.context().Save();
   };
   std::vector<std::byte> alone, first, second;

@@ -44,7 +44,7 @@ struct Flight {
   }
   DiagramBuilder builder;
   CdprLoop& loop;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
   Simulator simulator;
   std::shared_ptr<MemoryLog> log;
   RunStatus status;
@@ -97,9 +97,9 @@ TEST(CdprMpcLoop, RestoredRunGoesOnBitForBit) {
   auto context = run.diagram->CreateContext();
   context->Restore(run.simulator.context().Save());
   Simulator restored(std::move(context), kOptions);
-  restored.AdvanceTo(0.7);
+  restored.RunTo(0.7);
   Simulator fresh(*run.diagram, kOptions);
-  fresh.AdvanceTo(0.7);
+  fresh.RunTo(0.7);
   const PlatformState a = restored.context().Eval(run.loop.plant.platform);
   const PlatformState b = fresh.context().Eval(run.loop.plant.platform);
   EXPECT_THAT(a.p_WB, IsNear(b.p_WB, 0));

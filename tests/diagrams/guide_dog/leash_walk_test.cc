@@ -109,7 +109,7 @@ class WalkRun {
     Simulator simulator(*diagram_, {.order = 3, .rtol = 1e-5, .atol = 1e-7});
     log_ = simulator.AddLog(Hz(100), {&leash.leash, &person.person, &person.intent, &robot.pose_port,
                                       &robot.state, &supervisor.status, &filter.motion});
-    simulator.AdvanceTo(duration);
+    simulator.RunTo(duration);
   }
   /// Of a signal from `from` to `to` [s].
   std::vector<double> operator()(const std::string& column, double from, double to) const {
@@ -126,7 +126,7 @@ class WalkRun {
   }
 
  private:
-  std::unique_ptr<Diagram> diagram_;
+  std::shared_ptr<const Diagram> diagram_;
   std::shared_ptr<MemoryLog> log_;
 };
 

@@ -80,7 +80,7 @@ struct Cell {
   DiagramBuilder builder;
   QuadrupedPlant* plant;
   DisturbanceObserver* observer;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
   std::unique_ptr<Simulator> simulator;
 };
 
@@ -90,10 +90,10 @@ TEST(DisturbanceObserverTest, ForceOnTheTrunk) {
   ExternalForce where;
   where.p_B = {0.1, 0.05, 0};
   Cell cell(ObserverKind::kHybrid, Push(where, force));
-  cell.simulator->AdvanceTo(0.29);
+  cell.simulator->RunTo(0.29);
   EXPECT_LT(cell.wrench().force_W.norm(), 0.5);
   EXPECT_LT(cell.wrench().torque_W.norm(), 0.1);
-  cell.simulator->AdvanceTo(1);
+  cell.simulator->RunTo(1);
   EXPECT_THAT(cell.wrench().force_W, IsNear(force, 0.01 * force.norm()));
   QuadrupedDynamics dynamics;
   QuadrupedModel(DogBot()).Calc(cell.state(), &dynamics);
@@ -108,7 +108,7 @@ TEST(DisturbanceObserverTest, ForceOnAStandingLeg) {
   const Vec<3> force(12, 16, -5);
   const ExternalForce where = PointOnLeg(DogBot(), 1, 0.3);
   Cell cell(ObserverKind::kHybrid, Push(where, force));
-  cell.simulator->AdvanceTo(1);
+  cell.simulator->RunTo(1);
   QuadrupedDynamics dynamics;
   QuadrupedModel(DogBot()).Calc(cell.state(), &dynamics);
   EXPECT_THAT(cell.wrench().force_W, IsNear(force, 0.01 * force.norm()));
@@ -127,7 +127,7 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
   const Vec<3> force(12, 16, -5);
   for (const auto& [kind, name] : EnumNames(ObserverKind{})) {
     Cell cell(kind, Push(PointOnLeg(DogBot(), 1, 0), force));
-    cell.simulator->AdvanceTo(1);
+    cell.simulator->RunTo(1);
     const bool legs = kind == ObserverKind::kLegs || kind == ObserverKind::kHybrid ||
                       kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse;
     const bool com =
@@ -176,7 +176,7 @@ WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
   builder.Connect(locomotion.plan, errors.plan);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 3, .rtol = 1e-3, .atol = 1e-5});
-  simulator.AdvanceTo(1.3);
+  simulator.RunTo(1.3);
   return simulator.context().Eval(errors.errors);
 }
 

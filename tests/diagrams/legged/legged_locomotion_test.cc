@@ -138,7 +138,7 @@ TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   builder.Connect(locomotion.torque, world.torque);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
-  simulator.AdvanceTo(0.5);
+  simulator.RunTo(0.5);
   EXPECT_EQ(simulator.context().Eval(world.state).p_WB, Stand(Replaced::kNone));
 }
 

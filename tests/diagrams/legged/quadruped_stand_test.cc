@@ -39,7 +39,7 @@ struct Cell {
   }
   DiagramBuilder builder;
   QuadrupedStand& loop;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
   Simulator simulator;
 };
 

@@ -43,7 +43,7 @@ struct TrotLoop {
   }
 
   QuadrupedWalk* loop;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
 };
 
 /// What the blocks read at one tick of the walk.

@@ -161,7 +161,7 @@ TEST(CdprPlantTest, FallsFreely) {
   const PlatformAcceleration& acceleration = rig[rig.system().acceleration];
   EXPECT_EQ(acceleration.a_W, Vec<3>(0, 0, -9.81));
   EXPECT_EQ(acceleration.alpha_W, Vec<3>::Zero());
-  rig.AdvanceTo(0.5);
+  rig.RunTo(0.5);
   EXPECT_THAT(rig[rig.system().platform].p_WB, IsNear(Vec<3>(0, 0, 1.5 - 9.81 / 8), 1e-12));
 }
 
@@ -180,7 +180,7 @@ TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
     };
     const Vec<3> momentum_before = momentum();
     const double energy_before = Total(rig);
-    rig.AdvanceTo(5);
+    rig.RunTo(5);
     EXPECT_THAT(momentum(), IsNear(momentum_before, 1e-8));
     EXPECT_NEAR(Total(rig), energy_before, 1e-8 * (1 + std::abs(energy_before)));
     EXPECT_NEAR(rig[rig.system().platform_state].q_WB.norm(), 1, 1e-8);
@@ -198,7 +198,7 @@ TEST(CdprPlantTest, UndampedCablesKeepEnergy) {
     rig.Fix(rig.system().command, Same(0)).Fix(rig.system().payload, Payload{payload, {0.1, 0, -0.2}});
     const double before = Total(rig);
     EXPECT_GT(rig[rig.system().energy].elastic, 0);
-    rig.AdvanceTo(3);
+    rig.RunTo(3);
     EXPECT_NEAR(Total(rig), before, 1e-6);
     EXPECT_GT((rig[rig.system().platform].p_WB - params.p_WB).norm(), 0.001);  // it did move
   }
@@ -211,7 +211,7 @@ TEST(CdprPlantTest, DampedCablesLoseEnergy) {
   rig.Fix(rig.system().command, Same(0));
   double before = Total(rig);
   for (int i = 1; i <= 20; ++i) {
-    rig.AdvanceTo(0.05 * i);
+    rig.RunTo(0.05 * i);
     EXPECT_LE(Total(rig), before + 1e-9);
     before = Total(rig);
   }
@@ -227,7 +227,7 @@ TEST(CdprPlantTest, StaysAtItsEquilibrium) {
       rig.Fix(rig.system().command, params.initial_tension);
       EXPECT_THAT(rig[rig.system().cables].tension, IsNear(params.initial_tension, 1e-9));
       EXPECT_LT(rig.context().EvalTimeDerivatives().norm(), 1e-11);
-      rig.AdvanceTo(3);
+      rig.RunTo(3);
       EXPECT_THAT(rig[rig.system().platform].p_WB, IsNear(params.p_WB, 1e-7));
       EXPECT_THAT(rig[rig.system().euler], IsNear(Vec<3>(0, 0, 0), 1e-7));
     }
@@ -246,7 +246,7 @@ TEST(CdprPlantTest, TheLengthOfTheQuaternionMeansNothingAndReturnsToOne) {
   rig.Set(rig.system().platform_state, scaled);
   EXPECT_THAT(rig[rig.system().platform].q_WB, IsNear(x.q_WB, 1e-15));
   EXPECT_THAT(rig[rig.system().platform_rate].w_W, IsNear(before.w_W, 1e-12));
-  rig.AdvanceTo(2);
+  rig.RunTo(2);
   EXPECT_NEAR(rig[rig.system().platform_state].q_WB.norm(), 1, 1e-6);
 }
 
@@ -291,18 +291,18 @@ TEST(CdprPlantTest, APayloadIsHungAndReleased) {
   Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-11});
   Context& context = simulator.context();
 
-  simulator.AdvanceTo(0.4);
+  simulator.RunTo(0.4);
   EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], 0, 1e-9);
-  simulator.AdvanceTo(0.5);  // the tick has hung it: only the added weight pulls, on both masses
+  simulator.RunTo(0.5);  // the tick has hung it: only the added weight pulls, on both masses
   EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], -9.81 * 5 / 20, 1e-9);
-  simulator.AdvanceTo(8.9);
+  simulator.RunTo(8.9);
   const PlatformState low = context.Eval(plant.platform);
   EXPECT_LT(low.p_WB[2], 1.499);
   EXPECT_NEAR(low.v_W.norm(), 0, 1e-8);
   const double vertical = context.Eval(plant.cables).tension.sum() * (4 - 0.093 - low.p_WB[2]) /
                           context.Eval(plant.cables).length[0];
   EXPECT_NEAR(vertical, 20 * 9.81, 1e-6);
-  simulator.AdvanceTo(9);
+  simulator.RunTo(9);
   EXPECT_NEAR(context.Eval(plant.acceleration).a_W[2], 9.81 * 5 / 15, 1e-6);
   EXPECT_NEAR((context.Eval(plant.platform).v_W - low.v_W).norm(), 0, 1e-7);
 }
@@ -327,7 +327,7 @@ TEST(CdprPlantTest, MotorsFollowTheCommandWithALag) {
   const double start = rig[rig.system().winch_state].motor_tension[0];
   CableVector command(4);
   command << 100, 0, -50, start;
-  rig.Fix(rig.system().command, command).AdvanceTo(0.03);
+  rig.Fix(rig.system().command, command).RunTo(0.03);
   const double left = std::exp(-0.03 / 0.02);
   Vec<8> expected = Vec<8>::Zero();
   expected.head(4) << 100 + (start - 100) * left, start * left, start * left, start;  // below 0 counts as 0
@@ -372,7 +372,7 @@ TEST(CdprPlantTest, InTensionModeASlackCableIsReeledIn) {
   const double pull = params.initial_tension[0];
   rig.Fix(rig.system().command, params.initial_tension);
   SetRestLength(rig, 20);
-  rig.AdvanceTo(0.5);
+  rig.RunTo(0.5);
   EXPECT_THAT(rig[rig.system().winch_state].rest_length.head(4), IsNear(Same(20 - 0.5 * pull / 90), 1e-9));
 }
 
@@ -380,7 +380,7 @@ TEST(CdprPlantTest, InTensionModeATautCableReachesTheCommand) {
   CdprPlantParams params = Hanging();
   Rig rig(params);
   const CableVector command = Same(params.initial_tension[0] * 1.01);
-  rig.Fix(rig.system().command, command).AdvanceTo(0.3);
+  rig.Fix(rig.system().command, command).RunTo(0.3);
   EXPECT_THAT(rig[rig.system().cables].tension, IsNear(command, 0.02 * command[0]));
   EXPECT_GT(rig[rig.system().platform].v_W[2], 0.01);
 }
@@ -393,7 +393,7 @@ TEST(CdprPlantTest, InTorqueModeTheDrumIsAMass) {
   const double pull = params.initial_tension[0];
   rig.Fix(rig.system().command, params.initial_tension);
   SetRestLength(rig, 20);
-  rig.AdvanceTo(0.4);  // slack all the way: m v' = -T_m - b v
+  rig.RunTo(0.4);  // slack all the way: m v' = -T_m - b v
   const double fade = std::exp(-30.0 / 8 * 0.4);
   const WinchState& winches = rig[rig.system().winch_state];
   EXPECT_THAT(winches.reel_speed.head(4), IsNear(Same(-pull / 30 * (1 - fade)), 1e-9));
@@ -420,7 +420,7 @@ TEST(CdprPlantTest, LockedWinchesHoldTheirRestLength) {
   params.v_W = {0, 0, 0.5};
   Rig rig(params);
   const Vec<8> before = rig[rig.system().winch_state].rest_length;
-  rig.Fix(rig.system().command, Same(500)).AdvanceTo(0.5);
+  rig.Fix(rig.system().command, Same(500)).RunTo(0.5);
   EXPECT_EQ(rig[rig.system().winch_state].rest_length, before);
 }
 
@@ -439,7 +439,7 @@ TEST(CdprPlantTest, HasOneEntryPerCable) {
   EXPECT_EQ(rig.system().cables.elements().size(), 32);
   EXPECT_EQ(rig.diagram().num_continuous_states(), 13 + 24);
   EXPECT_EQ(rig.diagram().ContinuousStateNames()[2], "block.platform_state.p_WB.z");
-  rig.AdvanceTo(0.01);
+  rig.RunTo(0.01);
 }
 
 std::unique_ptr<Context> RunAlone(const Diagram& diagram, const CdprPlant& plant, double until) {
@@ -447,7 +447,7 @@ std::unique_ptr<Context> RunAlone(const Diagram& diagram, const CdprPlant& plant
   context->Set(plant.command, Same(60));
   context->Set(plant.payload, Payload{3, {0.2, 0.1, -0.1}});
   Simulator simulator(std::move(context), {.order = 3, .rtol = 1e-6});
-  simulator.AdvanceTo(until);
+  simulator.RunTo(until);
   return simulator.context().Clone();
 }
 
@@ -477,13 +477,13 @@ TEST(CdprPlantTest, GoesOnBitForBitFromASnapshot) {
   builder.Connect(command, plant.command);
   const auto diagram = builder.Build();
   Simulator whole(*diagram);
-  whole.AdvanceTo(1);
+  whole.RunTo(1);
   const std::vector<std::byte> snapshot = whole.context().Save();
-  whole.AdvanceTo(2);
+  whole.RunTo(2);
   auto restored = diagram->CreateContext();
   restored->Restore(snapshot);
   Simulator second(std::move(restored));
-  second.AdvanceTo(2);
+  second.RunTo(2);
   EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
 }
 
@@ -491,9 +491,9 @@ TEST(CdprPlantTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Rig rig(Hanging());
   rig.Fix(rig.system().command, Same(60)).Fix(rig.system().payload, Payload{1, {0, 0, 0.1}});
-  rig.AdvanceTo(0.1);
+  rig.RunTo(0.1);
   AllocationGuard guard;
-  rig.AdvanceTo(0.2);
+  rig.RunTo(0.2);
   EXPECT_EQ(guard.count(), 0);
 }
 

@@ -15,7 +15,7 @@ TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
   params.attach_s = 1;
   params.release_s = 2;
   TestRig<PayloadSchedule> rig(params);
-  const auto mass_at = [&](double time) { return rig.AdvanceTo(time)[rig.system().payload].mass; };
+  const auto mass_at = [&](double time) { return rig.RunTo(time)[rig.system().payload].mass; };
   EXPECT_EQ(mass_at(0.999), 0);
   EXPECT_EQ(mass_at(1), 5);
   EXPECT_EQ(mass_at(1.999), 5);

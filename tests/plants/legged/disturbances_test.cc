@@ -59,7 +59,7 @@ TEST(PointOnLegTest, RunsFromTheFootOverTheKneeToTheHip) {
 TEST(SineForceTest, IsTheEquation) {
   TestRig<SineForce> rig(SineForceParams{OnKnee(), 2.0, 0.5, 4.0});
   for (const double t : {0.0, 0.4, 0.5, 1.0, 2.75, 3.9, 4.0, 5.0}) {
-    rig.AdvanceTo(t);
+    rig.RunTo(t);
     const double wave = t >= 0.5 && t < 4 ? std::sin(2 * (t - 0.5)) : 0;
     const ExternalForce& force = rig[rig.system().force];
     EXPECT_EQ(force.body, 3);
@@ -83,7 +83,7 @@ TEST(PulseForceTest, IsThereForItsTime) {
   EXPECT_EQ(on, 100);
   EXPECT_DOUBLE_EQ(first, 0.3);
   TestRig<PulseForce> stays(PulseForceParams{OnKnee(), 0, std::numeric_limits<double>::infinity()});
-  EXPECT_EQ(stays.AdvanceTo(100)[stays.system().force].force_W, OnKnee().force_W);
+  EXPECT_EQ(stays.RunTo(100)[stays.system().force].force_W, OnKnee().force_W);
 }
 
 TEST(RandomForceTest, IsUniformInLegMagnitudeAndDirectionAndHeldForAPeriod) {
@@ -112,7 +112,7 @@ TEST(RandomForceTest, IsUniformInLegMagnitudeAndDirectionAndHeldForAPeriod) {
   EXPECT_THAT(direction_squares, IsNear(Vec<3>::Constant(1.0 / 3), 4 * std::sqrt(4.0 / 45 / n)));
 
   const ExternalForce held = rig[rig.system().force];
-  rig.AdvanceTo(rig.time() + 1.9);
+  rig.RunTo(rig.time() + 1.9);
   EXPECT_EQ(rig[rig.system().force].force_W, held.force_W);
   EXPECT_NE(rig.Tick()[rig.system().force].force_W, held.force_W);
 }

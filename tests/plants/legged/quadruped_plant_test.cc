@@ -215,7 +215,7 @@ TEST(QuadrupedPlantTest, InTheAirMomentumAndEnergyStay) {
     model.Calc(rig[plant.state], &before);
     const double energy = rig[plant.energy].total();
     const double T = 0.5;
-    rig.AdvanceTo(T);
+    rig.RunTo(T);
     model.Calc(rig[plant.state], &after);
     const Eigen::Vector3d g(0, 0, -kGravity);
     EXPECT_THAT(after.com_W, IsNear(before.com_W + T * before.com_velocity_W + T * T / 2 * g, 1e-7));
@@ -235,7 +235,7 @@ TEST(QuadrupedPlantTest, FrictionTakesEnergy) {
   rig.Fix(rig.system().torque, Vec<12>::Zero());
   // Power of friction at the start: viscous and Coulomb's, on twelve joints.
   const double before = rig[rig.system().energy].total(), h = 1e-5;
-  rig.AdvanceTo(h);
+  rig.RunTo(h);
   EXPECT_NEAR((rig[rig.system().energy].total() - before) / h, -12 * (0.05 + 0.2 * std::tanh(10)), 0.02);
 }
 
@@ -340,14 +340,14 @@ struct Stand {
   }
   DiagramBuilder builder;
   QuadrupedPlant* plant;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
   std::optional<Simulator> simulator;
 };
 
 TEST(QuadrupedPlantTest, StandsOnItsWeight) {
   for (const QuadrupedDescription& robot : {DogBot(), A1()}) {
     Stand stand(Params(robot));
-    stand.simulator->AdvanceTo(3);
+    stand.simulator->RunTo(3);
     Vec<3> sum = Vec<3>::Zero();
     for (int leg = 0; leg < kNumLegs; ++leg) {
       sum += stand[stand.plant->foot_forces][leg];
@@ -365,9 +365,9 @@ TEST(QuadrupedPlantTest, DoesNotCreepUnderASidePush) {
   QuadrupedPlantParams params = Params(DogBot());
   params.terrain.friction = 0.7;
   Stand stand(params, Vec<3>(0, 20, 0), 1);
-  stand.simulator->AdvanceTo(3);
+  stand.simulator->RunTo(3);
   const Vec<3> start = stand[stand.plant->state].p_WB;
-  stand.simulator->AdvanceTo(8);
+  stand.simulator->RunTo(8);
   EXPECT_LT((stand[stand.plant->state].p_WB - start).norm(), 1e-4);
   double sideways = 0;
   for (int leg = 0; leg < kNumLegs; ++leg) sideways += stand[stand.plant->foot_forces][leg][1];
@@ -386,9 +386,9 @@ TEST(QuadrupedPlantTest, SlidesOnASlipperySlopeAndStaysOnAnother) {
     const SimulatorOptions exact{.order = 3, .rtol = 1e-6, .atol = 1e-8};
     Stand stand(params, Vec<3>::Zero(), 0, friction == 0.2 ? exact : Options());
     const double start = friction == 0.2 ? 0.6 : 2;  // it sways for a while
-    stand.simulator->AdvanceTo(start);
+    stand.simulator->RunTo(start);
     const Vec<3> before = stand[stand.plant->state].v_W;
-    stand.simulator->AdvanceTo(start + 1);
+    stand.simulator->RunTo(start + 1);
     const Vec<3> a = stand[stand.plant->state].v_W - before;  // in 1 s
     const Vec<3> down(0, -std::cos(angle), -std::sin(angle));
     const double expected = friction == 0.2 ? kGravity * (std::sin(angle) - friction * std::cos(angle)) : 0;
@@ -413,7 +413,7 @@ TEST(QuadrupedPlantTest, RunsInThreadsAsAlone) {
   const Stand stand(Dropping());
   const auto run = [&] {
     Simulator simulator(*stand.diagram, Options());
-    simulator.AdvanceTo(0.3);
+    simulator.RunTo(0.3);
     return Eigen::VectorXd(simulator.context().continuous_state());
   };
   const Eigen::VectorXd alone = run();
@@ -429,13 +429,13 @@ TEST(QuadrupedPlantTest, RunsInThreadsAsAlone) {
 TEST(QuadrupedPlantTest, GoesOnBitForBitFromASnapshot) {
   const Stand stand(Dropping());
   Simulator whole(*stand.diagram, Options());
-  whole.AdvanceTo(0.1);
+  whole.RunTo(0.1);
   const std::vector<std::byte> snapshot = whole.context().Save();
-  whole.AdvanceTo(0.2);
+  whole.RunTo(0.2);
   auto restored = stand.diagram->CreateContext();
   restored->Restore(snapshot);
   Simulator second(std::move(restored), Options());
-  second.AdvanceTo(0.2);
+  second.RunTo(0.2);
   EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
 }
 
@@ -446,8 +446,8 @@ TEST(QuadrupedPlantTest, TheRecommendedTolerancesGiveATenthOfAMillimetre) {
   Stand quick(params), exact(params);
   exact.simulator.emplace(*exact.diagram, SimulatorOptions{.order = 5, .rtol = 1e-8, .atol = 1e-9});
   for (const double t : {0.1, 0.2, 0.3}) {
-    quick.simulator->AdvanceTo(t);
-    exact.simulator->AdvanceTo(t);
+    quick.simulator->RunTo(t);
+    exact.simulator->RunTo(t);
     EXPECT_THAT(quick[quick.plant->state].p_WB, IsNear(exact[exact.plant->state].p_WB, 1e-4)) << t;
   }
 }

@@ -137,7 +137,7 @@ TEST(ImuTest, OnAHangingPlatformFeedsASampledController) {
   builder.Connect(command, plant.command);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.5);
+  simulator.RunTo(0.5);
   const ImuMeasurement& measurement = simulator.context().Eval(imu.measurement);
   EXPECT_THAT(measurement.specific_force_B, IsNear(Vec<3>(0, 0, 9.81), 1e-6));
   EXPECT_THAT(measurement.angular_velocity_B, IsNear(Vec<3>(0, 0, 0), 1e-6));
@@ -146,9 +146,9 @@ TEST(ImuTest, OnAHangingPlatformFeedsASampledController) {
 TEST(ImuTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Rig rig;
-  rig.Fix(rig.system().body, Tilted()).Fix(rig.system().acceleration, PlatformAcceleration{}).AdvanceTo(0.1);
+  rig.Fix(rig.system().body, Tilted()).Fix(rig.system().acceleration, PlatformAcceleration{}).RunTo(0.1);
   AllocationGuard guard;
-  rig.AdvanceTo(0.2);
+  rig.RunTo(0.2);
   EXPECT_EQ(guard.count(), 0);
 }
 

@@ -98,15 +98,15 @@ TEST(LeggedSensorsTest, HoldTheirSamplesBetweenTicks) {
   encoders.Fix(encoders.system().state, Standing(DogBot())).Tick();
   LeggedState moved = Standing(DogBot());
   moved.q.array() += 0.1;
-  encoders.Fix(encoders.system().state, moved).AdvanceTo(0.0099);
+  encoders.Fix(encoders.system().state, moved).RunTo(0.0099);
   EXPECT_EQ(encoders[encoders.system().joints].q, DogBot().stance);
-  EXPECT_EQ(encoders.AdvanceTo(0.01)[encoders.system().joints].q, moved.q);
+  EXPECT_EQ(encoders.RunTo(0.01)[encoders.system().joints].q, moved.q);
 
   TestRig<JointTorqueSensor> torque(ForceSensorParams{.rate = Hz(200), .error = {.relative = 0.1}});
   torque.Fix(torque.system().torque, Vec<12>::Constant(10)).Tick();
   const Vec<12> first = torque[torque.system().measured];
-  EXPECT_EQ(torque.AdvanceTo(0.0049)[torque.system().measured], first);
-  EXPECT_NE(torque.AdvanceTo(0.005)[torque.system().measured], first);
+  EXPECT_EQ(torque.RunTo(0.0049)[torque.system().measured], first);
+  EXPECT_NE(torque.RunTo(0.005)[torque.system().measured], first);
 }
 
 TEST(LeggedSensorsTest, BlocksHaveStreamsOfTheirOwnAndRunsRepeat) {
@@ -120,7 +120,7 @@ TEST(LeggedSensorsTest, BlocksHaveStreamsOfTheirOwnAndRunsRepeat) {
     builder.Connect(torque, b.torque);
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.seed = seed});
-    simulator.AdvanceTo(0.01);
+    simulator.RunTo(0.01);
     return std::pair{Vec<12>(simulator.context().Eval(a.measured)),
                      Vec<12>(simulator.context().Eval(b.measured))};
   };
@@ -149,11 +149,11 @@ TEST(LeggedSensorsTest, DoNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   TestRig<JointEncoders> encoders(JointEncodersParams{.angle = {.absolute = 1e-4}});
   TestRig<FootForceSensor> feet(ForceSensorParams{.error = {.relative = 0.1}});
-  encoders.Fix(encoders.system().state, Standing(DogBot())).AdvanceTo(0.01);
-  feet.Fix(feet.system().forces, FootForces{}).AdvanceTo(0.01);
+  encoders.Fix(encoders.system().state, Standing(DogBot())).RunTo(0.01);
+  feet.Fix(feet.system().forces, FootForces{}).RunTo(0.01);
   AllocationGuard guard;
-  encoders.AdvanceTo(0.1);
-  feet.AdvanceTo(0.1);
+  encoders.RunTo(0.1);
+  feet.RunTo(0.1);
   EXPECT_EQ(guard.count(), 0);
 }
 

@@ -70,18 +70,18 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
   rig.Fix(rig.system().platform, Somewhere()).Tick();
   EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 200);
   const PoseMeasurement held = rig[rig.system().pose];
-  rig.AdvanceTo(0.0049);
+  rig.RunTo(0.0049);
   EXPECT_EQ(rig[rig.system().pose].p_WB, held.p_WB);
-  rig.AdvanceTo(0.005);
+  rig.RunTo(0.005);
   EXPECT_NE(rig[rig.system().pose].p_WB, held.p_WB);
 }
 
 TEST(PoseSensorTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Rig rig;
-  rig.Fix(rig.system().platform, Somewhere()).AdvanceTo(0.1);
+  rig.Fix(rig.system().platform, Somewhere()).RunTo(0.1);
   AllocationGuard guard;
-  rig.AdvanceTo(0.2);
+  rig.RunTo(0.2);
   EXPECT_EQ(guard.count(), 0);
 }
 

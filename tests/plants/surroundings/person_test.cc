@@ -47,7 +47,7 @@ TEST(PersonTest, WalksAsTheEquationAndGivesWayToTheLeash) {
   const Vec<3> across(-0.8, 0.6, 0);
   rig.Fix(person.leash, Pull(f, across));
   for (const double t : {0.1, 0.3, 0.7, 1.5, 10.0}) {
-    rig.AdvanceTo(t);
+    rig.RunTo(t);
     const double along = u * t + Oscillator(kDamping, kStiffness, 0, -u, t);
     const double aside = f / kStiffness + Oscillator(kDamping, kStiffness, -f / kStiffness, 0, t);
     const Vec<3> p = Vec<3>(-1, 2, 0) + along * Vec<3>(0.6, 0.8, 0) + aside * across;
@@ -60,18 +60,18 @@ TEST(PersonTest, WalksAsTheEquationAndGivesWayToTheLeash) {
 TEST(PersonTest, FollowsTheLeashOverGroundIfItIsTaut) {
   TestRig<Person> rig(Params({{.activity = Activity::kFollow, .duration = 100, .speed = 0.1}}));
   auto& person = rig.system();
-  rig.Fix(person.leash, Pull(0, {0, 1, 0})).AdvanceTo(10);
+  rig.Fix(person.leash, Pull(0, {0, 1, 0})).RunTo(10);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
-  rig.Fix(person.leash, Pull(2, {0, 0.9, -std::sqrt(0.19)})).AdvanceTo(20);
+  rig.Fix(person.leash, Pull(2, {0, 0.9, -std::sqrt(0.19)})).RunTo(20);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0.04, 0), 1e-9)) << "2 N of 5 N";
   // Half the tension acts over ground: the speed is the same, the place is not.
   const Vec<3> before = rig[person.person].p_W;
-  rig.Fix(person.leash, Pull(60, {-0.5, 0, std::sqrt(0.75)})).AdvanceTo(40);
+  rig.Fix(person.leash, Pull(60, {-0.5, 0, std::sqrt(0.75)})).RunTo(40);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(-0.1, 0, 0), 1e-9));
   EXPECT_NEAR(rig[person.motion].wanted[0] - rig[person.motion].x[0], 30 / kStiffness, 1e-9);
   EXPECT_NEAR(rig[person.person].p_W[0], before[0] - 20 * 0.1 - 30 / kStiffness, 1e-6);
   // Straight up there is nothing to follow.
-  rig.Fix(person.leash, Pull(20, {0, 0, 1})).AdvanceTo(60);
+  rig.Fix(person.leash, Pull(20, {0, 0, 1})).RunTo(60);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-9));
 }
 
@@ -82,7 +82,7 @@ TEST(PersonTest, PullsAsTheEquation) {
   auto& person = rig.system();
   rig.Set(person.motion, {{0, 0}, {0, 0}, {0.1, 0.2}}).Fix(person.leash, Pull(0, {1, 0, 0}));
   for (const double t : {0.1, 0.5, 2.0, 8.0}) {
-    rig.AdvanceTo(t);
+    rig.RunTo(t);
     const double v = 70 / kDamping * (1 - std::exp(-kDamping / kMass * t));
     const double x = 70 / kDamping * t - kMass / kDamping * v;
     EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(-v, 0, 0), 1e-8)) << t;
@@ -91,7 +91,7 @@ TEST(PersonTest, PullsAsTheEquation) {
     EXPECT_THAT(lean, IsNear(Vec<2>(std::exp(-kStiffness / kDamping * t) * Vec<2>(0.1, 0.2)), 1e-8)) << t;
   }
   // Held by a leash that pulls as much, the person does not move.
-  rig.Fix(person.leash, Pull(70, {1, 0, 0})).AdvanceTo(10 - 0.01);
+  rig.Fix(person.leash, Pull(70, {1, 0, 0})).RunTo(10 - 0.01);
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-4));
 }
 
@@ -148,7 +148,7 @@ TEST(PersonTest, OscillatesOnTheLeash) {
   const double rest = 2000 * 0.1 / (2000 + kStiffness);  // from where both springs are in balance
   simulator.context().Set(person.motion, {{rest, 0}, {0.1, 0}, {0, 0}});
   for (const double t : {0.05, 0.2, 0.5, 1.0}) {
-    simulator.AdvanceTo(t);
+    simulator.RunTo(t);
     const double e = Oscillator(kDamping, 2000 + kStiffness, 0, 0.1, t);
     EXPECT_THAT(simulator.context().Eval(person.person).p_W, IsNear(Vec<3>(rest + e, 0, 0), 1e-8)) << t;
     EXPECT_NEAR(simulator.context().Eval(leash.leash).tension, 2000 * (0.1 - rest - e), 1e-5) << t;

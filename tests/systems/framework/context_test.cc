@@ -191,7 +191,7 @@ struct Rich {
   Busy *slow, *fast;
   WarmMap *held, *varying;
   OutputPort<double>* reads_both;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
 
   SimulatorOptions options(std::uint64_t seed = 5) const {
     return {.rtol = 1e-5, .atol = 1e-7, .seed = seed};
@@ -218,13 +218,13 @@ struct Rich {
 TEST(ContextTest, ClonesGoOnAloneAndAlike) {
   const Rich rich;
   Simulator original(*rich.diagram, rich.options());
-  original.AdvanceTo(0.4);
+  original.RunTo(0.4);
   Simulator clone(original.context().Clone(), rich.options());
   EXPECT_EQ(rich.Digest(clone), rich.Digest(original));
   const std::vector<double> before = rich.Digest(original);
-  clone.AdvanceTo(1);
+  clone.RunTo(1);
   EXPECT_EQ(rich.Digest(original), before);
-  original.AdvanceTo(1);
+  original.RunTo(1);
   EXPECT_EQ(rich.Digest(clone), rich.Digest(original));
   EXPECT_NE(rich.Digest(original), before);
   EXPECT_EQ(original.context().seed(), 5);
@@ -236,27 +236,27 @@ TEST(ContextTest, ClonesGoOnAloneAndAlike) {
 TEST(ContextTest, RestoredRunGoesOnBitForBit) {
   const Rich rich;
   Simulator straight(*rich.diagram, rich.options());
-  straight.AdvanceTo(1);
+  straight.RunTo(1);
   const std::vector<double> expected = rich.Digest(straight);
   // 0 and 0.5 are ticks of all rates; the others of one or two of them.
   for (const double tick : {0.0, 0.025, 0.1, 1.0 / 7, 0.5, 32.0 / 90, 0.9375 - 0.025}) {
     Simulator first(*rich.diagram, rich.options());
-    first.AdvanceTo(tick);
+    first.RunTo(tick);
     const std::vector<double> at_tick = rich.Digest(first);
     const std::vector<std::byte> snapshot = first.context().Save();
 
-    first.AdvanceTo(1);
+    first.RunTo(1);
     EXPECT_EQ(rich.Digest(first), expected) << tick;  // looking does not disturb
     first.context().Restore(snapshot);
     EXPECT_EQ(rich.Digest(first), at_tick) << tick;
-    first.AdvanceTo(1);
+    first.RunTo(1);
     EXPECT_EQ(rich.Digest(first), expected) << tick;
 
     auto context = rich.diagram->CreateContext(99);  // the seed is of the snapshot
     context->Restore(snapshot);
     Simulator other(std::move(context), rich.options());
     EXPECT_EQ(other.context().Save(), snapshot) << tick;
-    other.AdvanceTo(1);
+    other.RunTo(1);
     EXPECT_EQ(rich.Digest(other), expected) << tick;
   }
 }
@@ -267,16 +267,16 @@ TEST(ContextTest, RestoredRunGoesOnFromAFile) {
   {
     const Rich rich;
     Simulator simulator(*rich.diagram, rich.options());
-    simulator.AdvanceTo(0.5);
+    simulator.RunTo(0.5);
     simulator.context().SaveFile(file);
-    simulator.AdvanceTo(0.8);
+    simulator.RunTo(0.8);
     expected = rich.Digest(simulator);
   }
   const Rich rich;  // another program, as it were
   auto context = rich.diagram->CreateContext();
   context->RestoreFile(file);
   Simulator simulator(std::move(context), rich.options());
-  simulator.AdvanceTo(0.8);
+  simulator.RunTo(0.8);
   EXPECT_EQ(rich.Digest(simulator), expected);
   std::filesystem::remove(file);
 }
@@ -286,13 +286,13 @@ TEST(ContextTest, BetweenTicksASnapshotContinuesTheRunThatStoppedThere) {
   const Rich rich;
   const double stop = 0.123456;
   Simulator stopped(*rich.diagram, rich.options()), straight(*rich.diagram, rich.options());
-  stopped.AdvanceTo(stop);
+  stopped.RunTo(stop);
   const auto snapshot = stopped.context().Save();
-  stopped.AdvanceTo(1);
-  straight.AdvanceTo(1);
+  stopped.RunTo(1);
+  straight.RunTo(1);
   Simulator restored(*rich.diagram, rich.options());
   restored.context().Restore(snapshot);
-  restored.AdvanceTo(1);
+  restored.RunTo(1);
   EXPECT_EQ(rich.Digest(restored), rich.Digest(stopped));
   EXPECT_EQ(rich.Digest(restored), rich.Digest(straight));
 }
@@ -301,10 +301,10 @@ TEST(ContextTest, SnapshotOfAnUnstartedContextStarts) {
   const Rich rich;
   const auto snapshot = rich.diagram->CreateContext(5)->Save();
   Simulator fresh(*rich.diagram, rich.options()), restored(*rich.diagram, rich.options(6));
-  restored.AdvanceTo(0.3);
+  restored.RunTo(0.3);
   restored.context().Restore(snapshot);
-  fresh.AdvanceTo(0.2);
-  restored.AdvanceTo(0.2);
+  fresh.RunTo(0.2);
+  restored.RunTo(0.2);
   EXPECT_EQ(rich.Digest(restored), rich.Digest(fresh));
 }
 
@@ -314,7 +314,7 @@ TEST(ContextTest, OpenInputsAreInTheSnapshot) {
   const auto diagram = builder.BuildWithOpenInputs();
   Simulator simulator(*diagram);
   simulator.context().Set(cart.force, 3.0);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   const auto snapshot = simulator.context().Save();
   const auto context = diagram->CreateContext();
   context->Restore(snapshot);
@@ -324,7 +324,7 @@ TEST(ContextTest, OpenInputsAreInTheSnapshot) {
 TEST(ContextTest, SnapshotsThatDoNotFitAreRefusedAndChangeNothing) {
   const Rich rich;
   Simulator simulator(*rich.diagram, rich.options());
-  simulator.AdvanceTo(0.3);
+  simulator.RunTo(0.3);
   const std::vector<std::byte> good = simulator.context().Save();
 
   DiagramBuilder builder;
@@ -333,7 +333,7 @@ TEST(ContextTest, SnapshotsThatDoNotFitAreRefusedAndChangeNothing) {
   EXPECT_THAT([&] { simulator.context().Restore(other->CreateContext()->Save()); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("another diagram"), HasSubstr("saved from"))));
 
-  simulator.AdvanceTo(0.6);
+  simulator.RunTo(0.6);
   const std::vector<std::byte> before = simulator.context().Save();
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{5}, std::size_t{20}, good.size() / 2, good.size() - 1}) {
@@ -387,7 +387,7 @@ TEST(ContextTest, ThreadsRunOneDiagramBitForBitLikeOneAfterTheOther) {
   std::vector<std::vector<double>> serial(4), parallel(4);
   const auto run = [&](std::vector<double>& digest, std::uint64_t seed) {
     Simulator simulator(*rich.diagram, rich.options(seed));
-    simulator.AdvanceTo(2);
+    simulator.RunTo(2);
     digest = rich.Digest(simulator);
   };
   for (std::size_t i = 0; i < 4; ++i) run(serial[i], i);
@@ -403,19 +403,20 @@ TEST(ContextTest, RunsRepeatWithTheirSeed) {
   const Rich rich;
   const auto run = [&](std::uint64_t seed) {
     Simulator simulator(*rich.diagram, rich.options(seed));
-    simulator.AdvanceTo(0.5);
+    simulator.RunTo(0.5);
     return rich.Digest(simulator);
   };
   EXPECT_EQ(run(1), run(1));
   EXPECT_NE(run(1), run(2));
 }
 
+struct Noise final : LeafSystem<void> {
+  Random a{this, "a"}, b{this, "b"};
+  OutputPort<double> y{this, "y", Sampled{Hz(1)}, Uses(a), [](RandomStream& r) { return r.Uniform(); }};
+  OutputPort<double> z{this, "z", Sampled{Hz(1)}, Uses(b), [](RandomStream& r) { return r.Uniform(); }};
+};
+
 TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
-  struct Noise final : LeafSystem<void> {
-    Random a{this, "a"}, b{this, "b"};
-    OutputPort<double> y{this, "y", Sampled{Hz(1)}, Uses(a), [](RandomStream& r) { return r.Uniform(); }};
-    OutputPort<double> z{this, "z", Sampled{Hz(1)}, Uses(b), [](RandomStream& r) { return r.Uniform(); }};
-  };
   const auto values = [](std::vector<std::string> names) {
     DiagramBuilder builder;
     std::vector<const Noise*> blocks;

@@ -284,16 +284,17 @@ TEST(DiagramBuilderTest, LoopThroughASharedValueIsFound) {
               ThrowsMessage<BuildError>(HasSubstr("block.twice' uses 'block.y' uses")));
 }
 
+class Filter final : public LeafSystem<void> {
+ public:
+  InputPort<double> u{this, "u"};
+  ContinuousState<double> x{this, "x", 3.0};
+  OutputPort<double> slow{this, "slow", Uses(x), kSame};
+  OutputPort<double> error{this, "error", Uses(x, u), [](double x, double u) { return u - x; }};
+  TimeDerivative<double> dx{x, Uses(x, u), [](double x, double u) { return u - x; }};
+};
+
 TEST(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
   // Of the two outputs, one shows the state, the other feeds the input through. The former closes a loop.
-  class Filter final : public LeafSystem<void> {
-   public:
-    InputPort<double> u{this, "u"};
-    ContinuousState<double> x{this, "x", 3.0};
-    OutputPort<double> slow{this, "slow", Uses(x), kSame};
-    OutputPort<double> error{this, "error", Uses(x, u), [](double x, double u) { return u - x; }};
-    TimeDerivative<double> dx{x, Uses(x, u), [](double x, double u) { return u - x; }};
-  };
   class Delay final : public LeafSystem<void> {
    public:
     InputPort<double> u{this, "u"};
@@ -341,12 +342,13 @@ auto BuildWith() {
   };
 }
 
+struct Two final : LeafSystem<void> {
+  ContinuousState<double> x{this, "x"};
+  TimeDerivative<double> a{x, Uses(), [] { return 1.0; }};
+  TimeDerivative<double> b{x, Uses(), [] { return 2.0; }};
+};
+
 TEST(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
-  struct Two final : LeafSystem<void> {
-    ContinuousState<double> x{this, "x"};
-    TimeDerivative<double> a{x, Uses(), [] { return 1.0; }};
-    TimeDerivative<double> b{x, Uses(), [] { return 2.0; }};
-  };
   struct None final : LeafSystem<void> {
     ContinuousState<double> x{this, "x"};
   };
@@ -380,22 +382,25 @@ TEST(DiagramBuilderTest, OffsetNeedsAnInitialValue) {
                                               HasSubstr("no initial value: declare one before Sampled"))));
 }
 
+struct TwoRates final : LeafSystem<void> {
+  DiscreteState<int> n{this, "n"};
+  Update<int> a{n, Sampled{Hz(10)}, Uses(), [] { return 1; }};
+  Update<int> b{n, Sampled{Hz(20)}, Uses(), [] { return 2; }};
+};
+
+struct TwoStarts final : LeafSystem<void> {
+  DiscreteState<int> n{this, "n"};
+  Update<int> a{n, AtStart{}, Uses(), [] { return 1; }};
+  Update<int> b{n, AtStart{}, Uses(), [] { return 2; }};
+};
+
+struct Different final : LeafSystem<void> {
+  DiscreteState<int> n{this, "n"};
+  Update<int> a{n, AtStart{}, Uses(), [] { return 1; }};
+  Update<int> b{n, Sampled{Hz(20)}, Uses(), [] { return 2; }};
+};
+
 TEST(DiagramBuilderTest, TwoUpdatesOfOneStateAndTriggerAreRefused) {
-  struct TwoRates final : LeafSystem<void> {
-    DiscreteState<int> n{this, "n"};
-    Update<int> a{n, Sampled{Hz(10)}, Uses(), [] { return 1; }};
-    Update<int> b{n, Sampled{Hz(20)}, Uses(), [] { return 2; }};
-  };
-  struct TwoStarts final : LeafSystem<void> {
-    DiscreteState<int> n{this, "n"};
-    Update<int> a{n, AtStart{}, Uses(), [] { return 1; }};
-    Update<int> b{n, AtStart{}, Uses(), [] { return 2; }};
-  };
-  struct Different final : LeafSystem<void> {
-    DiscreteState<int> n{this, "n"};
-    Update<int> a{n, AtStart{}, Uses(), [] { return 1; }};
-    Update<int> b{n, Sampled{Hz(20)}, Uses(), [] { return 2; }};
-  };
   EXPECT_THAT(
       BuildWith<TwoRates>(),
       ThrowsMessage<BuildError>(AllOf(HasSubstr("'block.n' has two sampled updates"), HasSubstr("merge"))));
@@ -404,12 +409,13 @@ TEST(DiagramBuilderTest, TwoUpdatesOfOneStateAndTriggerAreRefused) {
   EXPECT_NO_THROW(BuildWith<Different>()());
 }
 
+struct Block final : LeafSystem<void> {
+  Scratch<double> warm{this, "warm"};
+  OutputPort<double> y{this, "y", Uses(warm), [](double& w) { return w; }};
+  OutputPort<double> z{this, "z", Uses(warm), [](double& w) { return w; }};
+};
+
 TEST(DiagramBuilderTest, ScratchBelongsToOneCalculation) {
-  struct Block final : LeafSystem<void> {
-    Scratch<double> warm{this, "warm"};
-    OutputPort<double> y{this, "y", Uses(warm), [](double& w) { return w; }};
-    OutputPort<double> z{this, "z", Uses(warm), [](double& w) { return w; }};
-  };
   EXPECT_THAT(BuildWith<Block>(),
               ThrowsMessage<BuildError>(AllOf(HasSubstr("scratch 'block.warm' is used by both 'y' and 'z'"),
                                               HasSubstr("belongs to one calculation"))));
@@ -442,7 +448,7 @@ TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
   auto& c = builder.Add<Counter>("c", Sampled{Rate(1, 1000)});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(a.n), 99992);
   EXPECT_EQ(simulator.context().Eval(b.n), 10);
   EXPECT_EQ(simulator.context().Eval(c.n), 1001);
@@ -455,7 +461,7 @@ TEST(DiagramBuilderTest, AHundredRatesAreNotTooMany) {
     counters.push_back(&builder.Add<Counter>("every_" + std::to_string(i), Sampled{Rate(i, 1000)}));
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   for (int i = 1; i <= 100; ++i) EXPECT_EQ(simulator.context().Eval(counters[i - 1]->n), 1000 / i + 1);
 }
 
@@ -474,7 +480,7 @@ TEST(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
   EXPECT_EQ(vector.elements()[1].name, "right");
   EXPECT_EQ(vector.elements()[1].unit, "N");
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.25);
+  simulator.RunTo(0.25);
   EXPECT_EQ(simulator.context().Eval(sum), 2 + 2 + 0.25 + 2);
   EXPECT_EQ(simulator.context().Eval(held), 2 + 2 + 0.2 + 2);
 }

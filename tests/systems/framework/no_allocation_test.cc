@@ -53,10 +53,10 @@ TEST(NoAllocationTest, RunningAllocatesNothing) {
     Simulator simulator(*diagram, {.order = order, .rtol = 1e-4});
     const auto log = simulator.AddLog(Hz(100), {&plant.state, &everything.u, &everything.list});
     log->Reserve(1000);
-    simulator.AdvanceTo(0.5);
+    simulator.RunTo(0.5);
     {
       AllocationGuard guard;
-      simulator.AdvanceTo(3);
+      simulator.RunTo(3);
       EXPECT_EQ(guard.count(), 0);
     }
     EXPECT_GT(simulator.context().Eval(everything.crossings), 8);

@@ -232,7 +232,7 @@ TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {
   });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.3);
+  simulator.RunTo(0.3);
   EXPECT_EQ(simulator.context().Eval(key), 3);
   EXPECT_EQ(simulator.context().Clone()->Eval(robot).battery.size(), 3);
 }

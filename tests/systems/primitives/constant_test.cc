@@ -11,7 +11,7 @@ namespace {
 TEST(ConstantSourceTest, GivesItsValue) {
   TestRig<ConstantSource<Vec<2>>> rig(ConstantParams<Vec<2>>{.value = {1, 2}, .unit = "N"});
   EXPECT_THAT(rig[rig.system().y], IsNear(Vec<2>(1, 2), 0));
-  EXPECT_THAT(rig.AdvanceTo(10)[rig.system().y], IsNear(Vec<2>(1, 2), 0));
+  EXPECT_THAT(rig.RunTo(10)[rig.system().y], IsNear(Vec<2>(1, 2), 0));
   EXPECT_EQ(rig.system().y.elements()[0].unit, "N");
 }
 

@@ -37,7 +37,7 @@ TEST(DiscreteLowPassTest, EqualsTheContinuousFilterForHeldInputs) {
   builder.Connect(hold.y, discrete.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 5, .rtol = 1e-11, .atol = 1e-13});
-  simulator.AdvanceTo(3);
+  simulator.RunTo(3);
   EXPECT_NEAR(simulator.context().Eval(discrete.y), simulator.context().Eval(continuous.y), 1e-10);
 }
 

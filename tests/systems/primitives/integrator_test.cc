@@ -20,7 +20,7 @@ TEST(IntegratorTest, Integrates) {
   rig.Fix(block.u, {3, -4});
   EXPECT_THAT(rig[block.y], IsNear(Vec<2>(1, 2), 0));
   EXPECT_THAT(rig.Derivative(block.x), IsNear(Vec<2>(3, -4), 0));
-  EXPECT_THAT(rig.AdvanceTo(2)[block.y], IsNear(Vec<2>(7, -6), 1e-12));
+  EXPECT_THAT(rig.RunTo(2)[block.y], IsNear(Vec<2>(7, -6), 1e-12));
 }
 
 TEST(IntegratorTest, BreaksLoops) {
@@ -31,7 +31,7 @@ TEST(IntegratorTest, BreaksLoops) {
   builder.Connect(gain.y, integrator.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 5, .rtol = 1e-10, .atol = 1e-12});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(integrator.y), 3 * std::exp(-2), 1e-8);
 }
 

@@ -22,7 +22,7 @@ TEST(LowPassFilterTest, HasTheDerivative) {
 
 TEST(LowPassFilterTest, StepResponse) {
   TestRig<LowPassFilter<Vec<2>>> rig(LowPassFilterParams<Vec<2>>{.time_constant = 0.5, .initial = {1, 0}});
-  rig.Fix(rig.system().u, {0, 2}).AdvanceTo(0.7);
+  rig.Fix(rig.system().u, {0, 2}).RunTo(0.7);
   const double rest = std::exp(-0.7 / 0.5);
   EXPECT_THAT(rig[rig.system().y], IsNear(Vec<2>(rest, 2 * (1 - rest)), 1e-9));
 }
@@ -36,7 +36,7 @@ TEST(LowPassFilterTest, BreaksLoops) {
   builder.Connect(gain.y, filter.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 5, .rtol = 1e-10, .atol = 1e-12});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(filter.y), std::exp(-2), 1e-8);
 }
 

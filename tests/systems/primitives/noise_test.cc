@@ -39,8 +39,8 @@ TEST(WhiteNoiseTest, HasItsMoments) {
 TEST(WhiteNoiseTest, IsHeldBetweenTicks) {
   TestRig<WhiteNoise<>> rig(NoiseParams<>{.rate = Hz(10)});
   const double first = rig.Tick()[rig.system().y];
-  EXPECT_EQ(rig.AdvanceTo(0.09)[rig.system().y], first);
-  EXPECT_NE(rig.AdvanceTo(0.1)[rig.system().y], first);
+  EXPECT_EQ(rig.RunTo(0.09)[rig.system().y], first);
+  EXPECT_NE(rig.RunTo(0.1)[rig.system().y], first);
 }
 
 TEST(WhiteNoiseTest, FollowsFromSeedAndPath) {
@@ -50,7 +50,7 @@ TEST(WhiteNoiseTest, FollowsFromSeedAndPath) {
   const auto diagram = builder.Build();
   const auto run = [&](std::uint64_t seed) -> Vec<2> {
     Simulator simulator(*diagram, {.seed = seed});
-    simulator.AdvanceTo(0.01);
+    simulator.RunTo(0.01);
     return {simulator.context().Eval(a.y), simulator.context().Eval(b.y)};
   };
   EXPECT_EQ(run(1), run(1));

@@ -48,7 +48,7 @@ TEST(SampleDelayTest, GoesOnFromASnapshot) {
       context->Restore(bytes);
     }
     Simulator simulator(std::move(context));
-    simulator.AdvanceTo(0.006);
+    simulator.RunTo(0.006);
     EXPECT_EQ(simulator.context().Eval(block.y), 3);
   }
 }

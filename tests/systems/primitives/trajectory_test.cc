@@ -50,7 +50,7 @@ TEST(TrajectoryTest, StartsAndEndsAtRest) {
   auto& block = rig.system();
   const double points[][4] = {{0, 0, 0, 0}, {1, 0, 0, 6}, {2, 2, 3, 0}, {3, 4, 0, -6}, {5, 4, 0, 0}};
   for (const auto& [t, y, dy, ddy] : points) {
-    rig.AdvanceTo(t);
+    rig.RunTo(t);
     EXPECT_NEAR(rig[block.y], y, 1e-14) << t;
     EXPECT_NEAR(rig[block.dy], dy, 1e-14) << t;
     EXPECT_NEAR(rig[block.ddy], ddy, 1e-14) << t;

@@ -22,7 +22,7 @@ TEST(TransferFunctionTest, FirstOrderStepResponse) {
   TestRig<TransferFunction<1>> rig(Params{.numerator = {6}, .denominator = {2, 4}});  // 1.5 / (1 + 0.5 s)
   rig.Fix(rig.system().u, 2);
   for (const double t : {0.0, 0.3, 1.0}) {
-    EXPECT_NEAR(rig.AdvanceTo(t)[rig.system().y], 3 * (1 - std::exp(-2 * t)), 1e-9);
+    EXPECT_NEAR(rig.RunTo(t)[rig.system().y], 3 * (1 - std::exp(-2 * t)), 1e-9);
   }
 }
 
@@ -34,7 +34,7 @@ TEST(TransferFunctionTest, OscillatorWithAZeroAndFeedthrough) {
   for (const double t : {0.0, 0.4, 2.0}) {
     const double c = std::exp(-t) * std::cos(2 * t), s = std::exp(-t) * std::sin(2 * t);
     const double integral = (1 - c + 2 * s) / 5 + 0.5 * (2 - 2 * c - s) / 5;
-    EXPECT_NEAR(rig.AdvanceTo(t)[rig.system().y], 1 - integral, 1e-9) << t;
+    EXPECT_NEAR(rig.RunTo(t)[rig.system().y], 1 - integral, 1e-9) << t;
   }
 }
 
@@ -84,7 +84,7 @@ TEST(TransferFunctionTest, FastFiltersKeepTheirAccuracy) {
   builder.Connect(input, filter.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.05);
+  simulator.RunTo(0.05);
   // At its corner frequency the filter has the gain 1 / sqrt(2) and turns the phase by -180 degrees.
   EXPECT_NEAR(simulator.context().Eval(filter.y), -std::sin(w * 0.05) / std::numbers::sqrt2, 1e-4);
 }

@@ -47,7 +47,7 @@ TEST(UnitDelayTest, BreaksLoopsOfSampledBlocks) {
     }
     const auto diagram = builder.Build();
     Simulator simulator(*diagram);
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     return simulator.context().Eval(hold.y);
   };
   EXPECT_TRUE(Throws<BuildError>([&] { count(false); }, "algebraic loop", "UnitDelay"));

@@ -14,8 +14,8 @@ TEST(ZeroOrderHoldTest, HoldsBetweenTicks) {
   TestRig<ZeroOrderHold<>> rig(ZeroOrderHoldParams{.rate = Hz(10)});
   auto& block = rig.system();
   EXPECT_EQ(rig.Fix(block.u, 1).Tick()[block.y], 1);
-  EXPECT_EQ(rig.Fix(block.u, 2).AdvanceTo(0.09)[block.y], 1);
-  EXPECT_EQ(rig.AdvanceTo(0.1)[block.y], 2);
+  EXPECT_EQ(rig.Fix(block.u, 2).RunTo(0.09)[block.y], 1);
+  EXPECT_EQ(rig.RunTo(0.1)[block.y], 2);
 }
 
 TEST(ZeroOrderHoldTest, SamplesAFunctionOfTime) {
@@ -26,7 +26,7 @@ TEST(ZeroOrderHoldTest, SamplesAFunctionOfTime) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   for (const double t : {0.0, 0.1, 0.25, 0.4, 0.99}) {
-    simulator.AdvanceTo(t);
+    simulator.RunTo(t);
     EXPECT_EQ(simulator.context().Eval(hold.y), std::floor(t * 4) / 4);
   }
 }

@@ -103,7 +103,7 @@ class ReportTest : public ::testing::Test {
   Cart* cart;
   OutputPort<double>* force;
   const OutputPort<Geometry>* geometry;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
   fs::path file;
 };
 
@@ -111,7 +111,7 @@ TEST_F(ReportTest, ThreeLinesMakeAPage) {
   Simulator simulator(*diagram);
   Report report({.title = "cart"});
   report.Log(simulator, {&cart->state}, {geometry});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   report.Write(file);
   const Json run = DataOf(file).at("runs").at(0);
   ASSERT_THAT(run["plots"], SizeIs(2)) << "position and velocity have two units";
@@ -257,7 +257,7 @@ TEST_F(ReportTest, MissingLibraryIsToldWithItsPackageBeforeTheRun) {
 TEST_F(ReportTest, ReportMayEndBeforeTheSimulator) {
   Simulator simulator(*diagram);
   { Report({.title = "cart"}).Log(simulator, {&cart->state}, {geometry}); }
-  EXPECT_NO_THROW(simulator.AdvanceTo(0.1));
+  EXPECT_NO_THROW(simulator.RunTo(0.1));
 }
 
 TEST_F(ReportTest, VariantsShareOnePage) {
@@ -297,7 +297,7 @@ TEST(ReportSizeTest, LongRunOfManyShapesStaysBelowTenMegabytes) {
   Simulator simulator(*diagram);
   Report report({.title = "swarm"});
   report.Log(simulator, {}, {&swarm.geometry});
-  simulator.AdvanceTo(60);
+  simulator.RunTo(60);
   const fs::path file = fs::temp_directory_path() / "tenon_report_size.html";
   report.Write(file);
   EXPECT_LT(fs::file_size(file), 10'000'000);

@@ -63,8 +63,8 @@ class DenseOutputTest : public testing::TestWithParam<Case> {
                                    .max_steps = 1000000};
     Simulator alone(*diagram, options), logged(*diagram, options);
     const auto log = logged.AddLog(Hz(1000), {&x});
-    alone.AdvanceTo(duration);
-    logged.AdvanceTo(duration);
+    alone.RunTo(duration);
+    logged.RunTo(duration);
 
     EXPECT_EQ(logged.context().Eval(x), alone.context().Eval(x));
     const IntegratorStatistics with = logged.statistics(), without = alone.statistics();
@@ -105,11 +105,11 @@ TEST_P(DenseOutputTest, GoesOnFromInsideAStepBitForBit) {
   const SimulatorOptions options{.method = GetParam().method, .order = GetParam().order, .rtol = 1e-8};
   Simulator straight(*diagram, options), first(*diagram, options), second(*diagram, options);
   const auto straight_log = straight.AddLog(Hz(1000), {&plant.x}), log = second.AddLog(Hz(1000), {&plant.x});
-  straight.AdvanceTo(5);
-  first.AdvanceTo(2.345);
+  straight.RunTo(5);
+  first.RunTo(2.345);
   second.context().Restore(first.context().Save());
   EXPECT_EQ(second.context().Eval(plant.x), first.context().Eval(plant.x));
-  second.AdvanceTo(5);
+  second.RunTo(5);
   EXPECT_EQ(second.context().Eval(plant.x), straight.context().Eval(plant.x));
   ASSERT_EQ(log->rows(), 2655);
   for (std::size_t i = 0; i < log->rows(); ++i) {

@@ -44,13 +44,13 @@ class SignalLogTest : public testing::Test {
   Cart* cart_;
   OutputPort<Tension>* cable_;
   OutputPort<Eigen::VectorXd>* list_;
-  std::unique_ptr<Diagram> diagram_;
+  std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<Simulator> simulator_;
 };
 
 TEST_F(SignalLogTest, ColumnsHaveNamesAndUnits) {
   const auto log = simulator_->AddLog(Hz(10), {&cart_->state, &cart_->force, cable_});
-  simulator_->AdvanceTo(0.2);
+  simulator_->RunTo(0.2);
   EXPECT_THAT(log->names(), ElementsAre("time", "cart.x.position", "cart.x.velocity", "cart.force",
                                         "cable.output.force", "cable.output.point.x", "cable.output.point.y",
                                         "cable.output.point.z", "cable.output.slack"));
@@ -71,7 +71,7 @@ TEST_F(SignalLogTest, UnknownColumnSuggestsTheNearest) {
 
 TEST_F(SignalLogTest, SizesKnownAtRunTimeShow) {
   const auto log = simulator_->AddLog(Hz(10), {list_});
-  simulator_->AdvanceTo(0.3);
+  simulator_->RunTo(0.3);
   EXPECT_THAT(log->names(), ElementsAre("time", "list.output.0", "list.output.1"));
   EXPECT_THAT(log->units(), ElementsAre("s", "m", "m"));
   EXPECT_THAT(log->row(3), ElementsAre(0.3, 0.3, 0.3));
@@ -79,7 +79,7 @@ TEST_F(SignalLogTest, SizesKnownAtRunTimeShow) {
 
 TEST_F(SignalLogTest, SignalThatChangesItsSizeIsAnError) {
   simulator_->AddLog(Hz(10), {list_});
-  EXPECT_THAT([&] { simulator_->AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator_->RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'list.output' had 2 elements"),
                                             HasSubstr("has 3 at t = 0.5 s"), HasSubstr("constant size"))));
 }
@@ -92,24 +92,24 @@ TEST_F(SignalLogTest, RowsShowSamplesOfTheirTickAndStatesBeforeItsUpdates) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   const auto log = simulator.AddLog(Hz(5), {&sample, &counter.n, &counter.count});
-  simulator.AdvanceTo(0.45);
+  simulator.RunTo(0.45);
   EXPECT_THAT(log->column("sample.output"), ElementsAre(0, 0.2, 0.4));
   EXPECT_THAT(log->column("counter.n"), ElementsAre(0, 2, 4));
 }
 
 TEST_F(SignalLogTest, LogsDoNotDisturbTheRun) {
-  simulator_->AdvanceTo(1);
+  simulator_->RunTo(1);
   Simulator logged(*diagram_);
   logged.context().Set(cart_->force, 4.0);
   logged.AddLog(Hz(10), {&cart_->state, cable_});  // the rate of `list`: no other ticks
-  logged.AdvanceTo(1);
+  logged.RunTo(1);
   EXPECT_EQ(logged.context().Eval(cart_->x), simulator_->context().Eval(cart_->x));
 }
 
 TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
   const auto file = std::filesystem::temp_directory_path() / "tenon_signal_log_test.csv";
   simulator_->AddLog(Hz(10), {&cart_->force, cable_}, {std::make_shared<CsvLog>(file)});
-  simulator_->AdvanceTo(0.2);  // readable while the run pauses
+  simulator_->RunTo(0.2);  // readable while the run pauses
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
   EXPECT_EQ(
@@ -158,7 +158,7 @@ TEST_F(SignalLogTest, OneLogFeedsSeveralSinks) {
   a->Reserve(100);
   simulator_->AddLog(Hz(10), {&cart_->force}, {a, b});
   simulator_->AddLog(Hz(20), {&cart_->state}, {});
-  simulator_->AdvanceTo(0.3);
+  simulator_->RunTo(0.3);
   EXPECT_EQ(a->rows(), 4);
   EXPECT_EQ(b->rows(), 4);
 }

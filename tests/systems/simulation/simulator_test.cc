@@ -37,7 +37,7 @@ TEST(SimulatorTest, ClosedLoopFollowsTheExactSampledSolution) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.rtol = 1e-10, .atol = 1e-12});
   const auto log = simulator.AddLog(Hz(50), {&plant.state, &pd.u});
-  simulator.AdvanceTo(2);
+  simulator.RunTo(2);
 
   Eigen::Matrix3d continuous = Eigen::Matrix3d::Zero();
   continuous << 0, 1, 0, -9, 0, 1, 0, 0, 0;
@@ -89,8 +89,7 @@ TEST(SimulatorTest, StartBetweenTicksIsRefusedUnlessTheSampleIsGiven) {
   const auto context = diagram->CreateContext();
   context->SetTime(0.15);
   Simulator refused(context->Clone());
-  EXPECT_THAT([&] { refused.AdvanceTo(1); },
-              ThrowsMessage<RunError>(HasSubstr("'pd.u' is read at t = 0.15 s")));
+  EXPECT_THAT([&] { refused.RunTo(1); }, ThrowsMessage<RunError>(HasSubstr("'pd.u' is read at t = 0.15 s")));
   context->Set(pd.u, 0.0);
   Simulator given(context->Clone());
   EXPECT_EQ(given.AdvanceTo(1).time, 1);
@@ -116,10 +115,10 @@ TEST(SimulatorTest, ChainOfSampledBlocksHasNoHiddenDelay) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   for (const double t : {0.0, 0.01, 0.25}) {
-    simulator.AdvanceTo(t);
+    simulator.RunTo(t);
     EXPECT_EQ(simulator.context().Eval(last.y), t + 10 + 100);
   }
-  simulator.AdvanceTo(0.255);  // held
+  simulator.RunTo(0.255);  // held
   EXPECT_EQ(simulator.context().Eval(last.y), 0.25 + 110);
 }
 
@@ -133,7 +132,7 @@ TEST(SimulatorTest, ManyRatesTickExactly) {
   }
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.rtol = 1e-4});
-  simulator.AdvanceTo(2);
+  simulator.RunTo(2);
   std::vector<int> counts;
   for (const Counter* counter : counters) counts.push_back(simulator.context().Eval(counter->n));
   EXPECT_THAT(counts, ElementsAre(2001, 801, 401, 201, 8));
@@ -149,7 +148,7 @@ TEST(SimulatorTest, ThreeHundredHertzIsExact) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   const auto log = simulator.AddLog(Hz(100), {&at_300.count, &at_1000.count});
-  simulator.AdvanceTo(100);
+  simulator.RunTo(100);
   EXPECT_EQ(simulator.context().Eval(at_300.n), 30001);
   EXPECT_EQ(simulator.context().Eval(at_1000.n), 100001);
   for (std::size_t i = 0; i < log->rows(); ++i) {  // common ticks are common
@@ -168,7 +167,7 @@ TEST(SimulatorTest, ShortIntervalsBetweenTicksDoNotSpoilTheStepSize) {
   builder.Connect(force.y, plant.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.rtol = 1e-4, .atol = 1e-6});
-  simulator.AdvanceTo(10);
+  simulator.RunTo(10);
   EXPECT_LT(simulator.statistics().steps, 2010);  // one step for each of 2000 intervals
   EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(10), 1e-6);
 }
@@ -182,23 +181,24 @@ TEST(SimulatorTest, OffsetsDelayTheFirstTick) {
   auto& late = builder.Add<Late>("late");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0);
+  simulator.RunTo(0);
   EXPECT_EQ(simulator.context().Eval(counter.n), 0);
   EXPECT_EQ(simulator.next_tick_time(), 0.05);
-  simulator.AdvanceTo(0.2);
+  simulator.RunTo(0.2);
   EXPECT_EQ(simulator.context().Eval(counter.n), 2);  // at 0.05 and 0.15
   EXPECT_EQ(simulator.context().Eval(late.y), -1);    // the initial value
-  simulator.AdvanceTo(0.4);
+  simulator.RunTo(0.4);
   EXPECT_EQ(simulator.context().Eval(late.y), 0.35);
 }
 
+struct Swap final : LeafSystem<void> {
+  DiscreteState<double> a{this, "a", 1.0};
+  DiscreteState<double> b{this, "b", 2.0};
+  Update<double> next_a{a, Sampled{Hz(10)}, Uses(b), [](double b) { return b; }};
+  Update<double> next_b{b, Sampled{Hz(10)}, Uses(a), [](double a) { return a; }};
+};
+
 TEST(SimulatorTest, UpdatesCommitTogether) {
-  struct Swap final : LeafSystem<void> {
-    DiscreteState<double> a{this, "a", 1.0};
-    DiscreteState<double> b{this, "b", 2.0};
-    Update<double> next_a{a, Sampled{Hz(10)}, Uses(b), [](double b) { return b; }};
-    Update<double> next_b{b, Sampled{Hz(10)}, Uses(a), [](double a) { return a; }};
-  };
   DiagramBuilder builder;
   auto& swap = builder.Add<Swap>("swap");
   const auto diagram = builder.Build();
@@ -206,7 +206,7 @@ TEST(SimulatorTest, UpdatesCommitTogether) {
   simulator.Initialize();
   EXPECT_EQ(simulator.context().Eval(swap.a), 2);
   EXPECT_EQ(simulator.context().Eval(swap.b), 1);
-  simulator.AdvanceTo(0.1);
+  simulator.RunTo(0.1);
   EXPECT_EQ(simulator.context().Eval(swap.a), 1);
   EXPECT_EQ(simulator.context().Eval(swap.b), 2);
 }
@@ -217,7 +217,7 @@ TEST(SimulatorTest, SampledOutputsReadStatesBeforeTheUpdatesOfTheirTick) {
   auto& read = builder.AddFunction("read", Sampled{Hz(10)}, Uses(counter.count), [](int n) { return n; });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.3);
+  simulator.RunTo(0.3);
   EXPECT_EQ(simulator.context().Eval(read), 3);
   EXPECT_EQ(simulator.context().Eval(counter.count), 4);
 }
@@ -227,9 +227,9 @@ TEST(SimulatorTest, AdvanceIncludesTheTickAtItsEnd) {
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.5);
+  simulator.RunTo(0.5);
   EXPECT_EQ(simulator.context().Eval(counter.n), 6);
-  simulator.AdvanceTo(0.5);  // once only
+  simulator.RunTo(0.5);  // once only
   EXPECT_EQ(simulator.context().Eval(counter.n), 6);
 }
 
@@ -245,16 +245,16 @@ struct Loop {
   }
   Oscillator* plant;
   Pd* pd;
-  std::unique_ptr<Diagram> diagram;
+  std::shared_ptr<const Diagram> diagram;
 };
 
 TEST(SimulatorTest, AdvancesSplitAtTicksAreOneAdvanceBitForBit) {
   const Loop loop;
   Simulator whole(*loop.diagram), split(*loop.diagram), summed(*loop.diagram);
-  whole.AdvanceTo(1);
-  for (int i = 0; i <= 100; ++i) split.AdvanceTo(i / 100.0);
+  whole.RunTo(1);
+  for (int i = 0; i <= 100; ++i) split.RunTo(i / 100.0);
   double t = 0;
-  for (int i = 0; i < 100; ++i) summed.AdvanceTo(t += 0.01);  // misses ticks by rounding errors
+  for (int i = 0; i < 100; ++i) summed.RunTo(t += 0.01);  // misses ticks by rounding errors
   const Vec<2> x = whole.context().Eval(loop.plant->x);
   EXPECT_EQ(split.context().Eval(loop.plant->x), x);
   EXPECT_EQ(summed.context().Eval(loop.plant->x), x);
@@ -267,7 +267,7 @@ TEST(SimulatorTest, EveryMethodTakesEndsThatMissTicksByRounding) {
   for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
     Simulator simulator(*loop.diagram, {.method = method});
     double t = 0;
-    for (int i = 0; i < 30; ++i) simulator.AdvanceTo(t += 0.01);
+    for (int i = 0; i < 30; ++i) simulator.RunTo(t += 0.01);
     EXPECT_GT(simulator.statistics().smallest_step, 1e-6);
   }
 }
@@ -275,12 +275,12 @@ TEST(SimulatorTest, EveryMethodTakesEndsThatMissTicksByRounding) {
 TEST(SimulatorTest, BackwardsIsRefused) {
   const Loop loop;
   Simulator simulator(*loop.diagram);
-  simulator.AdvanceTo(1);
-  EXPECT_THAT([&] { simulator.AdvanceTo(0.5); },
+  simulator.RunTo(1);
+  EXPECT_THAT([&] { simulator.RunTo(0.5); },
               ThrowsMessage<RunError>(
                   AllOf(HasSubstr("cannot advance to t = 0.5 s"), HasSubstr("at t = 1 s already"))));
   for (const double t : {kNan, HUGE_VAL}) {
-    EXPECT_THAT([&] { simulator.AdvanceTo(t); }, ThrowsMessage<RunError>(HasSubstr("give a finite time")));
+    EXPECT_THAT([&] { simulator.RunTo(t); }, ThrowsMessage<RunError>(HasSubstr("give a finite time")));
   }
 }
 
@@ -324,7 +324,7 @@ TEST(SimulatorTest, DerivativeEvaluationsComputeOnlyWhatVariesAndThatOnce) {
   builder.Connect(block.held, other.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.fixed_step = 0.01});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(calls.held, 10);    // once per tick at which an integration starts
   EXPECT_EQ(calls.varying, 0);  // nobody wants it
   EXPECT_EQ(calls.derivative, simulator.statistics().evaluations);
@@ -343,7 +343,7 @@ TEST(SimulatorTest, FirstDerivativeAfterATickSkipsWhatTheTickComputed) {
   builder.Connect(controller.y, builder.Add<Oscillator>("other").u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.fixed_step = 0.1});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(calls.varying, 11);
   // A step of order 3 takes four evaluations, the last at its end. The tick there takes `shared` from it, and
   // so does the first stage of the next step.
@@ -361,7 +361,7 @@ TEST(SimulatorTest, MidpointRuleEvaluatesTwiceAStep) {
   builder.Connect(controller.y, block.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.order = 2, .fixed_step = 0.05});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(simulator.statistics().steps, 20);
   EXPECT_EQ(simulator.statistics().evaluations, 40);
   EXPECT_EQ(calls.derivative, 40);
@@ -378,7 +378,7 @@ TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   const auto log = simulator.AddLog(Hz(10), {&twice});
-  simulator.AdvanceTo(0.2);
+  simulator.RunTo(0.2);
   EXPECT_THAT(log->column("twice.output"), ElementsAre(0, 2, 4));
   EXPECT_EQ(simulator.context().Eval(twice), 6);
   EXPECT_EQ(simulator.context().EvalTimeDerivatives()[1], -simulator.context().Eval(plant.x)[0] + 6);
@@ -402,7 +402,7 @@ TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
   Simulator simulator(*diagram);
   simulator.Initialize();
   EXPECT_EQ(simulator.context().Eval(block.seen), 6);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(block.n), 6);
   EXPECT_EQ(simulator.context().Eval(block.x), 50);  // both read the old n
 }
@@ -441,29 +441,30 @@ TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
     const auto diagram = builder.Build();
     // CVODE starts with tiny steps, and here it starts at each one.
     Simulator simulator(*diagram, {.method = method, .rtol = 1e-4, .atol = 1e-6, .max_steps = 200000});
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     EXPECT_EQ(simulator.context().Eval(block.steps), simulator.statistics().steps);
     EXPECT_NEAR(simulator.context().Eval(block.x).norm(), 1, 1e-14);
     EXPECT_NEAR(simulator.context().Eval(block.x)[0], std::cos(1), 1e-2);
   }
 }
 
+enum class Gear { kForward, kReverse };
+struct Car final : LeafSystem<void> {
+  Mode<Gear> gear{this, "gear", Gear::kForward};
+  ContinuousState<double> x{this, "x"};
+  TimeDerivative<double> dx{x, Uses(gear), [](Gear gear) { return gear == Gear::kForward ? 1.0 : -2.0; }};
+  Update<Gear> shift{gear, Sampled{Seconds(10), 1}, Uses(), [] { return Gear::kReverse; }};
+};
+
 TEST(SimulatorTest, ModesSwitchTheDynamics) {
-  enum class Gear { kForward, kReverse };
-  struct Car final : LeafSystem<void> {
-    Mode<Gear> gear{this, "gear", Gear::kForward};
-    ContinuousState<double> x{this, "x"};
-    TimeDerivative<double> dx{x, Uses(gear), [](Gear gear) { return gear == Gear::kForward ? 1.0 : -2.0; }};
-    Update<Gear> shift{gear, Sampled{Seconds(10), 1}, Uses(), [] { return Gear::kReverse; }};
-  };
   DiagramBuilder builder;
   auto& car = builder.Add<Car>("car");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(car.gear), Gear::kReverse);
   EXPECT_NEAR(simulator.context().Eval(car.x), 1, 1e-12);
-  simulator.AdvanceTo(3);
+  simulator.RunTo(3);
   EXPECT_NEAR(simulator.context().Eval(car.x), 1 - 4, 1e-12);
 }
 
@@ -480,7 +481,7 @@ TEST(SimulatorTest, ContinuousStatesCanBeUpdatedAtTicks) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method});
     const auto log = simulator.AddLog(Seconds(0.5), {&saw.x});
-    simulator.AdvanceTo(1.25);
+    simulator.RunTo(1.25);
     EXPECT_NEAR(log->row(1)[1], 0.5, 1e-9);  // a log shows what was before the updates
     EXPECT_NEAR(log->row(2)[1], 0.5, 1e-9);
     EXPECT_NEAR(simulator.context().Eval(saw.x), 0.25, 1e-9);
@@ -505,13 +506,14 @@ TEST(SimulatorTest, SampledMonitorEndsTheRunWithItsReason) {
   }
 }
 
+struct Fall final : LeafSystem<void> {
+  ContinuousState<double> height{this, "height", 1.0};
+  TimeDerivative<double> d{height, Uses(), [] { return -1.0; }};
+  Monitor floor{this, "floor", EachStep{}, Uses(height),
+                [](double h) { return h < 0.5 ? Verdict("below 0.5 m") : Verdict(); }};
+};
+
 TEST(SimulatorTest, EachStepMonitorEndsTheRunInsideAnInterval) {
-  struct Fall final : LeafSystem<void> {
-    ContinuousState<double> height{this, "height", 1.0};
-    TimeDerivative<double> d{height, Uses(), [] { return -1.0; }};
-    Monitor floor{this, "floor", EachStep{}, Uses(height),
-                  [](double h) { return h < 0.5 ? Verdict("below 0.5 m") : Verdict(); }};
-  };
   DiagramBuilder builder;
   auto& fall = builder.Add<Fall>("fall");
   const auto diagram = builder.Build();
@@ -533,7 +535,7 @@ TEST(SimulatorTest, RestoredRunGoesOnAfterItHadEnded) {
   auto& guard = builder.Add<Guard>("guard");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.2);
+  simulator.RunTo(0.2);
   const auto snapshot = simulator.context().Save();
   EXPECT_TRUE(simulator.AdvanceTo(1).ended);
   simulator.context().Restore(snapshot);
@@ -560,9 +562,9 @@ TEST(SimulatorTest, LogsCanBeAddedUnderWay) {
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(0.30000001);
+  simulator.RunTo(0.30000001);
   const auto log = simulator.AddLog(Hz(5), {&counter.count});
-  simulator.AdvanceTo(0.8);
+  simulator.RunTo(0.8);
   EXPECT_THAT(log->column("time"), ElementsAre(0.4, 0.6, 0.8));
   EXPECT_THAT(log->column("counter.n"), ElementsAre(4, 6, 8));
   EXPECT_EQ(simulator.context().Eval(counter.n), 9);
@@ -574,7 +576,7 @@ TEST(SimulatorTest, PacesToRealTime) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.real_time_rate = 4});
   const auto begin = std::chrono::steady_clock::now();
-  simulator.AdvanceTo(0.1);
+  simulator.RunTo(0.1);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(elapsed.count(), 0.1 / 4);
 }
@@ -586,10 +588,10 @@ TEST(SimulatorTest, OpenInputMustBeFixed) {
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
   Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("input 'cart.force' is open"), HasSubstr("fix it"))));
   simulator.context().Set(cart.force, 4.0);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1, 1e-9);
 }
 
@@ -603,7 +605,7 @@ TEST(SimulatorTest, SampledNanIsReportedWhereItArises) {
   builder.Connect(root.y, after.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'root.y' is"), HasSubstr("nan at t = 0.26 s"),
                                             HasSubstr("check that block and what feeds it"))));
 }
@@ -618,7 +620,7 @@ TEST(SimulatorTest, ContinuousNanIsReportedAtTheFirstPort) {
   const auto diagram = builder.Build();
   for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
     Simulator simulator(*diagram, {.method = method});
-    EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+    EXPECT_THAT([&] { simulator.RunTo(1); },
                 ThrowsMessage<RunError>(AllOf(HasSubstr("'root.output' is"), HasSubstr("nan at t = 0.25"))));
   }
 }
@@ -632,7 +634,7 @@ TEST(SimulatorTest, HeldNanIsReportedAtTheFirstPort) {
   builder.Connect(bad, plant.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'bad.output' is nan"), HasSubstr("at t = 0.2 s"))));
 }
 
@@ -645,7 +647,7 @@ TEST(SimulatorTest, InfinityIsReportedWhenItReachesADerivative) {
   builder.Connect(pole, plant.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'pole.output' is inf"), HasSubstr("at t = 0.5 s"))));
   EXPECT_EQ(simulator.context().Eval(bound), HUGE_VAL);
 }
@@ -664,7 +666,7 @@ TEST(SimulatorTest, ExceptionGetsPathAndTime) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram);
     EXPECT_THAT(
-        [&] { simulator.AdvanceTo(1); },
+        [&] { simulator.RunTo(1); },
         ThrowsMessage<RunError>(AllOf(HasSubstr("'solver.output' failed at t = 0."), HasSubstr("no solution"),
                                       HasSubstr(sampled ? "t = 0.3 s: " : " s: "))));
   }
@@ -688,7 +690,7 @@ TEST(SimulatorTest, LogsAreFlushedAfterAnError) {
   Simulator simulator(*diagram);
   const auto sink = std::make_shared<CountFlushes>();
   simulator.AddLog(Hz(10), {&bad}, {sink});
-  EXPECT_THROW(simulator.AdvanceTo(1), RunError);
+  EXPECT_THROW(simulator.RunTo(1), RunError);
   EXPECT_EQ(sink->flushed_rows, 5);
 }
 

@@ -29,7 +29,7 @@ double ErrorAt(double end, const SimulatorOptions& options) {
   auto& scalars = builder.Add<Scalars>("scalars");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, options);
-  simulator.AdvanceTo(end);
+  simulator.RunTo(end);
   const Vec<2> x = simulator.context().Eval(scalars.x);
   return std::max(std::abs(x[0] - 1 / (1 + end)), std::abs(x[1] - std::exp(std::sin(end))));
 }
@@ -73,7 +73,7 @@ TEST(SundialsIntegratorTest, OscillatorKeepsItsPhase) {
     auto& oscillator = builder.Add<Oscillator>("oscillator", 2.0);
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .order = 5, .rtol = 1e-8, .atol = 1e-10});
-    simulator.AdvanceTo(10);
+    simulator.RunTo(10);
     EXPECT_NEAR(simulator.context().Eval(oscillator.x)[0], std::cos(20), 1e-5);
     EXPECT_NEAR(simulator.context().Eval(oscillator.x)[1], -2 * std::sin(20), 1e-5);
   }
@@ -91,7 +91,7 @@ TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   const auto diagram = builder.Build();
   for (const int order : {2, 3, 4, 5}) {
     Simulator simulator(*diagram, {.method = Method::kDirk, .order = order, .rtol = 1e-8, .atol = 1e-10});
-    simulator.AdvanceTo(0.5);
+    simulator.RunTo(0.5);
     EXPECT_NEAR(simulator.context().Eval(cooling.x), 20 - 10 * std::exp(-0.5), 2e-7) << order;
   }
 }
@@ -110,7 +110,7 @@ TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
     auto& stiff = builder.Add<Stiff>("stiff");
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .rtol = 1e-5, .atol = 1e-7});
-    simulator.AdvanceTo(3);
+    simulator.RunTo(3);
     EXPECT_NEAR(simulator.context().Eval(stiff.x), std::cos(3), 1e-4);
     EXPECT_LT(simulator.statistics().steps, 200);  // stability would demand 100000 of an explicit method
     EXPECT_GT(simulator.statistics().largest_step, 0.01);
@@ -132,7 +132,7 @@ TEST(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
     auto& block = builder.Add<TwoScales>("block");
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)});
-    simulator.AdvanceTo(5);
+    simulator.RunTo(5);
     return std::abs(simulator.context().Eval(block.small)[0] - 1e-6 * std::cos(50)) / 1e-6;
   };
   EXPECT_GT(error({}), 0.1);  // relative to the state's size
@@ -174,7 +174,7 @@ TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
     builder.Add<Oscillator>("plant", 0.01);
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .max_step = 0.03});
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     EXPECT_LE(simulator.statistics().largest_step, 0.03 * (1 + 1e-12));
     EXPECT_GE(simulator.statistics().steps, 34);
   }
@@ -185,7 +185,7 @@ TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
   AddRestarts(builder, "ticks", Hz(100), builder.Add<Oscillator>("plant").u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   const IntegratorStatistics statistics = simulator.statistics();
   EXPECT_EQ(statistics.steps, 400);
   EXPECT_NEAR(statistics.smallest_step, 0.0025, 1e-15);
@@ -201,7 +201,7 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method});
     EXPECT_EQ(simulator.statistics().steps, 0);
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     const IntegratorStatistics statistics = simulator.statistics();
     EXPECT_GE(statistics.steps, 10);
     EXPECT_LT(statistics.steps, 2000);
@@ -219,7 +219,7 @@ TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
   AddRestarts(builder, "ticks", Hz(1000), builder.Add<Oscillator>("plant").u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(10);
+  simulator.RunTo(10);
   const IntegratorStatistics statistics = simulator.statistics();
   EXPECT_EQ(statistics.steps, 10000);
   EXPECT_EQ(statistics.failed_steps, 0);
@@ -242,7 +242,7 @@ TEST(SundialsIntegratorTest, FailureNamesTheWorstStateAndTheTime) {
     builder.Add<Explosion>("bomb");
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .max_steps = 300});
-    EXPECT_THAT([&] { simulator.AdvanceTo(2); },
+    EXPECT_THAT([&] { simulator.RunTo(2); },
                 ThrowsMessage<RunError>(AllOf(HasSubstr("the integrator fails at t = "),
                                               HasSubstr("'bomb.x.wild'"), HasSubstr("times its tolerance"),
                                               HasSubstr("rtol 1e-06"), HasSubstr("Loosen the tolerance"))));
@@ -254,7 +254,7 @@ TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
   builder.Add<Stiff>("stiff");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.max_steps = 50});
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'stiff.x'"), HasSubstr("use Method::kBdf or kDirk"))));
 }
 
@@ -269,7 +269,7 @@ TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
   auto& tank = builder.Add<Tank>("tank");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.rtol = 1e-5});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(tank.level), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
 }
 

@@ -50,7 +50,7 @@ TEST(WitnessTest, BouncingBallFollowsTheClosedForm) {
       if (ticks) builder.Add<Counter>("ticks", Sampled{Hz(100)});  // an impact at t = 1 s falls on a tick
       const auto diagram = builder.Build();
       Simulator simulator(*diagram, {.method = method, .rtol = 1e-9, .atol = 1e-11});
-      simulator.AdvanceTo(2.9);
+      simulator.RunTo(2.9);
       const std::vector<double> times = simulator.context().Eval(ball.times);
       ASSERT_EQ(times.size(), 5);
       double expected = 1;
@@ -69,7 +69,7 @@ TEST(WitnessTest, ZenoIsAnErrorThatNamesTheWitness) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   EXPECT_THAT(
-      [&] { simulator.AdvanceTo(4); },
+      [&] { simulator.RunTo(4); },
       ThrowsMessage<RunError>(AllOf(HasSubstr("witness 'ball.impact' fires for the 101th time at t = 3.0000"),
                                     HasSubstr("move the state away from the crossing"))));
 }
@@ -103,7 +103,7 @@ TEST(WitnessTest, DirectionsWithoutAnyState) {
     auto& both = builder.Add<Wave>("both", WaveParams{M_PI, Crossing::kBoth});
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .max_step = 0.1});
-    simulator.AdvanceTo(4);
+    simulator.RunTo(4);
     const double first = 0.5 / M_PI;
     const auto near = [](double t) { return testing::DoubleNear(t, 1e-9); };
     EXPECT_THAT(simulator.context().Eval(rising.times), ElementsAre(near(first), near(first + 2)));
@@ -121,7 +121,7 @@ TEST(WitnessTest, ManyBlocksMayFireAtOneInstant) {
   }
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.max_step = 0.2});
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   for (const Wave* wave : waves) EXPECT_EQ(simulator.context().Eval(wave->times).size(), 1);
 }
 
@@ -148,27 +148,28 @@ TEST(WitnessTest, CrossingsAroundTicksFireOnce) {
     builder.Add<Counter>("ticks", Sampled{Hz(10)});
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method});
-    simulator.AdvanceTo(1);
+    simulator.RunTo(1);
     for (const Timer* timer : timers)
       EXPECT_EQ(simulator.context().Eval(timer->fired), 1) << timer->params - 0.5;
   }
 }
 
 /// A relay: a sampled command jumps from -1 to 1, which no root finding inside a step can see.
+class Relay final : public LeafSystem<Crossing> {
+ public:
+  explicit Relay(Crossing crossing) : LeafSystem(crossing) {}
+  InputPort<double> u{this, "u"};
+  Witness change{this, "change", params, Uses(u), [](double u) { return u; }};
+  DiscreteState<std::vector<double>> times{this, "times"};
+  Update<std::vector<double>> note{times, change, Uses(times, time),
+                                   [](const std::vector<double>& times, double t) {
+                                     std::vector<double> more = times;
+                                     more.push_back(t);
+                                     return more;
+                                   }};
+};
+
 TEST(WitnessTest, JumpsOfHeldValuesFireAtTheirTick) {
-  class Relay final : public LeafSystem<Crossing> {
-   public:
-    explicit Relay(Crossing crossing) : LeafSystem(crossing) {}
-    InputPort<double> u{this, "u"};
-    Witness change{this, "change", params, Uses(u), [](double u) { return u; }};
-    DiscreteState<std::vector<double>> times{this, "times"};
-    Update<std::vector<double>> note{times, change, Uses(times, time),
-                                     [](const std::vector<double>& times, double t) {
-                                       std::vector<double> more = times;
-                                       more.push_back(t);
-                                       return more;
-                                     }};
-  };
   DiagramBuilder builder;
   auto& command = builder.AddFunction("command", Sampled{Hz(10)}, Uses(builder.time),
                                       [](double t) { return t > 0.25 && t < 0.55 ? 1.0 : -1.0; });
@@ -178,43 +179,45 @@ TEST(WitnessTest, JumpsOfHeldValuesFireAtTheirTick) {
   for (auto* relay : {&rising, &falling, &both}) builder.Connect(command, relay->u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_THAT(simulator.context().Eval(rising.times), ElementsAre(0.3));
   EXPECT_THAT(simulator.context().Eval(falling.times), ElementsAre(0.6));
   EXPECT_THAT(simulator.context().Eval(both.times), ElementsAre(0.3, 0.6));
 }
 
+class SampledRelay final : public LeafSystem<void> {
+ public:
+  InputPort<double> u{this, "u"};
+  Witness above{this, "above", Crossing::kRising, Uses(u), [](double u) { return u - 0.5; }};
+  DiscreteState<int> fired{this, "fired"};
+  Update<int> count{fired, above, Uses(fired), [](int n) { return n + 1; }};
+};
+
 TEST(WitnessTest, FirstSampleIsNoJump) {
   // The command is 1 from the start on; before its first tick there is none, rather than 0.
-  class Relay final : public LeafSystem<void> {
-   public:
-    InputPort<double> u{this, "u"};
-    Witness above{this, "above", Crossing::kRising, Uses(u), [](double u) { return u - 0.5; }};
-    DiscreteState<int> fired{this, "fired"};
-    Update<int> count{fired, above, Uses(fired), [](int n) { return n + 1; }};
-  };
   DiagramBuilder builder;
-  auto& relay = builder.Add<Relay>("relay");
+  auto& relay = builder.Add<SampledRelay>("relay");
   builder.Connect(builder.AddFunction("one", Sampled{Hz(10)}, Uses(), [] { return 1.0; }), relay.u);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  simulator.AdvanceTo(1);
+  simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(relay.fired), 0);
 }
 
+class Flip final : public LeafSystem<void> {
+ public:
+  DiscreteState<double> s{this, "s", 1.0};
+  Update<double> disturb{s, Sampled{Seconds(1), 0.5}, Uses(s), [](double s) { return -s; }};
+  Witness w{this, "w", Crossing::kBoth, Uses(s), [](double s) { return s; }};
+  Update<double> flip{s, w, Uses(s), [](double s) { return -s; }};
+};
+
 TEST(WitnessTest, UpdateThatFlipsItsOwnWitnessIsAnError) {
-  class Flip final : public LeafSystem<void> {
-   public:
-    DiscreteState<double> s{this, "s", 1.0};
-    Update<double> disturb{s, Sampled{Seconds(1), 0.5}, Uses(s), [](double s) { return -s; }};
-    Witness w{this, "w", Crossing::kBoth, Uses(s), [](double s) { return s; }};
-    Update<double> flip{s, w, Uses(s), [](double s) { return -s; }};
-  };
   DiagramBuilder builder;
   builder.Add<Flip>("flip");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.max_events = 10});
-  EXPECT_THAT([&] { simulator.AdvanceTo(1); },
+  EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(HasSubstr("witness 'flip.w' fires for the 11th time at t = 0.5 s")));
 }
 
@@ -241,10 +244,10 @@ TEST(WitnessTest, ThermostatSwitchesItsMode) {
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, {.method = method, .rtol = 1e-8, .atol = 1e-10});
     const double cycle = std::log(2) + std::log(1.5);
-    simulator.AdvanceTo(3 * cycle + std::log(2) - 0.01);
+    simulator.RunTo(3 * cycle + std::log(2) - 0.01);
     EXPECT_EQ(simulator.context().Eval(room.heater), Heater::kOn);
     EXPECT_NEAR(simulator.context().Eval(room.x), 20 - 5 * std::exp(0.01), 1e-4);
-    simulator.AdvanceTo(3 * cycle + std::log(2) + 0.01);
+    simulator.RunTo(3 * cycle + std::log(2) + 0.01);
     EXPECT_EQ(simulator.context().Eval(room.heater), Heater::kOff);
     EXPECT_NEAR(simulator.context().Eval(room.x), 15 * std::exp(-0.01), 1e-4);
   }

@@ -79,7 +79,7 @@ TEST(ComObserverTest, WrenchOfAForceOffTheCentreOfMass) {
   bench.StandHere();
   bench.external = OnTrunk(p_B, force, Vec<3>::Zero());
   Observed run(bench, Params(A1()));
-  const WrenchEstimate& estimate = run.AdvanceTo(0.6);
+  const WrenchEstimate& estimate = run.RunTo(0.6);
   QuadrupedDynamics dynamics;
   run.bench.model.Calc(run.bench.x, &dynamics);
   const Vec<3> arm = run.bench.x.p_WB + run.bench.x.R_WB() * p_B - dynamics.com_W;

@@ -99,7 +99,7 @@ TEST(LegMomentumObserverTest, LinearCombinationsSuperpose) {
       force.tail<12>() = of_a * std::sin(30 * t) * a + of_b * std::cos(20 * t) * b;
       return force;
     };
-    return Observed(bench, Params(A1(), ButterworthGains(3, 40))).AdvanceTo(0.15).joint_torque;
+    return Observed(bench, Params(A1(), ButterworthGains(3, 40))).RunTo(0.15).joint_torque;
   };
   const Vec<12> of_a = run(1, 0), of_b = run(0, 1);
   EXPECT_THAT(run(2, -0.5), IsNear(2 * of_a - 0.5 * of_b, 1e-3 * of_a.norm()));
@@ -144,7 +144,7 @@ TEST(LegMomentumObserverTest, ForceOnALegAppearsThereOnly) {
       return QuadrupedBench::PointJacobian(dynamics, pushed, centre).transpose() * force;
     };
     Observed run(bench, Params(robot));
-    const LegForceEstimate& estimate = run.AdvanceTo(0.15);
+    const LegForceEstimate& estimate = run.RunTo(0.15);
     for (int leg = 0; leg < kNumLegs; ++leg) {
       EXPECT_THAT(estimate.foot_force[leg],
                   IsNear(leg == pushed ? force : Vec<3>(Vec<3>::Zero()), (leg == pushed ? 0.05 : 1e-3) * 25))

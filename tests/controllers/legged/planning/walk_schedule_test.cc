@@ -54,11 +54,11 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
   TestRig<WalkSchedule> rig(Example());
   const double end = rig.system().end_time();
   EXPECT_NEAR(end, 0.5 + 0.4 + (2 - 0.024) / 0.12 + 3.5 / 0.12 + 4, 1e-12);
-  rig.AdvanceTo(end - 1);
+  rig.RunTo(end - 1);
   EXPECT_EQ(rig[rig.system().command].gait, Gait::kPace);
   EXPECT_EQ(rig[rig.system().command].left, 0.1);
   EXPECT_EQ(rig[rig.system().command].forward, 0);
-  rig.AdvanceTo(end + 0.02);
+  rig.RunTo(end + 0.02);
   EXPECT_EQ(rig[rig.system().command].gait, Gait::kStand);
   EXPECT_EQ(rig[rig.system().command].left, 0);
 }
@@ -73,7 +73,7 @@ TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
   params.rate = Hz(1000);
   TestRig<WalkSchedule> rig(params);
   const auto at = [&](double t) {
-    rig.AdvanceTo(t);
+    rig.RunTo(t);
     return rig[rig.system().command].height;
   };
   EXPECT_EQ(at(0), Vec<3>(0, 0, 0));

@@ -393,7 +393,7 @@ TEST(WholeBodyController, DoesNotAllocate) {
   inputs.Give(rig);
   rig.Tick();
   const AllocationGuard guard;
-  rig.AdvanceTo(0.02);
+  rig.RunTo(0.02);
   EXPECT_EQ(guard.count(), 0);
 }
 

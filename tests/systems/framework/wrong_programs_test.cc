@@ -1,0 +1,456 @@
+// Programs that compile, and that are refused because they would do something else than they say.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+
+#include <tenon/systems/analysis/analysis.h>
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+template <class Block, class... Args>
+auto Adding(Args&&... args) {
+  return [=] { DiagramBuilder().Add<Block>("block", args...); };
+}
+
+// ---- Members used above their declaration ----
+
+class UsesInputsBelow final : public LeafSystem<void> {
+ public:
+  OutputPort<double> y{this, "y", Uses(time, u), [](double, const Inputs<double>& u) { return u[0]; }};
+  InputPorts<double> u{this, "u", 1};
+};
+
+class ShowsStateBelow final : public LeafSystem<void> {
+ public:
+  OutputPort<double> y{this, x};
+  ContinuousState<double> x{this, "x"};
+  TimeDerivative<double> dx{x, Uses(x), [](double x) { return -x; }};
+};
+
+class DerivativeOfStateBelow final : public LeafSystem<void> {
+ public:
+  TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
+  ContinuousState<double> x{this, "x"};
+};
+
+class UpdateOfStateBelow final : public LeafSystem<void> {
+ public:
+  Update<double> next{s, Sampled{Hz(1)}, Uses(), [] { return 1.0; }};
+  DiscreteState<double> s{this, "s"};
+};
+
+class UpdateByWitnessBelow final : public LeafSystem<void> {
+ public:
+  DiscreteState<double> s{this, "s"};
+  Update<double> next{s, zero, Uses(), [] { return 1.0; }};
+  Witness zero{this, "zero", Crossing::kBoth, Uses(time), [](double t) { return t - 1; }};
+};
+
+TEST(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
+  EXPECT_TRUE(Throws<BuildError>(Adding<UsesInputsBelow>(),
+                                 "inside 'block': 'y' uses member 2 of its Uses(...)", "declared below it",
+                                 "move that declaration above it"));
+  EXPECT_TRUE(
+      Throws<BuildError>(Adding<ShowsStateBelow>(), "inside 'block'", "OutputPort{this, state}", "move"));
+  EXPECT_TRUE(
+      Throws<BuildError>(Adding<DerivativeOfStateBelow>(), "inside 'block'", "a TimeDerivative", "move"));
+  EXPECT_TRUE(Throws<BuildError>(Adding<UpdateOfStateBelow>(), "inside 'block'", "an Update", "move"));
+  EXPECT_TRUE(Throws<BuildError>(Adding<UpdateByWitnessBelow>(), "inside 'block'", "an Update", "move"));
+}
+
+// ---- Lambdas that a compiler confuses ----
+
+TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
+  class Local final : public LeafSystem<void> {
+   public:
+    OutputPort<double> one{this, "one", Uses(time), [](double) { return 1.0; }};
+    OutputPort<double> two{this, "two", Uses(time), [](double) { return 2.0; }};
+  };
+  DiagramBuilder builder;
+  try {
+    auto& block = builder.Add<Local>("block");
+    const auto context = builder.Build()->CreateContext();
+    EXPECT_EQ(context->Eval(block.one), 1);
+    EXPECT_EQ(context->Eval(block.two), 2);
+  } catch (const BuildError& error) {
+    EXPECT_NE(std::string(error.what()).find("for that of another member"), std::string::npos)
+        << error.what();
+  }
+}
+
+// ---- Units, names, sizes ----
+
+class Emitter final : public LeafSystem<Spec> {
+ public:
+  explicit Emitter(Spec spec) : LeafSystem(std::move(spec)) {}
+  OutputPort<double> y{this, params, Uses(), [] { return 1.0; }};
+};
+
+class Receiver final : public LeafSystem<Spec> {
+ public:
+  explicit Receiver(Spec spec) : LeafSystem(std::move(spec)) {}
+  InputPort<double> u{this, params};
+};
+
+class Wrapper final : public Subdiagram {
+ public:
+  InputPort<double> u{this, "u"};
+  Wrapper() { Connect(u, Add<Receiver>("receiver", Spec("force", "N")).u); }
+};
+
+TEST(WrongProgramsTest, ConnectedPortsHaveEqualUnits) {
+  DiagramBuilder builder;
+  auto& angle = builder.Add<Emitter>("angle", Spec("angle", "rad"));
+  auto& force = builder.Add<Receiver>("force", Spec("force", "N"));
+  builder.Connect(angle.y, force.u);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'angle.angle' [rad]", "'force.force' [N]",
+                                 "convert it", "IgnoreUnits{}"));
+}
+
+TEST(WrongProgramsTest, AnEmptyUnitMeansAnyAndPassesTheUnitOn) {
+  DiagramBuilder builder;
+  auto& angle = builder.Add<Emitter>("angle", Spec("angle", "rad"));
+  auto& wrapper = builder.Add<Wrapper>("wrapper");
+  builder.Connect(angle.y, wrapper.u);
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.Build(); }, "'angle.angle' [rad]", "'wrapper.receiver.force' [N]"));
+
+  DiagramBuilder any;
+  auto& source = any.Add<Emitter>("source", Spec("y", "rad"));
+  auto& sink = any.Add<Receiver>("sink", Spec("u"));
+  any.Connect(source.y, sink.u);
+  EXPECT_NO_THROW(any.Build());
+}
+
+TEST(WrongProgramsTest, WhoMeansItCanIgnoreUnits) {
+  DiagramBuilder builder;
+  auto& angle = builder.Add<Emitter>("angle", Spec("angle", "rad"));
+  builder.Connect(angle.y, builder.Add<Receiver>("force", Spec("force", "N")).u, IgnoreUnits{});
+  EXPECT_NO_THROW(builder.Build());
+}
+
+class Specified final : public LeafSystem<Spec> {
+ public:
+  explicit Specified(Spec spec) : LeafSystem(std::move(spec)) {}
+  OutputPort<Vec<3>> y{this, params, Uses(), [] { return Vec<3>(1, 2, 3); }};
+};
+
+TEST(WrongProgramsTest, UnitsAndNamesAreAsManyAsElements) {
+  const auto building = [](const Spec& spec) {
+    return [spec] {
+      DiagramBuilder builder;
+      builder.Add<Specified>("block", spec);
+      builder.Build();
+    };
+  };
+  EXPECT_TRUE(Throws<BuildError>(building({"y", "m, m/s"}), "'block.y' has 3 elements but 2 units (m, m/s)"));
+  EXPECT_TRUE(Throws<BuildError>(building({"y", "m, m, m, m"}), "3 elements but 4 units"));
+  EXPECT_TRUE(
+      Throws<BuildError>(building({"y", "m", "a, b"}), "'block.y' has 3 elements but 2 names (a, b)"));
+  EXPECT_NO_THROW(building({"y", "m"})());
+  EXPECT_NO_THROW(building({"y", "m, m, rad", "a, b, c"})());
+}
+
+struct Pair {
+  double a = 0, b = 0;
+  static FieldList Fields() { return {{"a", &Pair::a, "m"}, {"b", &Pair::b, "s"}}; }
+};
+
+TEST(WrongProgramsTest, AStructBringsItsOwnUnits) {
+  struct Block final : LeafSystem<void> {
+    OutputPort<Pair> y{this, {"y", "m"}, Uses(), [] { return Pair(); }};
+  };
+  DiagramBuilder builder;
+  builder.Add<Block>("block");
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y' is a", "brings its own units"));
+}
+
+class Twice final : public LeafSystem<void> {
+ public:
+  InputPort<double> first{this, "u", 0.0};
+  InputPort<double> second{this, "u", 0.0};
+};
+
+TEST(WrongProgramsTest, MembersHaveDifferentNamesThatCanBeWritten) {
+  DiagramBuilder builder;
+  builder.Add<Twice>("block");
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "two members of 'block' are named 'u'"));
+  for (const char* name : {"", "a.b", "a,b", "a b", "a\"b", "a'b"}) {
+    DiagramBuilder named;
+    named.Add<Emitter>("block", Spec(name, "m"));
+    EXPECT_TRUE(Throws<BuildError>([&] { named.Build(); },
+                                   "a member of 'block' cannot be named '" + std::string(name)));
+  }
+}
+
+TEST(WrongProgramsTest, AnOutputSharesTheNameOfTheStateThatItShows) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  EXPECT_NO_THROW(builder.Build());
+}
+
+TEST(WrongProgramsTest, SizesThatAreKnownMustAgree) {
+  struct Five final : LeafSystem<void> {
+    OutputPort<Eigen::VectorXd> y{this, "y", Eigen::VectorXd::Zero(5), Uses(),
+                                  [](Eigen::VectorXd* y) { y->setOnes(5); }};
+  };
+  struct Three final : LeafSystem<void> {
+    InputPort<Eigen::VectorXd> u{this, "u", Eigen::VectorXd::Zero(3)};
+  };
+  DiagramBuilder builder;
+  auto& five = builder.Add<Five>("five");
+  builder.Connect(five.y, builder.Add<Three>("three").u);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); },
+                                 "'five.y' has 5 elements, but 'three.u' is declared with 3"));
+}
+
+// ---- Building ----
+
+TEST(WrongProgramsTest, AllFaultsAreInOneMessage) {
+  DiagramBuilder builder;
+  for (const char* name : {"a", "b", "c", "d", "e"}) builder.Add<Cart>(name);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "the diagram has 5 faults:\n  input 'a.force'",
+                                 "\n  input 'b.force'", "\n  input 'c.force'", "\n  input 'd.force'",
+                                 "\n  input 'e.force'"));
+}
+
+TEST(WrongProgramsTest, ABuilderWhoseDiagramWasRefusedCanBeMended) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  EXPECT_THROW(builder.Build(), BuildError);
+  EXPECT_EQ(cart.path(), "cart");
+  builder.Connect(builder.AddFunction({"force", "N"}, Uses(), [] { return 4.0; }), cart.force);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.RunTo(1);
+  EXPECT_NEAR(simulator.context().Eval(cart.state)[0], 1, 1e-9);
+}
+
+TEST(WrongProgramsTest, AContextKeepsItsDiagramAlive) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  Simulator simulator(*builder.Build());
+  simulator.RunTo(1);
+  EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(1), 1e-5);
+
+  DiagramBuilder other;
+  auto& second = other.Add<Oscillator>("plant");
+  Simulator owning(other.Build());
+  const auto clone = owning.context().Clone();
+  EXPECT_EQ(clone->Eval(second.x)[0], 1);
+}
+
+// ---- Contexts ----
+
+TEST(WrongProgramsTest, SetRefusesAConnectedInput) {
+  DiagramBuilder builder;
+  auto& a = builder.Add<Oscillator>("a");
+  auto& b = builder.Add<Receiver>("b", Spec("u"));
+  builder.Connect(builder.AddFunction("q", Uses(a.state), [](const Vec<2>& x) { return x[0]; }), b.u);
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { context->Set(b.u, 3.0); }, "input 'b.u' is connected to 'q.output'",
+                               "set what that depends on"));
+  EXPECT_EQ(context->Eval(a.x)[0], 1);
+}
+
+TEST(WrongProgramsTest, AConstContextCanBeEvaluatedAndDoesNotChange) {
+  int calls = 0;
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  auto& twice = builder.AddFunction("twice", Uses(plant.state), [&calls](const Vec<2>& x) {
+    ++calls;
+    return 2 * x[0];
+  });
+  const auto context = builder.Build()->CreateContext();
+  const Context& constant = *context;
+  EXPECT_EQ(constant.Eval(twice), 2);
+  EXPECT_EQ(constant.Eval(twice), 2);
+  EXPECT_EQ(calls, 2);  // each in a clone
+  EXPECT_EQ(context->Eval(twice), 2);
+  EXPECT_EQ(constant.Eval(twice), 2);
+  EXPECT_EQ(calls, 3);  // known by then
+}
+
+// ---- Runs ----
+
+struct Exhausted : std::runtime_error {
+  using std::runtime_error::runtime_error;
+  int battery = 7;
+};
+
+TEST(WrongProgramsTest, AnExceptionOfTheUsersTypeIsNestedInOurs) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  builder.Connect(builder.AddFunction("drive", Sampled{Hz(10)}, Uses(builder.time),
+                                      [](double t) -> double {
+                                        if (t > 0.25) throw Exhausted("the battery is empty");
+                                        return 0;
+                                      }),
+                  plant.u);
+  Simulator simulator(*builder.Build());
+  try {
+    simulator.RunTo(1);
+    FAIL() << "no exception";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("'drive.output' failed at t = 0.3 s: the battery is empty"),
+              std::string::npos)
+        << error.what();
+    try {
+      std::rethrow_if_nested(error);
+      FAIL() << "nothing is nested";
+    } catch (const Exhausted& own) {
+      EXPECT_EQ(own.battery, 7);
+    }
+  }
+}
+
+TEST(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
+  bool fails = true;
+  DiagramBuilder builder;
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
+  builder.AddFunction("fuse", Sampled{Hz(10)}, Uses(builder.time), [&fails](double t) {
+    if (fails && t > 0.25) throw std::runtime_error("blown");
+    return t;
+  });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.RunTo(0.2);
+  const auto snapshot = simulator.context().Save();
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "blown"));
+  fails = false;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "this run failed and cannot go on", "blown",
+                                 "restore a snapshot"));
+  }
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Save(); }, "a run that failed cannot be saved"));
+  Simulator clone(simulator.context().Clone());
+  EXPECT_THROW(clone.RunTo(1), RunError);
+  simulator.context().Restore(snapshot);
+  simulator.RunTo(1);
+  EXPECT_EQ(simulator.context().Eval(counter.n), 11);
+}
+
+TEST(WrongProgramsTest, ASeedForAContextThatExistsIsRefused) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  const auto diagram = builder.Build();
+  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(diagram->CreateContext(3), {.seed = 9}); }, "seed = 9",
+                                     "has seed 3", "Diagram::CreateContext"));
+  EXPECT_NO_THROW(Simulator(diagram->CreateContext(9), {.seed = 9}));
+  EXPECT_EQ(Simulator(*diagram, {.seed = 9}).context().seed(), 9);
+}
+
+TEST(WrongProgramsTest, RunToThrowsWhatAMonitorSays) {
+  struct Block final : LeafSystem<void> {
+    Monitor limit{this, "limit", Sampled{Hz(10)}, Uses(time),
+                  [](double t) { return t > 0.45 ? Verdict("it is late") : Verdict(); }};
+  };
+  DiagramBuilder builder;
+  builder.Add<Block>("block");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  EXPECT_TRUE(
+      Throws<RunError>([&] { simulator.RunTo(1); }, "the run ended at t = 0.5 s: block.limit: it is late"));
+  Simulator other(*diagram);
+  EXPECT_EQ(other.AdvanceTo(1).reason, "block.limit: it is late");
+}
+
+TEST(WrongProgramsTest, ManyLogsAtOneRateAndRatesThatSeldomMeet) {
+  DiagramBuilder builder;
+  auto& a = builder.Add<Counter>("a", Sampled{Hz(1000)});
+  auto& b = builder.Add<Counter>("b", Sampled{Seconds(0.123457)});
+  auto& c = builder.Add<Counter>("c", Sampled{Hz(7.3)});
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  std::vector<std::shared_ptr<MemoryLog>> logs;
+  for (int i = 0; i < 65; ++i) logs.push_back(simulator.AddLog(Hz(100), {&a.n}));
+  simulator.RunTo(2);
+  EXPECT_EQ(simulator.context().Eval(a.n), 2001);
+  EXPECT_EQ(simulator.context().Eval(b.n), 17);
+  EXPECT_EQ(simulator.context().Eval(c.n), 15);
+  for (const auto& log : logs) EXPECT_EQ(log->rows(), 201);
+}
+
+TEST(WrongProgramsTest, LinearizeRefusesADiagramOfSamplesAlone) {
+  DiagramBuilder builder;
+  builder.Add<Counter>("counter", Sampled{Hz(10)});
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(
+      Throws<RunError>([&] { Linearize(*context, {}, {}); }, "no continuous state", "linearise the plant"));
+}
+
+// ---- Memory ----
+
+struct Unwritten {
+  double a = 0;
+  std::array<Vec<3>, 4> feet_W{};  // braces do not make an Eigen matrix zero
+  static FieldList Fields() { return {{"a", &Unwritten::a}, {"feet_W", &Unwritten::feet_W}}; }
+};
+struct UnwrittenNumber {
+  double a;
+  static FieldList Fields() { return {{"a", &UnwrittenNumber::a}}; }
+};
+
+template <class T>
+struct Emits final : LeafSystem<void> {
+  OutputPort<T> y{this, "y", Uses(), [] { return T(); }};
+};
+
+TEST(WrongProgramsTest, AStructWhoseMembersBeginAsWhateverLiesInMemoryIsRefused) {
+#ifndef EIGEN_INITIALIZE_MATRICES_BY_NAN  // which writes them
+  EXPECT_TRUE(Throws<BuildError>(Adding<Emits<Unwritten>>(), "inside 'block': member 'feet_W' of",
+                                 "Unwritten", "what lies in memory"));
+#endif
+  EXPECT_TRUE(Throws<BuildError>(Adding<Emits<UnwrittenNumber>>(), "member 'a' of", "UnwrittenNumber"));
+}
+
+TEST(WrongProgramsTest, SnapshotsOfEqualContextsAreEqualBytes) {
+  // Padding between the members is nobody's value.
+  struct Padded {
+    bool flag = false;
+    double value = 0;
+    static FieldList Fields() { return {{"flag", &Padded::flag}, {"value", &Padded::value}}; }
+  };
+  struct Block final : LeafSystem<void> {
+    DiscreteState<Padded> state{this, "state"};
+  };
+  DiagramBuilder builder;
+  auto& block = builder.Add<Block>("block");
+  const auto diagram = builder.Build();
+  const auto one = diagram->CreateContext(), other = diagram->CreateContext();
+  const auto set = [&](Context& context, int content) {
+    alignas(Padded) std::byte memory[sizeof(Padded)];
+    std::fill(std::begin(memory), std::end(memory), static_cast<std::byte>(content));
+    auto* value = new (memory) Padded;
+    value->flag = true;
+    value->value = 2;
+    context.Set(block.state, *value);
+  };
+  set(*one, 0x11);
+  set(*other, 0xee);
+  EXPECT_EQ(one->Save(), other->Save());
+}
+
+TEST(WrongProgramsTest, WhatDoesNotDescribeItselfIsNotSavedAsBytes) {
+  struct Opaque {
+    bool flag = false;
+    double value = 0;
+  };
+  struct Block final : LeafSystem<void> {
+    DiscreteState<Opaque> state{this, "state"};
+  };
+  DiagramBuilder builder;
+  builder.Add<Block>("block");
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { context->Save(); }, "'block.state' cannot be saved", "Fields()"));
+}
+
+}  // namespace
+}  // namespace tenon
