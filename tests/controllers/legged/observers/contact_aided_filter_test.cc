@@ -198,11 +198,13 @@ struct Sway {
 // of chi-square, the number of degrees of freedom. The mean over runs of the velocity's has a standard
 // deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
 TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
-  ContactAidedNoise noise;
-  noise.specific_force_bias_walk = 1e-3;
-  noise.angular_velocity_bias_walk = 1e-4;
+  ContactAidedNoise noise;  // of poor sensors, so that each of them counts
+  noise.specific_force = 2;
+  noise.angular_velocity = 0.2;
+  noise.specific_force_bias_walk = 0.3;
+  noise.angular_velocity_bias_walk = 0.03;
   constexpr int kRuns = 60, kTicks = 1500;
-  double velocity = 0, tilt = 0, bias = 0;
+  double velocity = 0, tilt = 0, rate = 0, force = 0;
   for (int run = 0; run < kRuns; ++run) {
     RandomStream random(static_cast<std::uint64_t>(run) + 10);
     const Vec<5> deviation(1e-3, 0.05, 0.02, 0.1, 0.01);
@@ -249,12 +251,14 @@ TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
     velocity += weigh(Vec<3>(end.v - filter.mean.v_WI), filter.VelocityCovariance());
     tilt += weigh(Vec<2>((turn.angle() * turn.axis()).head<2>()),
                   Eigen::Matrix2d(filter.covariance.block<2, 2>(Filter::kAttitude, Filter::kAttitude)));
-    bias += weigh(Vec<3>(rate_bias - filter.mean.angular_velocity_bias_B),
-                  Eigen::Matrix3d(filter.covariance.block<3, 3>(Filter::kRateBias, Filter::kRateBias)));
+    const auto block = [&](int at) { return Eigen::Matrix3d(filter.covariance.block<3, 3>(at, at)); };
+    rate += weigh(Vec<3>(rate_bias - filter.mean.angular_velocity_bias_B), block(Filter::kRateBias));
+    force += weigh(Vec<3>(force_bias - filter.mean.specific_force_bias_B), block(Filter::kForceBias));
   }
   EXPECT_NEAR(velocity, 3, 3 * std::sqrt(6.0 / kRuns));
   EXPECT_NEAR(tilt, 2, 3 * std::sqrt(4.0 / kRuns));
-  EXPECT_NEAR(bias, 3, 3 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(rate, 3, 3 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(force, 3, 3 * std::sqrt(6.0 / kRuns));
 }
 
 TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
