@@ -1,5 +1,6 @@
 // The cases of the guide dog, with DogBot and the observers in the loop.
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -69,17 +70,26 @@ TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
   }
 }
 
+// 150 N more from 10 s to 10.3 s: some centimetres, which are made good within a second.
 TEST_F(GuideDogCasesTest, APersonWhoStumblesDoesNotPullTheRobotOver) {
-  EXPECT_GT(RunCase("C1-stumble")["com_error_max_m"], 0.01) << "it was felt";
+  const double largest = RunCase("C1-stumble")["com_error_max_m"];
+  EXPECT_GT(largest, 0.01) << "it was felt";
+  EXPECT_LT(largest, 0.1);
+  const std::vector<double> time = test::Column(out, "time [s]");
+  const std::vector<double> error = test::Column(out, "loop.errors.errors.com.x [m]");
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    if (time[row] < 11.3) continue;
+    EXPECT_LT(std::abs(error[row]), 3e-3) << "at " << time[row] << " s";
+  }
 }
 
-// Noise on all sensors, and 60 s on a slack leash after the person has stopped the robot.
+// Noise on torque, foot force and accelerometer, and 60 s on a slack leash after the person has stopped the
+// robot.
 TEST_F(GuideDogCasesTest, DoesNotStartByItselfInNoise) {
   const Case run = RunCase(
       "C1 --duration 82 --set 'person.phases=[{activity: follow, duration_s: 15, speed_m_per_s: 0.07}]' "
-      "--set 'sensors={torque: {noise_ratio: 0.1}, foot_force: {noise_ratio: 0.1}, encoders: "
-      "{angle_noise_rad: 1.0e-4}, imu: {acceleration_noise_m_per_s2: 0.05, angular_velocity_noise_rad_per_s: "
-      "0.005}}'");
+      "--set 'sensors={torque: {noise_ratio: 0.1}, foot_force: {noise_ratio: 0.1}, "
+      "imu: {acceleration_noise_m_per_s2: 0.05}}'");
   EXPECT_LT(run["stop_delay_s"], 1);
   EXPECT_EQ(run["qp_failures"], 0);
   const std::vector<double> time = test::Column(out, "time [s]");
