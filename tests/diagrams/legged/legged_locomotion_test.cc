@@ -187,7 +187,7 @@ TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
 // they are told of disturbances included.
 TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   const QuadrupedDescription robot = test::DogBot();
-  const Vec<3> felt(5, 20, -10);
+  const Vec<3> felt(5, 60, -10);  // moves the footholds too
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
   auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(robot));
