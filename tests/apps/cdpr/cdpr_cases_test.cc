@@ -1,5 +1,5 @@
-// The goals of the cable robot's cases, seeds 1 and 2. A goal that is missed is expected to be missed, by name: who
-// reaches it will hear of it here.
+// The goals of the cable robot's cases, seeds 1 and 2. A goal that is missed is expected to be missed, by
+// name: who reaches it will hear of it here.
 
 #include <map>
 
@@ -13,8 +13,8 @@ class CdprCasesTest : public test::CaseTest {
   /// The three controllers' flights, which must reach their ends.
   std::map<std::string, test::Case> Compare(const std::string& scenario, int seed) const {
     const test::Result result =
-        test::RunCommand(std::string(TENON_CDPR) + " " + scenario + " --compare --set log_rate_hz=10 --seed " +
-                         std::to_string(seed) + Out());
+        test::RunCommand(std::string(TENON_CDPR) + " " + scenario +
+                         " --compare --set log_rate_hz=10 --seed " + std::to_string(seed) + Out());
     EXPECT_EQ(result.exit_code, 0) << result.text;
     const auto summaries = nlohmann::json::parse(test::Read(out / "summary.json"));
     std::map<std::string, test::Case> runs;

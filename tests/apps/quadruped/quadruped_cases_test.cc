@@ -1,5 +1,5 @@
-// The goals of the quadruped's cases, seeds 1 and 2 where there is something random. A goal that is missed is expected
-// to be missed, by name: who reaches it will hear of it here.
+// The goals of the quadruped's cases, seeds 1 and 2 where there is something random. A goal that is missed is
+// expected to be missed, by name: who reaches it will hear of it here.
 
 #include <limits>
 
@@ -42,19 +42,19 @@ TEST_P(QuadrupedGoalCasesTest, IsReached) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, QuadrupedGoalCasesTest,
-    ::testing::Values(Goal{"A1", "A1", 3, 4, 2}, Goal{"A1_60", "A1 --set 'forces.0.force_N=[60,0,0]'", 6},
-                      Goal{"A3", "A3", 8}, Goal{"A4", "A4", 6, 6, kAny, 2},
-                      Goal{"A4_noisy", "A4-noisy", 12, kAny, kAny, 2}, Goal{"A5_plus", "A5-plus", 7, kAny, kAny, 2},
-                      Goal{"A5_minus", "A5-minus", 7, kAny, kAny, 2}, Goal{"A6", "A6", 15, kAny, kAny, 2},
-                      Goal{"A6_slippery", "A6-slippery", 15, kAny, kAny, 2},
-                      Goal{"A6_high", "A6-high", kAny, kAny, kAny, 2}, Goal{"B2", "B2", 11, kAny, kAny, 2},
-                      Goal{"B3_plus", "B3-plus", 20, kAny, kAny, 2}, Goal{"B3_minus", "B3-minus", 20, kAny, kAny, 2},
-                      Goal{"crawl", "flat --gait crawl --set limit_speed=true", 5},
-                      Goal{"trot", "flat --gait trot --set limit_speed=true", 5},
-                      Goal{"pace", "flat --gait pace --set limit_speed=true", 5},
-                      Goal{"gallop", "flat --gait gallop --set limit_speed=true", 5}, Goal{"speeds", "speeds"},
-                      Goal{"gait_changes", "gait_changes --set limit_speed=true"},
-                      Goal{"lateral_push", "lateral_push --set limit_speed=true"}),
+    ::testing::Values(
+        Goal{"A1", "A1", 3, 4, 2}, Goal{"A1_60", "A1 --set 'forces.0.force_N=[60,0,0]'", 6},
+        Goal{"A3", "A3", 8}, Goal{"A4", "A4", 6, 6, kAny, 2}, Goal{"A4_noisy", "A4-noisy", 12, kAny, kAny, 2},
+        Goal{"A5_plus", "A5-plus", 7, kAny, kAny, 2}, Goal{"A5_minus", "A5-minus", 7, kAny, kAny, 2},
+        Goal{"A6", "A6", 15, kAny, kAny, 2}, Goal{"A6_slippery", "A6-slippery", 15, kAny, kAny, 2},
+        Goal{"A6_high", "A6-high", kAny, kAny, kAny, 2}, Goal{"B2", "B2", 11, kAny, kAny, 2},
+        Goal{"B3_plus", "B3-plus", 20, kAny, kAny, 2}, Goal{"B3_minus", "B3-minus", 20, kAny, kAny, 2},
+        Goal{"crawl", "flat --gait crawl --set limit_speed=true", 5},
+        Goal{"trot", "flat --gait trot --set limit_speed=true", 5},
+        Goal{"pace", "flat --gait pace --set limit_speed=true", 5},
+        Goal{"gallop", "flat --gait gallop --set limit_speed=true", 5}, Goal{"speeds", "speeds"},
+        Goal{"gait_changes", "gait_changes --set limit_speed=true"},
+        Goal{"lateral_push", "lateral_push --set limit_speed=true"}),
     [](const auto& info) { return std::string(info.param.name); });
 
 // 23 kg on the trunk: the mean of the estimated force is their weight to 0.2 %.
