@@ -68,6 +68,36 @@ TEST_F(CasesTest, JudgesWhatIsThere) {
                 "**no**: 1 of 3 not finished; median of CoM is 9.0 mm; max of CoM is 300.0 mm (only 3 of ")));
 }
 
+// Of the cable robot the worst seed counts.
+TEST_F(CasesTest, JudgesEverySeedOfTheCableRobot) {
+  const auto fly = [&](int seed, double ours, double pd) {
+    const fs::path directory = out / "D2/ours" / ("seed_" + std::to_string(seed));
+    fs::create_directories(directory);
+    std::ofstream(directory / "run.json") << R"({"arguments": [], "exit_code": 0, "commit": "abc"})";
+    std::ofstream file(directory / "summary.json");
+    const char* separator = "{";
+    for (const auto& [controller, settling] :
+         {std::pair{"mpc_equilibrium", ours}, {"mpc_zero", 9.0}, {"pd", pd}}) {
+      file << separator << "\"" << controller
+           << R"(": {"case": "D2", "finished": true, "fell": false, "controller": ")" << controller
+           << R"(", "tracking_error_rms_m": 0.002, "tension_rate_rms_N_per_s": 7,
+           "euler_oscillation_rms_rad": 0.005, "acceleration_rms_m_per_s2": 0.2, "tension_min_N": )"
+           << 10 * seed
+           << R"(, "tension_max_N": 90, "command_min_N": 5, "command_max_N": 99, "settling_time_s": )"
+           << settling << "}";
+      separator = ",";
+    }
+    file << "}";
+  };
+  fly(1, 1, 3);
+  fly(2, 2, 3);
+  ASSERT_EQ(RunCases("--report-only"), 0) << text;
+  EXPECT_THAT(Page(),
+              AllOf(HasSubstr("| D2 | mpc_equilibrium | 2 of 2 | 2.0 / 2.0 | 7.0 / 7.0 | 5.0 / 5.0 | 0.200 / "
+                              "0.200 | 10 to 90 | 5 to 99 | 1.50 / 2.00 |"),
+                    HasSubstr("goal MPC ≤ 3 s: met; goal PD / MPC ≥ 2: **missed** (least ratio 1.5)")));
+}
+
 TEST_F(CasesTest, SaysWhatIsWrong) {
   EXPECT_EQ(RunCases("--only A44"), 2);
   EXPECT_THAT(text, AllOf(HasSubstr("no case of that name"), HasSubstr("A4-noisy")));

@@ -112,26 +112,24 @@ SlqReport SolveStepByStep(Slq<Problem>& slq, const typename Problem::State& x0, 
   return report;
 }
 
-// The Riccati recursion in its textbook form, for x' = A x + B u + c by augmenting the state with a one.
-TEST(Slq, SolvesALinearQuadraticProblemInOneIteration) {
-  const auto problem = SomeLinearProblem();
-  Slq<LinearProblem<3, 2>> slq(problem, kUneven);
-  const Eigen::Vector3d x0(1, -2, 0.5);
-  const SlqReport report = slq.Solve(x0);
-  EXPECT_EQ(report.status, SlqStatus::kStepped);
-  EXPECT_EQ(report.step_length, 1);
-
+/// The Riccati recursion in its textbook form, for x' = A x + B u + c by augmenting the state with a one: of
+/// a linear problem without bounds the inputs u_k = gains[k] (x_k, 1) are the best.
+struct Textbook {
+  std::vector<Eigen::MatrixXd> gains, As, Bs;
+  Eigen::MatrixXd P;  // twice the cost to go is quadratic in (x_0, 1) by it
+};
+Textbook RiccatiOf(const LinearProblem<3, 2>& problem, const std::vector<double>& steps) {
   const auto augmented = [](const Eigen::MatrixXd& W, const Eigen::VectorXd& at) {
     const Eigen::Index size = at.size();
     Eigen::MatrixXd out(size + 1, size + 1);
     out << W, -W * at, -(W * at).transpose(), at.dot(W * at);
     return out;
   };
-  Eigen::MatrixXd P = augmented(problem.Q_f, problem.x_des);
-  std::vector<Eigen::MatrixXd> gains(kUneven.size());
-  std::vector<Eigen::MatrixXd> As(kUneven.size()), Bs(kUneven.size());
-  for (int k = static_cast<int>(kUneven.size()) - 1; k >= 0; --k) {
-    const double h = kUneven[k];
+  Textbook out;
+  Eigen::MatrixXd& P = out.P = augmented(problem.Q_f, problem.x_des);
+  for (std::vector<Eigen::MatrixXd>* all : {&out.gains, &out.As, &out.Bs}) all->resize(steps.size());
+  for (std::size_t k = steps.size(); k-- > 0;) {
+    const double h = steps[k];
     const Eigen::Matrix3d Z = h * problem.A, one = Eigen::Matrix3d::Identity();
     const Eigen::Matrix3d series = one + Z / 2 + Z * Z / 6 + Z * Z * Z / 24;  // of order 4, as the step
     Eigen::MatrixXd A = Eigen::Matrix4d::Identity(), B = Eigen::MatrixXd::Zero(4, 2);
@@ -140,21 +138,34 @@ TEST(Slq, SolvesALinearQuadraticProblemInOneIteration) {
     const Eigen::MatrixXd R = h * problem.R;
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2, 4);
     S.col(3) = -h * problem.R * problem.u_des;
-    gains[k] = -(R + B.transpose() * P * B).inverse() * (B.transpose() * P * A + S);
-    P = h * augmented(problem.Q, problem.x_des) + A.transpose() * P * A +
-        (B.transpose() * P * A + S).transpose() * gains[k];
+    out.gains[k] = -(R + B.transpose() * P * B).inverse() * (B.transpose() * P * A + S);
+    P = (h * augmented(problem.Q, problem.x_des) + A.transpose() * P * A +
+         (B.transpose() * P * A + S).transpose() * out.gains[k])
+            .eval();
     P(3, 3) += h * problem.u_des.dot(problem.R * problem.u_des);
-    As[k] = A;
-    Bs[k] = B;
+    out.As[k] = A;
+    out.Bs[k] = B;
   }
+  return out;
+}
+
+TEST(Slq, SolvesALinearQuadraticProblemInOneIteration) {
+  const auto problem = SomeLinearProblem();
+  Slq<LinearProblem<3, 2>> slq(problem, kUneven);
+  const Eigen::Vector3d x0(1, -2, 0.5);
+  const SlqReport report = slq.Solve(x0);
+  EXPECT_EQ(report.status, SlqStatus::kStepped);
+  EXPECT_EQ(report.step_length, 1);
+
+  const Textbook best = RiccatiOf(problem, kUneven);
   Eigen::Vector4d x(x0[0], x0[1], x0[2], 1);
-  EXPECT_NEAR(report.cost, x.dot(P * x) / 2, 1e-9);
+  EXPECT_NEAR(report.cost, x.dot(best.P * x) / 2, 1e-9);
   for (std::size_t k = 0; k < kUneven.size(); ++k) {
-    const Eigen::Vector2d u = gains[k] * x;
-    EXPECT_THAT(slq.policy()[k].K, IsNear(gains[k].leftCols(3), 1e-9));
+    const Eigen::Vector2d u = best.gains[k] * x;
+    EXPECT_THAT(slq.policy()[k].K, IsNear(best.gains[k].leftCols(3), 1e-9));
     EXPECT_THAT(slq.policy()[k].u, IsNear(u, 1e-9));
     EXPECT_THAT(slq.policy()[k].x, IsNear(x.head<3>(), 1e-9));
-    x = As[k] * x + Bs[k] * u;
+    x = best.As[k] * x + best.Bs[k] * u;
   }
   EXPECT_EQ(slq.Solve(x0).status, SlqStatus::kConverged);
 }
@@ -236,20 +247,56 @@ TEST(Slq, BoundedCableRobotMatchesTheTranscription) {
   EXPECT_THAT(u, IsNear(expected, 0.2));
 }
 
-TEST(Slq, ProjectionInTheRollOutKeepsTheBoundsToo) {
+// Of a linear problem the first iteration with projection is the unbounded best feedback, cut off at the
+// bounds as it acts; the inputs at a bound keep their feedback.
+TEST(Slq, ProjectionInTheRollOutIsTheUnboundedFeedbackCutOff) {
+  auto problem = SomeLinearProblem();
+  const Textbook best = RiccatiOf(problem, kUneven);
+  problem.lower = Eigen::Vector2d(-8, -3.7);
+  problem.upper = Eigen::Vector2d(6.8, 4);
+  Slq<LinearProblem<3, 2>> slq(problem, kUneven, {.bounds = SlqBounds::kRollOutProjection});
+  const SlqReport report = slq.Solve(Eigen::Vector3d(1, -2, 0.5));
+  ASSERT_EQ(report.status, SlqStatus::kStepped);
+  ASSERT_EQ(report.step_length, 1);
+  Eigen::Vector4d x(1, -2, 0.5, 1);
+  int cut = 0;
+  for (std::size_t k = 0; k < kUneven.size(); ++k) {
+    const Eigen::Vector2d wanted = best.gains[k] * x;
+    const Eigen::Vector2d u = wanted.cwiseMax(problem.lower).cwiseMin(problem.upper);
+    cut += u != wanted;
+    EXPECT_THAT(slq.policy()[k].u, IsNear(u, 1e-9)) << k;
+    EXPECT_THAT(slq.policy()[k].K, IsNear(best.gains[k].leftCols(3), 1e-9)) << k;
+    x = best.As[k] * x + best.Bs[k] * u;
+  }
+  EXPECT_GT(cut, 2);
+  EXPECT_LT(cut, static_cast<int>(kUneven.size()));
+  EXPECT_NEAR(report.cost, CostOf(problem, kUneven, Eigen::Vector3d(1, -2, 0.5), InputsOf(slq)), 1e-9);
+}
+
+// Where the projection bites, the unbounded model stops being a descent: above the optimum, which the
+// projected Newton iteration finds.
+TEST(Slq, ProjectionInTheRollOutDescendsWithinTheBounds) {
   const PendulumProblem problem;
-  Slq<PendulumProblem> slq(problem, std::vector<double>(30, 0.05), {.bounds = SlqBounds::kRollOutProjection});
+  const std::vector<double> steps(30, 0.05);
   const Eigen::Vector2d x0(1.5, 0);
-  double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 20; ++i) {
+  Slq<PendulumProblem> slq(problem, steps, {.bounds = SlqBounds::kRollOutProjection});
+  double last = CostOf(problem, steps, x0, InputsOf(slq));
+  int descents = 0;
+  while (descents < 20) {
     const SlqReport report = slq.Solve(x0);
-    if (!report.ok()) break;  // where the projection bites the unbounded model stops being a descent
-    EXPECT_LE(report.cost, last);
+    if (!report.ok()) break;
+    ASSERT_LT(report.cost, last);
     last = report.cost;
+    ++descents;
     EXPECT_LE(InputsOf(slq).cwiseAbs().maxCoeff(), 6);
   }
-  Slq<PendulumProblem> newton(problem, std::vector<double>(30, 0.05), {.max_iterations = 300});
-  EXPECT_LE(newton.Solve(x0).cost, last + 1e-9);
+  EXPECT_GE(descents, 3);
+  EXPECT_EQ(InputsOf(slq).maxCoeff(), 6) << "a bound is active";
+  EXPECT_NEAR(CostOf(problem, steps, x0, InputsOf(slq)), last, 1e-9 * last) << "what it reports it has";
+  Slq<PendulumProblem> newton(problem, steps, {.max_iterations = 300});
+  const SlqReport best = newton.Solve(x0);
+  ASSERT_EQ(best.status, SlqStatus::kConverged);
+  EXPECT_LE(best.cost, last + 1e-9);
 }
 
 TEST(Slq, AllIterationsInOneCall) {
@@ -347,6 +394,7 @@ TEST(Slq, SaysWhenNothingIsADescent) {
 }
 
 TEST(Slq, SolvesWithoutAllocating) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   const auto problem = CdprProblem(50);
   Slq<CdprTrackingProblem<4>> slq(problem, std::vector<double>(50, 0.02));
   slq.SetPolicy(problem.targets[0].x, problem.targets[0].u);

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -14,28 +18,71 @@ namespace {
 
 enum class Replaced { kNone, kScheduler, kComPlanner, kSwingPlanner, kTrunkPlanner, kWholeBody };
 
-/// A robot that stands, its controller wired by hand, with one block as a function; where its trunk is after
-/// half a second.
-Vec<3> Stand(Replaced replaced) {
-  const QuadrupedDescription robot = test::DogBot();
-  const LeggedLocomotionParams params = MakeLocomotion(robot);
+/// What a second of trotting on the spot comes to.
+struct Trot {
+  double lift = 0;    ///< highest that a foot came above its place [m]
+  double height = 0;  ///< of the CoM above where it stood, at the end [m]
+  double yaw = 0;     ///< of the trunk at the end [rad]
+  LeggedState end;
+};
+
+/// A step on the spot, 3 cm high, that aims 1 cm into the ground, to press on it.
+FootReference Step(const Vec<3>& place, const LegContact& leg, double swing) {
+  FootReference foot{place, Vec<3>::Zero(), Vec<3>::Zero()};
+  if (leg.stance()) return foot;
+  const double height = 0.03, rate = 2 * std::numbers::pi / swing, angle = 2 * std::numbers::pi * leg.phase;
+  foot.p_W[2] += height / 2 * (1 - std::cos(angle)) - 0.01 * leg.phase;
+  foot.v_W[2] = height / 2 * rate * std::sin(angle) - 0.01 / swing;
+  foot.a_W[2] = height / 2 * rate * rate * std::cos(angle);
+  return foot;
+}
+
+Trot Observe(const QuadrupedDescription& robot, const QuadrupedWorld& world, const Diagram& diagram) {
+  Simulator simulator(diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
+  const QuadrupedModel model(robot);
+  QuadrupedDynamics first, now;
+  model.Calc(simulator.context().Eval(world.state), &first);
+  Trot trot;
+  for (int tick = 1; tick <= 200; ++tick) {
+    EXPECT_FALSE(simulator.AdvanceTo(0.005 * tick).ended);
+    model.Calc(simulator.context().Eval(world.state), &now);
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+      trot.lift = std::max(trot.lift, now.feet[leg].p_W[2] - first.feet[leg].p_W[2]);
+  }
+  trot.end = simulator.context().Eval(world.state);
+  trot.height = now.com_W[2] - first.com_W[2];
+  const Eigen::Matrix3d R = trot.end.R_WB();
+  trot.yaw = std::atan2(R(1, 0), R(0, 0));
+  return trot;
+}
+
+QuadrupedWorldParams Outside(const QuadrupedDescription& robot) {
   QuadrupedWorldParams outside;
   outside.plant.robot = robot;
   outside.plant.initial = test::Standing(robot);
+  return outside;
+}
+
+/// The controller wired by hand, with one block as a function that does what no block of ours does. `felt`
+/// [N] is what it is told of a force on the trunk, and a hundredth of its size of the legs' torques.
+Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
+  const QuadrupedDescription robot = test::DogBot();
+  const LeggedLocomotionParams params = MakeLocomotion(robot);
   QuadrupedDynamics dynamics;
-  QuadrupedModel(robot).Calc(outside.plant.initial, &dynamics);
+  QuadrupedModel(robot).Calc(test::Standing(robot), &dynamics);
 
   DiagramBuilder builder;
-  auto& world = builder.Add<QuadrupedWorld>("world", outside);
-  const auto& command =
-      builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
-  const auto& wrench =
-      builder.AddFunction({"wrench"}, Uses(builder.time), [](double) { return WrenchEstimate(); });
-  const auto& leg_forces =
-      builder.AddFunction({"leg_forces"}, Uses(builder.time), [](double) { return LegForceEstimate(); });
+  auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
+  const auto& command = builder.AddFunction({"command"}, Uses(builder.time),
+                                            [](double) { return WalkCommand{.gait = Gait::kTrot}; });
+  const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
+                                           [=](double) { return WrenchEstimate{.force_W = felt}; });
+  const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
+    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm())};
+  });
 
   const OutputPort<ContactSchedule>* schedule = nullptr;
-  if (replaced == Replaced::kScheduler) {
+  if (replaced == Replaced::kScheduler) {  // does not listen: all feet stand
     schedule =
         &builder.AddFunction({"scheduler"}, Uses(builder.time), [](double) { return ContactSchedule(); });
   } else {
@@ -47,13 +94,15 @@ Vec<3> Stand(Replaced replaced) {
 
   const OutputPort<BodyReference>* body = nullptr;
   const OutputPort<PlanarPath>* path = nullptr;
-  if (replaced == Replaced::kComPlanner) {
+  if (replaced == Replaced::kComPlanner) {  // 2 cm lower
     body = &builder.AddFunction({"com_planner"}, Uses(builder.time), [x = dynamics.com_W](double) {
       BodyReference reference;
-      reference.com_W = x;
+      reference.com_W = x - Vec<3>(0, 0, 0.02);
       return reference;
     });
-    path = &builder.AddFunction({"path"}, Uses(builder.time), [](double) { return PlanarPath(); });
+    path = &builder.AddFunction({"path"}, Uses(builder.time), [x = dynamics.com_W](double) {
+      return PlanarPath{.position_W = x.head<2>()};
+    });
   } else {
     auto& planner = builder.Add<ComPlanner>("com_planner", params.com_planner);
     builder.Connect(*schedule, planner.schedule);
@@ -64,9 +113,14 @@ Vec<3> Stand(Replaced replaced) {
   }
 
   const OutputPort<FeetReference>* feet = nullptr;
-  if (replaced == Replaced::kSwingPlanner) {
-    feet =
-        &builder.AddFunction({"swing_planner"}, Uses(builder.time), [](double) { return FeetReference(); });
+  if (replaced == Replaced::kSwingPlanner) {  // steps half as high
+    feet = &builder.AddFunction(
+        {"swing_planner"}, Uses(*schedule), [start = dynamics.feet](const ContactSchedule& schedule) {
+          FeetReference reference;
+          for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+            reference.feet[leg] = Step(start[leg].p_W, schedule.legs[leg], schedule.timing.swing);
+          return reference;
+        });
   } else {
     auto& planner = builder.Add<SwingPlanner>("swing_planner", params.swing_planner);
     builder.Connect(*schedule, planner.schedule);
@@ -77,7 +131,13 @@ Vec<3> Stand(Replaced replaced) {
     feet = &planner.feet;
   }
 
-  if (replaced != Replaced::kTrunkPlanner) {  // whose function is to pass on what it is given
+  if (replaced == Replaced::kTrunkPlanner) {  // looks to the left
+    body = &builder.AddFunction({"trunk_planner"}, Uses(*body), [](const BodyReference& reference) {
+      BodyReference turned = reference;
+      turned.q_WB = QuaternionProduct(QuaternionFromRotationVector(Vec<3>(0, 0, 0.1)), reference.q_WB);
+      return turned;
+    });
+  } else {
     auto& planner = builder.Add<TrunkPlanner>("trunk_planner", params.trunk_planner);
     builder.Connect(*body, planner.body);
     builder.Connect(*schedule, planner.schedule);
@@ -105,41 +165,49 @@ Vec<3> Stand(Replaced replaced) {
     builder.Connect(leg_forces, whole_body.leg_forces);
     builder.Connect(whole_body.torque, world.torque);
   }
-
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
-  EXPECT_FALSE(simulator.AdvanceTo(0.5).ended);
-  return simulator.context().Eval(world.state).p_WB;
+  return Observe(robot, world, *builder.Build());
 }
 
+// The robot does what the function says, and all else as before.
 TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
-  const Vec<3> standing = Stand(Replaced::kNone);
-  for (const Replaced replaced : {Replaced::kScheduler, Replaced::kComPlanner, Replaced::kSwingPlanner,
-                                  Replaced::kTrunkPlanner, Replaced::kWholeBody}) {
-    const double tolerance = replaced == Replaced::kWholeBody ? 0.02 : 2e-3;  // a PD is soft
-    EXPECT_LT((Stand(replaced) - standing).norm(), tolerance) << static_cast<int>(replaced);
+  for (const Replaced replaced : {Replaced::kNone, Replaced::kScheduler, Replaced::kComPlanner,
+                                  Replaced::kSwingPlanner, Replaced::kTrunkPlanner, Replaced::kWholeBody}) {
+    const Trot trot = TrotWith(replaced);
+    const bool stands = replaced == Replaced::kScheduler || replaced == Replaced::kWholeBody;
+    const double lift = stands ? 0 : replaced == Replaced::kSwingPlanner ? 0.025 : 0.05;
+    EXPECT_NEAR(trot.lift, lift, 3e-3) << static_cast<int>(replaced);
+    EXPECT_NEAR(trot.height, replaced == Replaced::kComPlanner ? -0.02 : 0,
+                replaced == Replaced::kWholeBody ? 0.01 : 2e-3)  // a PD is soft
+        << static_cast<int>(replaced);
+    EXPECT_NEAR(trot.yaw, replaced == Replaced::kTrunkPlanner ? 0.1 : 0, 0.02) << static_cast<int>(replaced);
   }
 }
 
-// The nested diagram is those five blocks and nothing else: wired by hand they do the same, bit for bit.
+// The nested diagram is those five blocks and nothing else: wired by hand they do the same, bit for bit, what
+// they are told of disturbances included.
 TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   const QuadrupedDescription robot = test::DogBot();
-  QuadrupedWorldParams outside;
-  outside.plant.robot = robot;
-  outside.plant.initial = test::Standing(robot);
+  const Vec<3> felt(5, 60, -10);  // moves the footholds too
   DiagramBuilder builder;
-  auto& world = builder.Add<QuadrupedWorld>("world", outside);
+  auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
   auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(robot));
-  const auto& command =
-      builder.AddFunction({"command"}, Uses(builder.time), [](double) { return WalkCommand(); });
+  const auto& command = builder.AddFunction({"command"}, Uses(builder.time),
+                                            [](double) { return WalkCommand{.gait = Gait::kTrot}; });
+  const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
+                                           [=](double) { return WrenchEstimate{.force_W = felt}; });
+  const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
+    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm())};
+  });
   builder.Connect(command, locomotion.command);
   builder.Connect(world.state, locomotion.state);
   builder.Connect(world.foot_forces, locomotion.foot_forces);
+  builder.Connect(wrench, locomotion.wrench);
+  builder.Connect(leg_forces, locomotion.leg_forces);
   builder.Connect(locomotion.torque, world.torque);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
-  simulator.RunTo(0.5);
-  EXPECT_EQ(simulator.context().Eval(world.state).p_WB, Stand(Replaced::kNone));
+  const LeggedState nested = Observe(robot, world, *builder.Build()).end;
+  const LeggedState wired = TrotWith(Replaced::kNone, felt).end;
+  EXPECT_EQ(nested.p_WB, wired.p_WB);
+  EXPECT_EQ(nested.q, wired.q);
 }
 
 }  // namespace

@@ -94,9 +94,7 @@ INSTANTIATE_TEST_SUITE_P(QuadrupedWalk, GaitTest,
                          [](const auto& info) { return std::string(EnumName(info.param)); });
 
 TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
-  std::vector<QuadrupedDescription> robots{test::DogBot()};
-  if (GetParam() == Gait::kTrot) robots.push_back(test::A1());
-  for (const QuadrupedDescription& robot : robots) {
+  for (const QuadrupedDescription& robot : {test::DogBot(), test::A1()}) {
     QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
     params.walk.segments = {Segment(Gait::kStand, 0, 0.3), Segment(GetParam(), 0.12, 2.7)};
     const Findings found = Walk(params, 3);

@@ -110,10 +110,21 @@ TEST(FreeRigidBodyTest, DependsOnItsArgumentsAlone) {
   }
 }
 
+// As in a container: a copy of none can be assigned a body, which it is then, and the body can be none again.
 TEST(FreeRigidBodyTest, CopiesBeforeItIsABody) {
   const FreeRigidBody none;
   FreeRigidBody copy(none);
-  copy = none;
+  EXPECT_EQ(copy.kinetic_energy(), 0);
+  {
+    FreeRigidBody body(kMass, Inertia());
+    copy = body;
+    body = none;
+  }
+  PlatformState x;
+  x.v_W = {2, 0, 0};
+  copy.Calc(x, {{30, 0, 0}, {0, 0, 0}}, {}, 9.81);
+  EXPECT_THAT(copy.acceleration().a_W, IsNear(Vec<3>(2, 0, -9.81), 1e-14));
+  EXPECT_NEAR(copy.kinetic_energy(), 30, 1e-12);
 }
 
 TEST(FreeRigidBodyTest, RefusesAnInertiaOfNoBody) {

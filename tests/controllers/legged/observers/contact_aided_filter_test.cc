@@ -163,76 +163,102 @@ TEST(ContactAidedFilterTest, AFootRollsWithItsShank) {
   EXPECT_EQ(next.feet_W[2], mean.feet_W[2]);
 }
 
-// Robots that obey the filter's model, in 60 runs with noise of all kinds: the error squared and weighted
-// with the inverse covariance has the mean of chi-square, the number of degrees of freedom. The mean over
-// runs of the velocity's has a standard deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
+// A thrown body that spins: a parabola and a turn about an axis of the body, of which the sensors show their
+// biases and the turn alone.
+TEST(ContactAidedFilterTest, AThrownBodyFliesAParabola) {
+  RandomStream random(6);
+  ContactAidedMean mean = RandomMean(random);
+  const ContactAidedMean start = mean;
+  const Vec<3> w_B(2, -3, 1);
+  ContactAidedInput input{{w_B + start.angular_velocity_bias_B, start.specific_force_bias_B}, {}};
+  input.turn_B.fill(Vec<3>::Zero());
+  for (int k = 0; k < 700; ++k) mean = Propagate(mean, input, {}, kPeriod, kRadius, kGravity);
+  const double t = 0.7;
+  EXPECT_THAT(mean.p_WI, IsNear(start.p_WI + t * start.v_WI - Vec<3>(0, 0, kGravity * t * t / 2), 1e-10));
+  EXPECT_THAT(mean.v_WI, IsNear(start.v_WI - Vec<3>(0, 0, kGravity * t), 1e-10));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(t * w_B.norm(), w_B.normalized()).toRotationMatrix();
+  EXPECT_THAT(Eigen::Matrix3d(mean.R_WB()), IsNear(Eigen::Matrix3d(start.R_WB() * turn), 1e-10));
+}
+
+/// A trunk that sways a few centimetres and nods and turns a few degrees, in closed form.
+struct Sway {
+  explicit Sway(double t)
+      : p(3 + 0.028 * std::sin(6 * t), 2 + 0.025 * std::sin(9 * t), 0.4 + 0.01 * std::sin(8 * t)),
+        v(0.168 * std::cos(6 * t), 0.225 * std::cos(9 * t), 0.08 * std::cos(8 * t)),
+        a(-1.008 * std::sin(6 * t), -2.025 * std::sin(9 * t), -0.64 * std::sin(8 * t)) {
+    const double yaw = 0.3 * t, nod = 0.08 * std::sin(7 * t), nod_rate = 0.56 * std::cos(7 * t);
+    R << Eigen::AngleAxisd(yaw, Vec<3>::UnitZ()) * Eigen::AngleAxisd(nod, Vec<3>::UnitY()).toRotationMatrix();
+    w_B = R.transpose() * Vec<3>(-std::sin(yaw) * nod_rate, std::cos(yaw) * nod_rate, 0.3);
+  }
+  Vec<3> p, v, a, w_B;
+  Eigen::Matrix3d R;
+};
+
+// In 60 runs with noise of all kinds the error squared and weighted with the inverse covariance has the mean
+// of chi-square, the number of degrees of freedom. The mean over runs of the velocity's has a standard
+// deviation of sqrt(2 * 3 / 60), that of the tilt's sqrt(2 * 2 / 60).
 TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
-  ContactAidedNoise noise;
-  noise.specific_force_bias_walk = 1e-3;
-  noise.angular_velocity_bias_walk = 1e-4;
+  ContactAidedNoise noise;  // of poor sensors, so that each of them counts
+  noise.specific_force = 2;
+  noise.angular_velocity = 0.2;
+  noise.specific_force_bias_walk = 0.3;
+  noise.angular_velocity_bias_walk = 0.03;
   constexpr int kRuns = 60, kTicks = 1500;
-  double velocity = 0, tilt = 0, bias = 0;
+  double velocity = 0, tilt = 0, rate = 0, force = 0;
   for (int run = 0; run < kRuns; ++run) {
     RandomStream random(static_cast<std::uint64_t>(run) + 10);
-    Filter filter;
-    Vec<5> deviation;
-    deviation << 1e-3, 0.05, 0.02, 0.1, 0.01;
+    const Vec<5> deviation(1e-3, 0.05, 0.02, 0.1, 0.01);
+    const Sway start(0);
     ContactAidedMean guess;
-    guess.p_WI = {3, 2, 0.4};
-    guess.v_WI = {0.5, -0.2, 0};
-    filter.Start(guess, deviation);
-    ContactAidedMean truth = guess;
-    truth.p_WI += Normal(random, deviation[0]);
-    truth.v_WI += Normal(random, deviation[1]);
-    truth.q_WB = QuaternionFromRotationVector(Normal(random, deviation[2]));
-    truth.specific_force_bias_B += Normal(random, deviation[3]);
-    truth.angular_velocity_bias_B += Normal(random, deviation[4]);
-    const Vec<3> place[] = {{0.3, 0.2, -0.4}, {0.3, -0.2, -0.4}, {-0.3, 0.2, -0.4}, {-0.3, -0.2, -0.4}};
-    for (std::size_t leg = 0; leg < kNumLegs; ++leg) truth.feet_W[leg] = truth.p_WI + place[leg];
-    const auto measure = [&] {
+    guess.p_WI = start.p + Normal(random, deviation[0]);
+    guess.v_WI = start.v + Normal(random, deviation[1]);
+    guess.q_WB = QuaternionProduct(QuaternionFromRotationVector(Normal(random, deviation[2])),
+                                   QuaternionFromRotation(start.R));
+    Vec<3> force_bias = Normal(random, deviation[3]), rate_bias = Normal(random, deviation[4]);
+    std::array<Vec<3>, kNumLegs> feet_W{Vec<3>(3.3, 2.2, 0), Vec<3>(3.3, 1.8, 0), Vec<3>(2.7, 2.2, 0),
+                                        Vec<3>(2.7, 1.8, 0)};
+    const auto measure = [&](const Sway& trunk) {
       std::array<FootMeasurement, kNumLegs> feet;
       for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-        feet[leg].p_IF_B =
-            truth.R_WB().transpose() * (truth.feet_W[leg] - truth.p_WI) + Normal(random, noise.foot);
+        feet[leg].p_IF_B = trunk.R.transpose() * (feet_W[leg] - trunk.p) + Normal(random, noise.foot);
         feet[leg].covariance = noise.foot * noise.foot * Eigen::Matrix3d::Identity();
       }
       return feet;
     };
-    const auto start = measure();
-    for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, start[static_cast<std::size_t>(leg)]);
+    Filter filter;
+    filter.Start(guess, deviation);
+    const auto first = measure(start);
+    for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, first[static_cast<std::size_t>(leg)]);
     for (int k = 0; k < kTicks; ++k) {
-      const double t = kPeriod * k;
-      const Eigen::Matrix3d R_BW = truth.R_WB().transpose();
+      const Sway trunk(kPeriod * k);
       ContactAidedInput input;
       for (Vec<3>& turn : input.turn_B) turn.setZero();
-      // Sways a few centimetres and turns a few degrees.
-      input.inertial.specific_force_B =
-          R_BW * Vec<3>(std::cos(6 * t), 2 * std::cos(9 * t), kGravity) + truth.specific_force_bias_B;
-      input.inertial.angular_velocity_B =
-          Vec<3>(0.5 * std::cos(5 * t), 0.4 * std::cos(7 * t), 0.3) + truth.angular_velocity_bias_B;
-      truth = Propagate(truth, input, kAll, kPeriod, 0, kGravity);
-      for (Vec<3>& at : truth.feet_W) at += Normal(random, std::sqrt(kPeriod) * noise.foot_walk);
-      truth.specific_force_bias_B += Normal(random, std::sqrt(kPeriod) * noise.specific_force_bias_walk);
-      truth.angular_velocity_bias_B += Normal(random, std::sqrt(kPeriod) * noise.angular_velocity_bias_walk);
-      input.inertial.specific_force_B += Normal(random, noise.specific_force);
-      input.inertial.angular_velocity_B += Normal(random, noise.angular_velocity);
+      input.inertial.specific_force_B = trunk.R.transpose() * (trunk.a + Vec<3>(0, 0, kGravity)) +
+                                        force_bias + Normal(random, noise.specific_force);
+      input.inertial.angular_velocity_B = trunk.w_B + rate_bias + Normal(random, noise.angular_velocity);
       filter.Predict(input, noise, kPeriod, 0, kGravity);
-      EXPECT_EQ(filter.Correct(measure(), 40), 0);
+      for (Vec<3>& at : feet_W) at += Normal(random, std::sqrt(kPeriod) * noise.foot_walk);
+      force_bias += Normal(random, std::sqrt(kPeriod) * noise.specific_force_bias_walk);
+      rate_bias += Normal(random, std::sqrt(kPeriod) * noise.angular_velocity_bias_walk);
+      EXPECT_EQ(filter.Correct(measure(Sway(kPeriod * (k + 1))), 40), 0);
     }
     EXPECT_EQ(filter.covariance.llt().info(), Eigen::Success);
+    const Sway end(kPeriod * kTicks);
+    const Eigen::AngleAxisd turn(end.R * filter.mean.R_WB().transpose());
     const auto weigh = []<int N>(const Vec<N>& error, const Eigen::Matrix<double, N, N>& P) {
       return error.dot(P.llt().solve(error)) / kRuns;
     };
-    const Filter::Error off = Difference(truth, filter.mean);
-    velocity += weigh(Vec<3>(truth.v_WI - filter.mean.v_WI), filter.VelocityCovariance());
-    tilt += weigh(Vec<2>(off.segment<2>(Filter::kAttitude)),
+    velocity += weigh(Vec<3>(end.v - filter.mean.v_WI), filter.VelocityCovariance());
+    tilt += weigh(Vec<2>((turn.angle() * turn.axis()).head<2>()),
                   Eigen::Matrix2d(filter.covariance.block<2, 2>(Filter::kAttitude, Filter::kAttitude)));
-    bias += weigh(Vec<3>(off.segment<3>(Filter::kRateBias)),
-                  Eigen::Matrix3d(filter.covariance.block<3, 3>(Filter::kRateBias, Filter::kRateBias)));
+    const auto block = [&](int at) { return Eigen::Matrix3d(filter.covariance.block<3, 3>(at, at)); };
+    rate += weigh(Vec<3>(rate_bias - filter.mean.angular_velocity_bias_B), block(Filter::kRateBias));
+    force += weigh(Vec<3>(force_bias - filter.mean.specific_force_bias_B), block(Filter::kForceBias));
   }
   EXPECT_NEAR(velocity, 3, 3 * std::sqrt(6.0 / kRuns));
   EXPECT_NEAR(tilt, 2, 3 * std::sqrt(4.0 / kRuns));
-  EXPECT_NEAR(bias, 3, 3 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(rate, 3, 3 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(force, 3, 3 * std::sqrt(6.0 / kRuns));
 }
 
 TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {

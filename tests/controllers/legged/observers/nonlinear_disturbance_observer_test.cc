@@ -36,8 +36,10 @@ QuadrupedBench Flying() {
   return bench;
 }
 
-// The error equation F_hat' = Lambda (F - F_hat), integrated by itself with the M_q of the moving robot.
+// The error equation F_hat' = Lambda (F - F_hat), integrated by itself with the M_q of the moving robot: by
+// the implicit rule in both readings, and exactly where M_q / x is long beside a tick.
 TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
   RandomStream random(7);
   const Vec<12> torque = test::RandomVector<12>(random, 5);
   for (const NdoReading reading : {NdoReading::kM, NdoReading::kInverse}) {
@@ -47,28 +49,31 @@ TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
       force.tail<12>() = torque;
       return force;
     };
-    const double x = reading == NdoReading::kM ? 10 : 0.1;
-    NonlinearDisturbanceObserverParams params = Params(reading);
-    Observed run(bench, params);
-    Vec<12> expected = Vec<12>::Zero();
-    double worst = 0;
+    const double x = reading == NdoReading::kM ? 10 : 0.1, h = 1e-3;
+    Observed run(bench, Params(reading));
+    Vec<12> implicit = torque, exact = torque;  // the errors
+    double worst_implicit = 0, worst_exact = 0;
     for (int n = 1; n <= 300; ++n) {
-      const Vec<12> estimate = run.Tick().joint_torque;
+      const Vec<12> error = torque - run.Tick().joint_torque;
       QuadrupedDynamics dynamics;
       DecoupledDynamics decoupled;
       run.bench.model.Calc(run.bench.x, &dynamics);
       run.bench.model.CalcDecoupled(run.bench.x, dynamics, &decoupled);
-      // Exact over the interval for a constant M_q.
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> modes(decoupled.M_q);
-      const Vec<12> decay = (-x * 1e-3 * modes.eigenvalues().cwiseInverse()).array().exp();
-      const Vec<12> error = torque - expected;
-      expected =
-          torque - modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * error;
-      worst = std::max(worst, (estimate - expected).norm());
+      const Matrix12 Lambda = x * decoupled.M_q.inverse();
+      implicit = (Matrix12::Identity() + h * Lambda).partialPivLu().solve(implicit).eval();
+      const Eigen::SelfAdjointEigenSolver<Matrix12> modes(decoupled.M_q);
+      const Vec<12> decay = (-x * h * modes.eigenvalues().cwiseInverse()).array().exp();
+      exact = (modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * exact).eval();
+      worst_implicit = std::max(worst_implicit, (error - implicit).norm());
+      worst_exact = std::max(worst_exact, (error - exact).norm());
     }
-    // The implicit rule is slower in what is fast anyway.
-    EXPECT_LT(worst, (reading == NdoReading::kM ? 0.3 : 0.02) * torque.norm());
-    EXPECT_THAT(run.Tick().joint_torque, IsNear(expected, 0.01 * torque.norm()));
+    EXPECT_LT(worst_implicit, 0.01 * torque.norm());
+    if (reading == NdoReading::kInverse) {
+      EXPECT_LT(worst_exact, 0.02 * torque.norm());
+      EXPECT_GT(exact.norm(), 0.05 * torque.norm()) << "it has not settled yet";
+    } else {
+      EXPECT_LT(implicit.norm(), 1e-3 * torque.norm()) << "it has settled";
+    }
   }
 }
 
@@ -87,11 +92,12 @@ TEST(NonlinearDisturbanceObserverTest, TellsTheForceOnAFoot) {
   Observed run(bench, Params(NdoReading::kM));
   for (int n = 0; n < 200; ++n) run.Tick();
   const LegForceEstimate& estimate = run.Tick();
-  EXPECT_THAT(estimate.foot_force.rear_left, IsNear(force, 1));
-  EXPECT_LT(estimate.foot_force.front_right.norm(), 1);
+  EXPECT_THAT(estimate.foot_force.rear_left, IsNear(force, 0.3));
+  EXPECT_LT(estimate.foot_force.front_right.norm(), 0.3);
 }
 
 TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Observed run(Flying(), Params(NdoReading::kM));
   run.Tick();
   const AllocationGuard guard;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon::test {
+
+/// The figures of a run, of summary.json.
+struct Case {
+  double operator[](const char* key) const { return summary.at(key).get<double>(); }
+  bool finished() const { return summary.at("finished").get<bool>(); }
+  double largest_foot_error() const {
+    double largest = 0;
+    for (const auto& error : summary.at("foot_error_max_m")) largest = std::max(largest, error.get<double>());
+    return largest;
+  }
+  nlohmann::json summary;
+};
+
+/// A test of what the cases must show, by the app that runs them as a user would.
+class CaseTest : public AppTest {
+ protected:
+  /// Runs a scenario, to its end or a fall; the arguments may override what is in it.
+  Case Run(const std::string& app, const std::string& arguments) const {
+    const Result result = RunCommand(app + " " + arguments + Out());
+    EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 3) << arguments << ": " << result.text;
+    return {nlohmann::json::parse(Read(out / "summary.json"))};
+  }
+};
+
+}  // namespace tenon::test
