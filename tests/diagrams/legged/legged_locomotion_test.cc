@@ -78,7 +78,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
                                            [=](double) { return WrenchEstimate{.force_W = felt}; });
   const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
-    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm())};
+    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm()), .foot_force = {}};
   });
 
   const OutputPort<ContactSchedule>* schedule = nullptr;
@@ -196,7 +196,7 @@ TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
                                            [=](double) { return WrenchEstimate{.force_W = felt}; });
   const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
-    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm())};
+    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm()), .foot_force = {}};
   });
   builder.Connect(command, locomotion.command);
   builder.Connect(world.state, locomotion.state);
