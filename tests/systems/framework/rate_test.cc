@@ -26,6 +26,11 @@ TEST(RateTest, DecimalsAreTakenAsWritten) {
   EXPECT_EQ(Milliseconds(0.001), Rate(1, 1000000));
 }
 
+TEST(RateTest, ReachesFromZeroToABillionHertz) {
+  EXPECT_EQ(Hz(1e9), Rate(1, 1'000'000'000));
+  EXPECT_THROW(Hz(1.0001e9), ParameterError);
+}
+
 TEST(RateTest, IsReduced) {
   EXPECT_EQ(Rate(4, 400), Rate(1, 100));
   EXPECT_EQ(Rate(4, 400).numerator(), 1);

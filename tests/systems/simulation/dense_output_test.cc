@@ -130,5 +130,26 @@ INSTANTIATE_TEST_SUITE_P(Methods, StiffDenseOutputTest,
                                          Case{Method::kBdf, 5}),
                          testing::PrintToStringParamName());
 
+class CountingWitness final : public LeafSystem<int*> {
+ public:
+  explicit CountingWitness(int* calls) : LeafSystem(calls) {}
+  InputPort<Vec<2>> x{this, "x"};
+  Witness zero{this, "zero", Crossing::kBoth, Uses(x), [this](const Vec<2>& x) { return ++*params, x[0]; }};
+};
+
+TEST(DenseOutput, ReadingTicksAskNoWitness) {
+  const auto calls = [](bool reading) {
+    int count = 0;
+    DiagramBuilder builder;
+    auto& plant = builder.Add<Oscillator>("plant");
+    builder.Connect(plant.state, builder.Add<CountingWitness>("witness", &count).x);
+    builder.Add<Counter>("counter", Sampled{reading ? Hz(1000) : Seconds(1000)});
+    Simulator simulator(*builder.Build());
+    simulator.RunTo(10);
+    return count;
+  };
+  EXPECT_EQ(calls(true), calls(false));
+}
+
 }  // namespace
 }  // namespace tenon

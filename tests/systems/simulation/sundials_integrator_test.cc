@@ -249,6 +249,27 @@ TEST(SundialsIntegratorTest, FailureNamesTheWorstStateAndTheTime) {
   }
 }
 
+TEST(SundialsIntegratorTest, ErrorsInMessagesAreInTolerances) {
+  // Step size control keeps them near one.
+  DiagramBuilder builder;
+  builder.Add<Explosion>("bomb");
+  const auto diagram = builder.Build();
+  for (const Method method : {Method::kErk, Method::kBdf}) {
+    Simulator simulator(*diagram, {.method = method, .max_steps = 300});
+    try {
+      simulator.RunTo(2);
+      FAIL() << "no exception";
+    } catch (const RunError& error) {
+      const std::string text = error.what(), before = "(error ";
+      const std::size_t at = text.find(before);
+      ASSERT_NE(at, std::string::npos) << text;
+      const double tolerances = std::stod(text.substr(at + before.size()));
+      EXPECT_GT(tolerances, 1e-4) << text;
+      EXPECT_LT(tolerances, 100) << text;
+    }
+  }
+}
+
 TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
   DiagramBuilder builder;
   builder.Add<Stiff>("stiff");

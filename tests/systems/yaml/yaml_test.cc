@@ -139,6 +139,13 @@ TEST(YamlReadTest, ThreeNumbersAreADiagonal) {
   EXPECT_EQ(robot.inertia, Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal()));
 }
 
+TEST(YamlReadTest, ADiagonalReplacesAllThatWasThere) {
+  Robot robot;
+  robot.inertia.setConstant(7);
+  YamlDocument::Parse("inertia_kg_m2: [1, 2, 3]", "robot.yaml").ReadInto(robot);
+  EXPECT_EQ(robot.inertia, Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal()));
+}
+
 TEST(YamlReadTest, AliasesRepeatAValue) {
   EXPECT_EQ(ReadRobot("legs: [&leg {mass_kg: 7}, *leg]").legs[1].mass, 7);
 }
