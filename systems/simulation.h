@@ -14,7 +14,7 @@
 ///
 ///     tenon::Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
 ///     const auto log = simulator.AddLog(tenon::Hz(100), {&cart.state, &pd.u});
-///     simulator.AdvanceTo(10);
+///     simulator.RunTo(10);
 
 // The compiler's way to what it complains of is short if that is included here first.
 #include <tenon/systems/framework/diagram_builder.h>

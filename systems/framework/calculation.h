@@ -38,7 +38,7 @@ inline bool Exists(const Declared& member) {
 
 /// Tells two functions apart where the compiler does not: Clang 14 gives lambdas of a class that is declared
 /// inside a function one name, and templates made of them one body. Evaluated where the calculation is
-/// declared and, by kTag, in that body.
+/// declared and again in that body.
 #ifdef __clang__
 template <class F>
 constexpr std::uint64_t HashOf() {

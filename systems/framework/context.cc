@@ -94,7 +94,11 @@ const void* Context::EvalAddress(const Source& source) {
 
 bool Context::IsKnown(const Source& source) const {
   CheckOwned(source);
-  return source.calculation_ < 0 || IsFresh(diagram_->program().calculations[source.calculation_].op);
+  if (source.calculation_ < 0) {
+    CheckFixed(source.Resolve());
+    return true;
+  }
+  return IsFresh(diagram_->program().calculations[source.calculation_].op);
 }
 
 std::vector<double> Context::EvalDoubles(const Source& source) {
@@ -109,7 +113,7 @@ void Context::CheckSettable(const Source& source) const {
   const Source& origin = source.Resolve();
   if (source.kind() == SourceKind::kInput && origin.kind() != SourceKind::kInput) {
     throw RunError(
-        fmt::format("input '{}' is connected to '{}': set what that depends on, or build the diagram "
+        fmt::format("input '{}' is connected to '{}': set that or what it depends on, or build the diagram "
                     "without the connection",
                     source.path(), origin.path()));
   }
@@ -244,6 +248,12 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
 }
 
 void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
+  ++edition_;
+  step_start_.valid = false;
+  CalcRunDerivatives(t, x, xdot);
+}
+
+void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
   const internal::Program& program = diagram_->program();
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
   double* states = continuous_data();

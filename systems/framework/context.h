@@ -73,7 +73,9 @@ class Context {
   void CalcTimeDerivatives(double t, const double* x, double* xdot);
 
   std::unique_ptr<Context> Clone() const;
-  /// The whole context as bytes; throws RunError that names a held value whose type cannot be stored.
+  /// The whole context as bytes. A run that is inside a step of the integrator goes on from it bit for bit,
+  /// by taking that step again; methods with a past (all but kErk) begin again at the last tick that
+  /// restarted them. Throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
   /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if
   /// it is another or cut short.
@@ -118,6 +120,7 @@ class Context {
   void RunStale(const std::vector<internal::Op>& ops);
   void Apply(const internal::UpdatePlan& plan);
   void SetRunTime(double time);
+  void CalcRunDerivatives(double t, const double* x, double* xdot);
   void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;
   /// The first value in dataflow order that is not finite, as "pd.u[1] is nan", or nothing.

@@ -89,6 +89,9 @@ void Context::Load(std::span<const std::byte> bytes) {
       internal::Load(*number, archive);
     }
     LoadNumbers(step_start_.states, archive);
+    if (step_start_.states.size() != static_cast<std::size_t>(program.num_continuous)) {
+      throw RunError("the snapshot is damaged: its states are not as many as the diagram's");
+    }
   }
   for (const Cell& cell : program.saved) {
     bool fresh = false;

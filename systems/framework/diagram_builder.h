@@ -145,6 +145,7 @@ class FunctionBlock final : public Leaf {
 template <class... A, class F, class... When>
 auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
   using R = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
+  if (uses.undeclared > 0) ThrowUndeclared("the function '" + spec.name + "'", "a member");
   auto& block = Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), when...);
   for (std::size_t i = 0; i < uses.slots.size(); ++i) {
     if (block.in.inputs[i] != nullptr) Join(*uses.slots[i].source, *block.in.inputs[i]);

@@ -51,7 +51,7 @@ struct ReportParams {
 ///
 ///     Report report({.title = "cart"});
 ///     report.Log(simulator, {&cart.state, &pd.u}, {&cart.geometry});
-///     simulator.AdvanceTo(10);
+///     simulator.RunTo(10);
 ///     report.Write("report.html");
 ///
 /// Several runs in one page, over each other in the plots and side by side in the table: a Report for each,

@@ -126,6 +126,7 @@ RunStatus Simulator::AdvanceTo(double time) {
   context_->CheckAllFixed();
   try {
     Synchronize();
+    steps_ = 0;
     if (options_.real_time_rate > 0 && !pace_start_) {
       pace_start_ =
           std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -177,12 +178,13 @@ void Simulator::IntegrateTo(double target) {
   }
   const double horizon = schedule_->next_feeding_time();
   const bool by_step = each_step || !program_.witness_plans.empty() || horizon - target > Tiny(target);
-  for (long steps = 0; !end_reason_;) {
+  while (!end_reason_) {
     // What rounding leaves over, behind a root say, is no interval that could be integrated.
     if (!step_ends_ && target - context_->time() <= Tiny(target)) break;
     if (!integrator_->can_go_on()) {
       context_->RunStale(program_.held);
-      integrator_->Start(horizon);
+      steps_ = 0;
+      root_ = integrator_->Start(horizon) == SundialsIntegrator::Stop::kRoot;
       step_ends_ = integrator_->finish() > context_->time();
     }
     if (integrator_->finish() > target + Tiny(target)) {
@@ -193,11 +195,14 @@ void Simulator::IntegrateTo(double target) {
       EndStep();
       continue;
     }
-    if (by_step && ++steps > options_.max_steps) integrator_->ThrowTooManySteps();
+    if (by_step && ++steps_ > options_.max_steps) integrator_->ThrowTooManySteps();
     root_ = integrator_->Advance(by_step) == SundialsIntegrator::Stop::kRoot;
     step_ends_ = true;
   }
-  if (context_->time() < target && !end_reason_) context_->SetRunTime(target);
+  if (context_->time() < target && !end_reason_) {
+    context_->SetRunTime(target);
+    HandleJumps();  // of what crosses in between
+  }
 }
 
 /// Moves to where the integrator has come, and does what follows a step.
@@ -205,7 +210,7 @@ void Simulator::EndStep() {
   step_ends_ = false;
   integrator_->MoveContext(integrator_->finish());
   // A root inside a step ends it if the integrator has to start again there.
-  if (!root_ || RootsFeed()) {
+  if (!root_ || !integrator_->in_step() || RootsFeed()) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
     Apply(program_.each_step);
   }
@@ -322,6 +327,7 @@ void Simulator::HandleRoots() {
   const std::vector<int>& roots = integrator_->roots();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     if (roots[i] == 0) continue;
+    if (witness_values_[i] == 0) integrator_->Halt();  // SUNDIALS would find the same root again
     Fire(i);
     witness_values_[i] = 0;  // on its crossing, whatever the last digit says: no jump
   }

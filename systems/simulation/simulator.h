@@ -27,8 +27,9 @@ struct RunStatus {
   std::string reason;  ///< what the monitor said, with its path in front
 };
 
-/// Runs a diagram: integrates between ticks, and at each tick computes all due sampled outputs in dataflow
-/// order, takes the logs, asks the monitors, and lets all due updates take effect at once.
+/// Runs a diagram: integrates from tick to tick of what reaches a derivative, and at each tick computes all
+/// due sampled outputs in dataflow order, takes the logs, asks the monitors, and lets all due updates take
+/// effect at once.
 ///
 ///     Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
 ///     simulator.RunTo(5);
@@ -57,10 +58,10 @@ class Simulator {
   RunStatus Initialize();
   /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors.
   /// However a run is divided into advances, it is the same run: where `time` lies inside a step of the
-  /// integrator, which steps past it, the states are read from there, with about its accuracy. Throws
-  /// RunError: what a block threw (std::rethrow_if_nested gives it as it was), the first value that is not
-  /// finite, the integrator's failure with its worst state, or events without end. After that the run refuses
-  /// to go on until a snapshot is restored: half of a tick may have happened.
+  /// integrator, which steps past it by max_step at most, the states are read from there, with about its
+  /// accuracy. Throws RunError: what a block threw (std::rethrow_if_nested gives it as it was), the first
+  /// value that is not finite, the integrator's failure with its worst state, or events without end. After
+  /// that the run refuses to go on until a snapshot is restored: half of a tick may have happened.
   [[nodiscard]] RunStatus AdvanceTo(double time);
   /// The same for runs that no monitor should end: throws RunError with its reason if one does.
   void RunTo(double time);
@@ -95,9 +96,10 @@ class Simulator {
   std::unique_ptr<internal::Schedule> schedule_;
   std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< those that have occurred
   std::vector<int> due_;                                    ///< groups at a tick, logs left out
-  std::uint64_t known_edition_ = 0;                         ///< of the context, at the last advance's end
+  std::uint64_t known_edition_ = 0;                         ///< of the context, when an advance last began
   bool step_ends_ = false;  ///< what follows a step is due where the integrator has come to
   bool root_ = false;       ///< and it is a root
+  long steps_ = 0;          ///< since the integrator started or the advance began
 
   struct RatedLog {
     Rate rate;

@@ -31,7 +31,7 @@ struct SimulatorOptions {
   std::vector<StateTolerance> state_atol = {};
   double fixed_step = 0;      ///< [s]; 0 chooses steps by the tolerances. Not for CVODE.
   double max_step = 0;        ///< [s]; 0 for no limit
-  long max_steps = 100000;    ///< between two ticks that restart the integrator, or to the end of an advance
+  long max_steps = 100000;    ///< in an advance, between two ticks that restart the integrator
   int max_events = 100;       ///< of witnesses at one instant; more is an error
   double real_time_rate = 0;  ///< 1 paces the run to the clock, 0 runs as fast as it can
   /// Of the random streams of a context that the simulator makes, else 0; one that exists has its own.

@@ -178,7 +178,8 @@ void Compiler::LayOut() {
       source->calculation_ = origin.calculation_;
     }
   }
-  std::uint64_t hash = 0xcbf29ce484222325u;
+  constexpr std::uint64_t kSnapshotFormat = 2;
+  std::uint64_t hash = 0xcbf29ce484222325u ^ kSnapshotFormat;
   const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
   for (const Cell& cell : program_.cells) {
     const Source& source = *cell.source;

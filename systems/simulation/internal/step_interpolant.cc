@@ -27,11 +27,12 @@ StepInterpolant::StepInterpolant(int num_states, int degree, bool implicit)
 }
 
 void StepInterpolant::Restart() {
-  started_ = prepared_ = has_f1_ = false;
+  started_ = prepared_ = has_f0_ = false;
   past_.clear();
 }
 
 void StepInterpolant::SetStep(double t0, const double* x0, double t1, const double* x1) {
+  if (t1 == t0) return;
   if (implicit_ && started_) {
     past_.push_back(t0_);
     past_.insert(past_.end(), x0_.begin(), x0_.end());
@@ -42,7 +43,7 @@ void StepInterpolant::SetStep(double t0, const double* x0, double t1, const doub
   // What was computed for the end of one step serves at the beginning of the next.
   const bool follows = prepared_ && t0 == t1_ && std::equal(x1_.begin(), x1_.end(), x0);
   if (follows) f0_ = slope1_;
-  has_f1_ = follows;  // that of f0, now
+  has_f0_ = follows;  // that of f0, now
   t0_ = t0, t1_ = t1;
   std::copy_n(x0, x0_.size(), x0_.begin());
   std::copy_n(x1, x1_.size(), x1_.begin());
@@ -64,7 +65,7 @@ void StepInterpolant::EvaluateHermite(double s, double* x) const {
 
 void StepInterpolant::Prepare(DerivativeSource& source) {
   const double h = t1_ - t0_;
-  if (!has_f1_) source.EvaluateForInterpolant(t0_, x0_.data(), f0_.data());
+  if (!has_f0_) source.EvaluateForInterpolant(t0_, x0_.data(), f0_.data());
   source.EvaluateForInterpolant(t1_, x1_.data(), slope1_.data());
   f1_ = slope1_;
   for (std::size_t i = 0; i < f0_.size(); ++i) f0_[i] *= h, f1_[i] *= h;

@@ -51,7 +51,7 @@ class StepInterpolant {
   bool started_ = false;
   bool prepared_ = false;
   bool stiff_ = false;
-  bool has_f1_ = false;  ///< the derivative at t1 is known
+  bool has_f0_ = false;  ///< the derivative at t0 is known
   double t0_ = 0, t1_ = 0;
   std::vector<double> x0_, x1_, f0_, f1_;  ///< derivatives times h when prepared
   std::vector<double> slope1_;             ///< the derivative at t1

@@ -98,7 +98,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
         interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
         before(static_cast<std::size_t>(program.num_continuous)) {}
 
-  void Start(double to);
+  Stop Start(double to);
   void Restart(double time, double first_step);
   Stop Advance(bool one_step);
   void MoveContext(double t);
@@ -177,13 +177,13 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   solver.Restart(time, end, step);
 }
 
-void SundialsIntegrator::Run::Start(double to) {
+SundialsIntegrator::Stop SundialsIntegrator::Run::Start(double to) {
   end = to;
   Context::StepStart& from = context.step_start_;
   if (!from.valid) {
     std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
     Restart(context.time(), FirstStep());
-    return;
+    return Stop::kStep;
   }
   // The context is inside a step, or at the end of one that the solver does not know.
   const double time = context.time();
@@ -192,8 +192,19 @@ void SundialsIntegrator::Run::Start(double to) {
   context.last_error_ = from.last_error;
   Restart(from.time, from.size);
   first_evaluation = false;  // what the context holds is of another time
-  while (finish < time - Tiny(time)) Advance(true);
+  const std::vector<double> held(context.continuous_data(),
+                                 context.continuous_data() + program.num_continuous);
+  Stop stop = Stop::kStep;
+  while (finish < time - Tiny(time)) stop = Advance(true);
   MoveContext(time);
+  if (std::equal(held.begin(), held.end(), context.continuous_data())) return stop;
+  // With other options it is another step: what the context held counts.
+  from.valid = false;
+  std::copy(held.begin(), held.end(), context.continuous_data());
+  std::copy(held.begin(), held.end(), solver.states());
+  context.SetRunTime(time);
+  Restart(time, FirstStep());
+  return Stop::kStep;
 }
 
 SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
@@ -213,7 +224,7 @@ SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
   const bool root = solver.IsRoot(flag);
   const bool arrived = !root && (solver.IsStopTime(flag) || t >= end);
   finish = arrived ? end : t;
-  in_step = root;
+  in_step = root && solver.current_time() - finish > Tiny(finish);
   if (solver.multistep()) {
     Count(solver.last_step());
   } else if (options.fixed_step > 0) {
@@ -248,7 +259,7 @@ void SundialsIntegrator::Run::MoveContext(double t) {
     if (there) return;
     std::copy_n(solver.states(), program.num_continuous, context.continuous_data());
   } else if (solver.multistep()) {
-    solver.Interpolate(t, context.continuous_data());
+    solver.Interpolate(t, program.num_continuous, context.continuous_data());
   } else {
     interpolant.At(t, *this, before.data());
     std::copy(before.begin(), before.end(), context.continuous_data());
@@ -258,7 +269,14 @@ void SundialsIntegrator::Run::MoveContext(double t) {
 
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
-  context.CalcTimeDerivatives(t, x, xdot);
+  context.CalcRunDerivatives(t, x, xdot);
+  double sum = 0;
+  for (int i = 0; i < program.num_continuous; ++i) sum += xdot[i] * 0;
+  if (sum == 0) return;
+  throw RunError(
+      fmt::format("{} at t = {} s, inside a step of the integrator: the run cannot go on; check that "
+                  "block and what feeds it",
+                  context.DescribeNonFinite(), t));
 }
 
 void SundialsIntegrator::Run::Count(double step) {
@@ -291,7 +309,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
       context.RunStale(program.derivatives);
       std::copy_n(context.derivative_data(), size, ydot);
     } else {
-      context.CalcTimeDerivatives(t, y, ydot);
+      context.CalcRunDerivatives(t, y, ydot);
     }
   } catch (...) {
     thrown = std::current_exception();
@@ -409,8 +427,11 @@ SundialsIntegrator::~SundialsIntegrator() = default;
 bool SundialsIntegrator::can_go_on() const {
   return run_->live && run_->edition == run_->context.edition_;
 }
-void SundialsIntegrator::Start(double end) {
-  run_->Start(end);
+SundialsIntegrator::Stop SundialsIntegrator::Start(double end) {
+  return run_->Start(end);
+}
+bool SundialsIntegrator::in_step() const {
+  return run_->in_step;
 }
 void SundialsIntegrator::Halt() {
   run_->live = false;

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <exception>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <tenon/systems/framework/context.h>
@@ -28,13 +26,16 @@ class SundialsIntegrator {
   /// that was restored), takes that step again and goes on from there, bit for bit; methods with a past of
   /// their own (all but kErk) begin where they started last. `end` is when what is integrated will change;
   /// infinity if it never does.
-  void Start(double end);
+  /// Returns how the last step that was taken again ended; kStep if there was none.
+  Stop Start(double end);
   /// What is integrated changes here.
   void Halt();
   /// Integrates on: to the end of the interval, to a root of a witness, or (`one_step`) for one step. Throws
   /// RunError: what a block threw, the first value that is not finite, or the worst state by name. The
   /// context is at no certain time until it is moved.
   Stop Advance(bool one_step);
+  /// Whether it stands at a root inside a step, which goes on behind it.
+  bool in_step() const;
   /// How far it has come [s].
   double finish() const;
   /// Moves the context to `time`, between where Advance began and the finish.

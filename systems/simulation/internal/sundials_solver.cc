@@ -308,9 +308,9 @@ void SundialsSolver::SetMaxStep(double step) {
   CVodeSetMaxStep(memory_, std::isinf(step) ? 0 : step);
 }
 
-void SundialsSolver::Interpolate(double time, double* states) {
+void SundialsSolver::Interpolate(double time, int num_states, double* states) {
   CVodeGetDky(memory_, time, 0, handles_->scratch);
-  std::copy_n(N_VGetArrayPointer(handles_->scratch), N_VGetLength(handles_->scratch), states);
+  std::copy_n(NV_DATA_S(handles_->scratch), num_states, states);
 }
 
 bool SundialsSolver::IsRoot(int flag) {

@@ -45,7 +45,7 @@ class SundialsSolver {
   /// No step of a multistep method is larger; infinity for no limit.
   void SetMaxStep(double step);
   /// The states at a time within the last step, from CVODE's history; multistep methods alone.
-  void Interpolate(double time, double* states);
+  void Interpolate(double time, int num_states, double* states);
   /// Up to the end of the interval, a root or, if asked, one step on. Returns SUNDIALS's flag.
   int Evolve(double end, double* time, bool one_step);
 

@@ -65,6 +65,17 @@ TEST(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
   EXPECT_TRUE(Throws<BuildError>(Adding<UpdateByWitnessBelow>(), "inside 'block'", "an Update", "move"));
 }
 
+class FunctionOfInputBelow final : public Subdiagram {
+ public:
+  const OutputPort<double>& y = AddFunction("twice", Uses(u), [](double u) { return 2 * u; });
+  InputPort<double> u{this, "u"};
+};
+
+TEST(WrongProgramsTest, FunctionsUseWhatIsDeclaredAboveThem) {
+  EXPECT_TRUE(Throws<BuildError>(Adding<FunctionOfInputBelow>(), "inside 'block': the function 'twice' uses",
+                                 "move"));
+}
+
 // ---- Lambdas that a compiler confuses ----
 
 TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
@@ -256,7 +267,7 @@ TEST(WrongProgramsTest, SetRefusesAConnectedInput) {
   builder.Connect(builder.AddFunction("q", Uses(a.state), [](const Vec<2>& x) { return x[0]; }), b.u);
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { context->Set(b.u, 3.0); }, "input 'b.u' is connected to 'q.output'",
-                               "set what that depends on"));
+                               "set that or what it depends on"));
   EXPECT_EQ(context->Eval(a.x)[0], 1);
 }
 
@@ -276,6 +287,15 @@ TEST(WrongProgramsTest, AConstContextCanBeEvaluatedAndDoesNotChange) {
   EXPECT_EQ(context->Eval(twice), 2);
   EXPECT_EQ(constant.Eval(twice), 2);
   EXPECT_EQ(calls, 3);  // known by then
+}
+
+TEST(WrongProgramsTest, AConstContextRefusesOpenInputsThatWereNeverFixed) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
+  const Context& constant = *context;
+  EXPECT_TRUE(
+      Throws<RunError>([&] { constant.Eval(cart.force); }, "input 'cart.force' is open and has no value"));
 }
 
 // ---- Runs ----

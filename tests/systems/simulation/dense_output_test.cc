@@ -130,6 +130,80 @@ INSTANTIATE_TEST_SUITE_P(Methods, StiffDenseOutputTest,
                                          Case{Method::kBdf, 5}),
                          testing::PrintToStringParamName());
 
+/// Falls from 1 m and is thrown up again by its own speed.
+class Ball final : public LeafSystem<void> {
+ public:
+  ContinuousState<Vec<2>> x{this, {"x", "m, m/s"}, Vec<2>(1, 0)};
+  OutputPort<Vec<2>> state{this, x};
+  TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -9.81 - 1e-3 * x[1]); }};
+  Witness floor{this, "floor", Crossing::kFalling, Uses(x), [](const Vec<2>& x) { return x[0]; }};
+  Update<Vec<2>> bounce{x, floor, Uses(x), [](const Vec<2>& x) { return Vec<2>(0, -x[1]); }};
+};
+
+TEST_P(DenseOutputTest, AnEventBehindTheSnapshotIsNotMissed) {
+  DiagramBuilder builder;
+  auto& ball = builder.Add<Ball>("ball");
+  const auto diagram = builder.Build();
+  const SimulatorOptions options{.method = GetParam().method, .order = GetParam().order, .rtol = 1e-6};
+  Simulator straight(*diagram, options);
+  straight.RunTo(2);
+  EXPECT_GT(straight.context().Eval(ball.x)[0], 0);
+  for (const double stop : {0.1, 0.3, 0.44, 0.451, 0.46, 1.3, 1.354, 1.36}) {
+    Simulator first(*diagram, options), second(*diagram, options);
+    first.RunTo(stop);
+    second.RunTo(stop / 2);  // it has its own memories
+    second.context().Restore(first.context().Save());
+    second.RunTo(2);
+    EXPECT_EQ(second.context().Eval(ball.x), straight.context().Eval(ball.x)) << stop;
+  }
+}
+
+TEST(DenseOutput, ACloneRunWithOtherOptionsBeginsWhereItIs) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  const auto diagram = builder.Build();
+  Simulator coarse(*diagram, {.order = 5, .rtol = 1e-2, .atol = 1e-2});
+  coarse.RunTo(1.234);
+  const Vec<2> there = coarse.context().Eval(plant.x);
+  Simulator fine(coarse.context().Clone(), {.order = 3, .fixed_step = 1e-3});
+  fine.RunTo(1.234);
+  EXPECT_EQ(fine.context().Eval(plant.x), there);
+  fine.RunTo(2);
+  EXPECT_NEAR(fine.statistics().last_step, 1e-3, 1e-12);
+  const double t = 2 - 1.234;
+  EXPECT_NEAR(fine.context().Eval(plant.x)[0], there[0] * std::cos(t) + there[1] * std::sin(t), 1e-7);
+}
+
+TEST(DenseOutput, AWitnessThatStaysAtZeroEndsNothing) {
+  class Block final : public LeafSystem<void> {
+   public:
+    Witness wakes{this, "wakes", Crossing::kBoth, Uses(time), [](double t) { return t < 1 ? t - 1 : 0.0; }};
+  };
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    DiagramBuilder builder;
+    auto& plant = builder.Add<Oscillator>("plant");
+    builder.Add<Block>("block");
+    Simulator simulator(*builder.Build(), {.method = method, .rtol = 1e-8});
+    simulator.RunTo(3);
+    EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(3), 1e-5);
+  }
+}
+
+TEST(DenseOutput, StatesOfOthersAreLeftAloneWhereNothingIsIntegrated) {
+  class Block final : public LeafSystem<void> {
+   public:
+    DiscreteState<double> kept{this, "kept", 7.0};
+    Witness zero{this, "zero", Crossing::kBoth, Uses(time), [](double t) { return t - 5; }};
+  };
+  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+    DiagramBuilder builder;
+    auto& block = builder.Add<Block>("block");
+    Simulator simulator(*builder.Build(), {.method = method});
+    simulator.RunTo(1.23);
+    EXPECT_EQ(simulator.context().Eval(block.kept), 7);
+  }
+}
+
 class CountingWitness final : public LeafSystem<int*> {
  public:
   explicit CountingWitness(int* calls) : LeafSystem(calls) {}
