@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -262,7 +263,8 @@ TEST(ContextTest, RestoredRunGoesOnBitForBit) {
 }
 
 TEST(ContextTest, RestoredRunGoesOnFromAFile) {
-  const auto file = std::filesystem::temp_directory_path() / "tenon_context_test.snapshot";
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("tenon_context_test_" + std::to_string(getpid()) + ".snapshot");
   std::vector<double> expected;
   {
     const Rich rich;
@@ -355,7 +357,8 @@ TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
               ThrowsMessage<RunError>(HasSubstr("cannot write the snapshot to '/nonexistent/file'")));
   EXPECT_THAT([&] { context->RestoreFile("/nonexistent/file"); },
               ThrowsMessage<RunError>(HasSubstr("cannot read the snapshot '/nonexistent/file'")));
-  const auto file = std::filesystem::temp_directory_path() / "tenon_context_test.broken";
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tenon_context_test_" + std::to_string(getpid()) + ".broken");
   std::ofstream(file) << "not a snapshot";
   EXPECT_THAT([&] { context->RestoreFile(file); },
               ThrowsMessage<RunError>(AllOf(HasSubstr(file.string()), HasSubstr("another diagram"))));

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -68,7 +69,8 @@ TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
 
 TEST(GraphvizTest, DotAcceptsIt) {
   if (std::system("dot -V 2> /dev/null") != 0) GTEST_SKIP() << "Graphviz is not installed";
-  const auto file = std::filesystem::temp_directory_path() / "tenon_graphviz_test.dot";
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tenon_graphviz_test_" + std::to_string(getpid()) + ".dot");
   std::ofstream(file) << Draw();
   const auto messages = file.string() + ".txt";
   EXPECT_EQ(std::system(("dot -Tsvg -o /dev/null " + file.string() + " 2> " + messages).c_str()), 0);

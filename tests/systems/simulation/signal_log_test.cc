@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tenon/systems/simulation/signal_log.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -107,7 +108,8 @@ TEST_F(SignalLogTest, LogsDoNotDisturbTheRun) {
 }
 
 TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
-  const auto file = std::filesystem::temp_directory_path() / "tenon_signal_log_test.csv";
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tenon_signal_log_test_" + std::to_string(getpid()) + ".csv");
   simulator_->AddLog(Hz(10), {&cart_->force, cable_}, {std::make_shared<CsvLog>(file)});
   simulator_->RunTo(0.2);  // readable while the run pauses
   std::stringstream text;
@@ -123,7 +125,8 @@ TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
 }
 
 TEST_F(SignalLogTest, CsvHoldsExtremeNumbers) {
-  const auto file = std::filesystem::temp_directory_path() / "tenon_signal_log_extremes.csv";
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("tenon_signal_log_extremes_" + std::to_string(getpid()) + ".csv");
   {
     CsvLog log(file);
     log.Begin({"time", "a", "b"}, {"s", "", "m"});

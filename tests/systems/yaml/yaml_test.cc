@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -162,7 +163,7 @@ TEST(YamlReadTest, ReadIntoKeepsWhatTheFileLeavesOutAndIsAllOrNothing) {
 }
 
 TEST(YamlReadTest, LoadNamesTheFile) {
-  const std::string path = ::testing::TempDir() + "tenon_yaml_test.yaml";
+  const std::string path = ::testing::TempDir() + ("tenon_yaml_test_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(path) << "name: a\nsteps: 7.5\n";
   EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(path).Read<Robot>(); }), StartsWith(path + ":2:8: steps: "));
 }
