@@ -148,6 +148,14 @@ class Context {
     bool valid = false;
     double time = 0, size = 0, next_step = 0, last_error = 0;
     std::vector<double> states = {};
+
+    static FieldList Fields() {
+      return {{"time", &StepStart::time},
+              {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step},
+              {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states}};
+    }
   } step_start_;
 };
 

@@ -10,22 +10,6 @@ namespace tenon {
 
 using internal::Cell;
 
-namespace {
-
-void SaveNumbers(const std::vector<double>& numbers, internal::Archive& archive) {
-  const auto size = static_cast<Eigen::Index>(numbers.size());
-  const Eigen::VectorXd saved = Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
-  internal::Save(internal::TypeInfoOf<Eigen::VectorXd>(), &saved, archive);
-}
-
-void LoadNumbers(std::vector<double>& numbers, internal::Archive& archive) {
-  Eigen::VectorXd loaded;
-  internal::Load(internal::TypeInfoOf<Eigen::VectorXd>(), &loaded, archive);
-  numbers.assign(loaded.data(), loaded.data() + loaded.size());
-}
-
-}  // namespace
-
 std::vector<std::byte> Context::Save() const {
   const internal::Program& program = diagram_->program();
   if (!failure_.empty()) {
@@ -39,13 +23,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(step_start_.valid, archive);
-  if (step_start_.valid) {
-    for (const double number :
-         {step_start_.time, step_start_.size, step_start_.next_step, step_start_.last_error}) {
-      internal::Save(number, archive);
-    }
-    SaveNumbers(step_start_.states, archive);
-  }
+  if (step_start_.valid) internal::Save(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
   for (const Cell& cell : program.saved) {
     const Source& source = *cell.source;
     const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
@@ -84,11 +62,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   failure_.clear();
   internal::Load(step_start_.valid, archive);
   if (step_start_.valid) {
-    for (double* number :
-         {&step_start_.time, &step_start_.size, &step_start_.next_step, &step_start_.last_error}) {
-      internal::Load(*number, archive);
-    }
-    LoadNumbers(step_start_.states, archive);
+    internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
     if (step_start_.states.size() != static_cast<std::size_t>(program.num_continuous)) {
       throw RunError("the snapshot is damaged: its states are not as many as the diagram's");
     }

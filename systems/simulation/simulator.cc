@@ -25,11 +25,6 @@ double Rounding(double time) {
   return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
 }
 
-/// A rounding error of the time.
-double Tiny(double time) {
-  return 1e-14 * (1 + std::abs(time));
-}
-
 /// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
 constexpr double kInstant = 1e-7;
 

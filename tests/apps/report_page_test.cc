@@ -30,7 +30,7 @@ using tenon::testing::Browser;
 class ReportPageTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    out = test::TemporaryDirectory("tenon_ReportPageTest");
+    out = test::TemporaryPath("tenon_ReportPageTest");
     const test::Result result =
         test::RunCommand(std::string(TENON_CDPR) +
                          " D1 --duration 2 --set 'payload={mass_kg: 3, position_m: [0.05, "

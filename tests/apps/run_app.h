@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +11,8 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::test {
 
@@ -56,14 +56,6 @@ inline std::vector<double> Column(const std::filesystem::path& out, const std::s
   return values;
 }
 
-/// Where nothing is yet, and no other process writes: tests run at once.
-inline std::filesystem::path TemporaryDirectory(std::string name) {
-  std::replace(name.begin(), name.end(), '/', '_');  // of a test with parameters
-  auto directory = std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()));
-  std::filesystem::remove_all(directory);
-  return directory;
-}
-
 /// A test that runs an app. What the app writes to `out` goes with the test.
 class AppTest : public ::testing::Test {
  protected:
@@ -72,7 +64,7 @@ class AppTest : public ::testing::Test {
 
   const std::filesystem::path out = [] {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    return TemporaryDirectory("tenon_" + std::string(test->test_suite_name()) + "_" + test->name());
+    return TemporaryPath("tenon_" + std::string(test->test_suite_name()) + "_" + test->name());
   }();
 };
 

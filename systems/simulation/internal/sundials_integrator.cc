@@ -73,9 +73,11 @@ std::vector<int> RootDirections(const internal::Program& program) {
 /// What SUNDIALS is told of an interval without end.
 constexpr double kFarAway = 1e6;  // s
 
-/// A rounding error of the time.
-double Tiny(double time) {
-  return 1e-14 * (1 + std::abs(time));
+bool AllFinite(const double* values, int size) {
+  // The sum of 0 x is 0 unless one is not finite.
+  double zero = 0;
+  for (int i = 0; i < size; ++i) zero += 0 * values[i];
+  return zero == 0;
 }
 
 /// Divides what is left of the interval evenly into steps no larger than `wanted`: no sliver at the end.
@@ -270,9 +272,7 @@ void SundialsIntegrator::Run::MoveContext(double t) {
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
   context.CalcRunDerivatives(t, x, xdot);
-  double sum = 0;
-  for (int i = 0; i < program.num_continuous; ++i) sum += xdot[i] * 0;
-  if (sum == 0) return;
+  if (AllFinite(xdot, program.num_continuous)) return;
   throw RunError(
       fmt::format("{} at t = {} s, inside a step of the integrator: the run cannot go on; check that "
                   "block and what feeds it",
@@ -315,9 +315,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     thrown = std::current_exception();
     return -1;
   }
-  double sum = 0;
-  for (int i = 0; i < size; ++i) sum += ydot[i] * 0;
-  if (sum == 0) {
+  if (AllFinite(ydot, size)) {
     not_finite.clear();
     return 0;
   }

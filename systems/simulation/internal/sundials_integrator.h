@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -7,6 +8,11 @@
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
+
+/// A rounding error of the time.
+inline double Tiny(double time) {
+  return 1e-14 * (1 + std::abs(time));
+}
 
 /// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. It
 /// integrates ahead: up to `finish`, to which and to any time on the way the context can be moved then. A

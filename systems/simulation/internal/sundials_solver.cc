@@ -15,8 +15,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#if SUNDIALS_VERSION_MAJOR >= \
-    7  // which has other names for the functions of ERKStep and ARKStep, beside these
+// SUNDIALS 7 has other names for the functions of ERKStep and ARKStep, beside these.
+#if SUNDIALS_VERSION_MAJOR >= 7
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 #endif
 

@@ -63,8 +63,25 @@ QuadrupedWorldParams Outside(const QuadrupedDescription& robot) {
   return outside;
 }
 
-/// The controller wired by hand, with one block as a function that does what no block of ours does. `felt`
-/// [N] is what it is told of a force on the trunk, and a hundredth of its size of the legs' torques.
+/// What the locomotion is given besides the robot's state.
+struct Given {
+  const OutputPort<WalkCommand>& command;
+  const OutputPort<WrenchEstimate>& wrench;
+  const OutputPort<LegForceEstimate>& leg_forces;
+};
+
+/// A trot on the spot, told of a force `felt` [N] on the trunk and of a hundredth of its size on all joints.
+Given AddGiven(DiagramBuilder& builder, const Vec<3>& felt) {
+  return {builder.AddFunction({"command"}, Uses(builder.time),
+                              [](double) { return WalkCommand{.gait = Gait::kTrot}; }),
+          builder.AddFunction({"wrench"}, Uses(builder.time),
+                              [=](double) { return WrenchEstimate{.force_W = felt}; }),
+          builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
+            return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm()), .foot_force = {}};
+          })};
+}
+
+/// The controller wired by hand, with one block as a function that does what no block of ours does.
 Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   const QuadrupedDescription robot = test::DogBot();
   const LeggedLocomotionParams params = MakeLocomotion(robot);
@@ -73,13 +90,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
 
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
-  const auto& command = builder.AddFunction({"command"}, Uses(builder.time),
-                                            [](double) { return WalkCommand{.gait = Gait::kTrot}; });
-  const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
-                                           [=](double) { return WrenchEstimate{.force_W = felt}; });
-  const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
-    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm()), .foot_force = {}};
-  });
+  const auto [command, wrench, leg_forces] = AddGiven(builder, felt);
 
   const OutputPort<ContactSchedule>* schedule = nullptr;
   if (replaced == Replaced::kScheduler) {  // does not listen: all feet stand
@@ -191,13 +202,7 @@ TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
   auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(robot));
-  const auto& command = builder.AddFunction({"command"}, Uses(builder.time),
-                                            [](double) { return WalkCommand{.gait = Gait::kTrot}; });
-  const auto& wrench = builder.AddFunction({"wrench"}, Uses(builder.time),
-                                           [=](double) { return WrenchEstimate{.force_W = felt}; });
-  const auto& leg_forces = builder.AddFunction({"leg_forces"}, Uses(builder.time), [=](double) {
-    return LegForceEstimate{.joint_torque = Vec<12>::Constant(0.01 * felt.norm()), .foot_force = {}};
-  });
+  const auto [command, wrench, leg_forces] = AddGiven(builder, felt);
   builder.Connect(command, locomotion.command);
   builder.Connect(world.state, locomotion.state);
   builder.Connect(world.foot_forces, locomotion.foot_forces);

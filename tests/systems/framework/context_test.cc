@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -10,6 +9,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
@@ -263,8 +263,7 @@ TEST(ContextTest, RestoredRunGoesOnBitForBit) {
 }
 
 TEST(ContextTest, RestoredRunGoesOnFromAFile) {
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("tenon_context_test_" + std::to_string(getpid()) + ".snapshot");
+  const auto file = test::TemporaryPath("tenon_context_test.snapshot");
   std::vector<double> expected;
   {
     const Rich rich;
@@ -357,8 +356,7 @@ TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
               ThrowsMessage<RunError>(HasSubstr("cannot write the snapshot to '/nonexistent/file'")));
   EXPECT_THAT([&] { context->RestoreFile("/nonexistent/file"); },
               ThrowsMessage<RunError>(HasSubstr("cannot read the snapshot '/nonexistent/file'")));
-  const auto file =
-      std::filesystem::temp_directory_path() / ("tenon_context_test_" + std::to_string(getpid()) + ".broken");
+  const auto file = test::TemporaryPath("tenon_context_test.broken");
   std::ofstream(file) << "not a snapshot";
   EXPECT_THAT([&] { context->RestoreFile(file); },
               ThrowsMessage<RunError>(AllOf(HasSubstr(file.string()), HasSubstr("another diagram"))));

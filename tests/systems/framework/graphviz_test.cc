@@ -1,12 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
@@ -69,8 +69,7 @@ TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
 
 TEST(GraphvizTest, DotAcceptsIt) {
   if (std::system("dot -V 2> /dev/null") != 0) GTEST_SKIP() << "Graphviz is not installed";
-  const auto file =
-      std::filesystem::temp_directory_path() / ("tenon_graphviz_test_" + std::to_string(getpid()) + ".dot");
+  const auto file = test::TemporaryPath("tenon_graphviz_test.dot");
   std::ofstream(file) << Draw();
   const auto messages = file.string() + ".txt";
   EXPECT_EQ(std::system(("dot -Tsvg -o /dev/null " + file.string() + " 2> " + messages).c_str()), 0);

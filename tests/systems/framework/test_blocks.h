@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -53,6 +54,15 @@ class Oscillator final : public LeafSystem<double> {
 
  private:
   Vec<2> CalcDx(const Vec<2>& x, double u) const { return {x[1], -params * params * x[0] + u}; }
+};
+
+/// Prothero and Robinson: x' = -1e5 (x - cos t) - sin t from 1: x = cos t.
+class Stiff final : public LeafSystem<void> {
+ public:
+  ContinuousState<double> x{this, "x", 1.0};
+  OutputPort<double> state{this, x};
+  TimeDerivative<double> dx{x, Uses(x, time),
+                            [](double x, double t) { return -1e5 * (x - std::cos(t)) - std::sin(t); }};
 };
 
 /// A sampled force of 0: at each of its ticks the integrator has to start again.

@@ -13,6 +13,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
@@ -70,9 +71,9 @@ class ReportTest : public ::testing::Test {
     geometry = &builder.Add<Look>("look", model).geometry;
     builder.Connect(cart->state, static_cast<Look&>(const_cast<System&>(geometry->owner())).x);
     diagram = builder.Build();
-    file = fs::temp_directory_path() /
-           ("tenon_report_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) +
-            ".html");
+    file = test::TemporaryPath("tenon_report_" +
+                               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) +
+                               ".html");
   }
   ~ReportTest() override { fs::remove(file); }
 
@@ -298,7 +299,7 @@ TEST(ReportSizeTest, LongRunOfManyShapesStaysBelowTenMegabytes) {
   Report report({.title = "swarm"});
   report.Log(simulator, {}, {&swarm.geometry});
   simulator.RunTo(60);
-  const fs::path file = fs::temp_directory_path() / "tenon_report_size.html";
+  const fs::path file = test::TemporaryPath("tenon_report_size.html");
   report.Write(file);
   EXPECT_LT(fs::file_size(file), 10'000'000);
   const Json frames = DataOf(file).at("runs").at(0).at("frames");

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tenon/systems/simulation/signal_log.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -9,6 +8,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
@@ -108,8 +108,7 @@ TEST_F(SignalLogTest, LogsDoNotDisturbTheRun) {
 }
 
 TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
-  const auto file =
-      std::filesystem::temp_directory_path() / ("tenon_signal_log_test_" + std::to_string(getpid()) + ".csv");
+  const auto file = test::TemporaryPath("tenon_signal_log_test.csv");
   simulator_->AddLog(Hz(10), {&cart_->force, cable_}, {std::make_shared<CsvLog>(file)});
   simulator_->RunTo(0.2);  // readable while the run pauses
   std::stringstream text;
@@ -125,8 +124,7 @@ TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
 }
 
 TEST_F(SignalLogTest, CsvHoldsExtremeNumbers) {
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("tenon_signal_log_extremes_" + std::to_string(getpid()) + ".csv");
+  const auto file = test::TemporaryPath("tenon_signal_log_extremes.csv");
   {
     CsvLog log(file);
     log.Begin({"time", "a", "b"}, {"s", "", "m"});

@@ -96,14 +96,6 @@ TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   }
 }
 
-/// Prothero and Robinson: x' = -1e5 (x - cos t) - sin t from 1: x = cos t.
-class Stiff final : public LeafSystem<void> {
- public:
-  ContinuousState<double> x{this, "x", 1.0};
-  TimeDerivative<double> dx{x, Uses(x, time),
-                            [](double x, double t) { return -1e5 * (x - std::cos(t)) - std::sin(t); }};
-};
-
 TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
   for (const Method method : {Method::kDirk, Method::kBdf}) {
     DiagramBuilder builder;

@@ -2,12 +2,13 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
+
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
@@ -163,7 +164,7 @@ TEST(YamlReadTest, ReadIntoKeepsWhatTheFileLeavesOutAndIsAllOrNothing) {
 }
 
 TEST(YamlReadTest, LoadNamesTheFile) {
-  const std::string path = ::testing::TempDir() + ("tenon_yaml_test_" + std::to_string(getpid()) + ".yaml");
+  const std::string path = test::TemporaryPath("tenon_yaml_test.yaml");
   std::ofstream(path) << "name: a\nsteps: 7.5\n";
   EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(path).Read<Robot>(); }), StartsWith(path + ":2:8: steps: "));
 }
