@@ -28,8 +28,11 @@
 
 #include <tenon/systems/framework/calculation.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/external_port.h>
 #include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/publish.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/framework/rate.h>
 #include <tenon/systems/framework/signal.h>

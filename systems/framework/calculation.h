@@ -147,8 +147,15 @@ struct MemberFunction<R (C::*)(P...)> {
   static constexpr bool kIs = true, kConst = false;
 };
 
+/// What a function gives that is called for its effect: nothing, and not even that while it is muted.
+struct Published {
+  bool muted = false;
+  static FieldList Fields() { return {{"muted", &Published::muted}}; }
+};
+
 /// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
-/// large values, takes a `Target*` after its arguments and fills it in place.
+/// large values, takes a `Target*` after its arguments and fills it in place; where the target is Published,
+/// it returns nothing.
 template <class Target, class F, class... A>
 struct Calculation {
   using Traits = MemberFunction<F>;
@@ -173,7 +180,8 @@ struct Calculation {
   static constexpr bool ReturnsTarget() {
     using Result =
         std::remove_cvref_t<decltype(Call(std::declval<const ClosureOf<F>&>(), std::declval<A>()...))>;
-    return std::is_same_v<Result, Target> || (Scalar<Result> && Scalar<Target>);
+    return std::is_same_v<Result, Target> || (Scalar<Result> && Scalar<Target>) ||
+           (std::is_void_v<Result> && std::is_same_v<Target, Published>);
   }
 
   template <class... Values>
@@ -191,7 +199,9 @@ struct Calculation {
     return [](const void* erased, std::byte* memory, const Offset* args) {
       const auto& closure = static_cast<const ClosureOf<F>&>(*static_cast<const Closure*>(erased));
       auto* target = std::launder(reinterpret_cast<Target*>(memory + args[0]));
-      if constexpr (Returns()) {
+      if constexpr (std::is_same_v<Target, Published>) {
+        if (!target->muted) Call(closure, LoadArgument<A>(closure, memory, args, I)...);
+      } else if constexpr (Returns()) {
         *target = Call(closure, LoadArgument<A>(closure, memory, args, I)...);
       } else {
         Call(closure, LoadArgument<A>(closure, memory, args, I)..., target);

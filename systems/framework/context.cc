@@ -15,6 +15,30 @@ using internal::Cell;
 using internal::Finiteness;
 using internal::Op;
 
+namespace {
+
+/// A copy of a value whose type is known at run time only.
+class Copy {
+ public:
+  Copy(const internal::TypeInfo& type, const void* model)
+      : type_(type), memory_(::operator new(type.size, std::align_val_t(type.alignment))) {
+    type.copy_construct(memory_, model);
+  }
+  Copy(const Copy&) = delete;
+  Copy& operator=(const Copy&) = delete;
+  ~Copy() {
+    type_.destroy(memory_);
+    ::operator delete(memory_, std::align_val_t(type_.alignment));
+  }
+  void* get() const { return memory_; }
+
+ private:
+  const internal::TypeInfo& type_;
+  void* memory_;
+};
+
+}  // namespace
+
 Context::Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed)
     : diagram_(std::move(diagram)), seed_(seed) {
   const internal::Program& program = diagram_->program();
@@ -29,6 +53,7 @@ Context::Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed)
   }
   stamps_.assign(program.calculations.size(), 0);
   fixed_.assign(program.open_inputs.size(), false);
+  PackStates();
   MarkAllStale();
 }
 
@@ -67,6 +92,7 @@ Context::Context(const Context& other, const internal::Program& program)
 }
 
 void Context::CheckOwned(const Source& source) const {
+  if (const std::string fault = internal::DescribeReplacement(source); !fault.empty()) throw RunError(fault);
   const System* top = &source.owner();
   while (top->parent() != nullptr) top = top->parent();
   for (const auto& block : diagram_->blocks()) {
@@ -78,12 +104,18 @@ void Context::CheckOwned(const Source& source) const {
                   source.path()));
 }
 
+void Context::CheckReadable(const Source& source) const {
+  CheckOwned(source);
+  if (source.kind() == SourceKind::kPublish)
+    throw RunError(fmt::format("'{}' has no value that could be read: it is a side effect", source.path()));
+}
+
 const std::byte* Context::Address(const Source& source) const {
   return memory_.get() + source.offset_;
 }
 
 const void* Context::EvalAddress(const Source& source) {
-  CheckOwned(source);
+  CheckReadable(source);
   if (source.calculation_ >= 0) {
     EnsureFresh(source.calculation_);
   } else {
@@ -93,7 +125,7 @@ const void* Context::EvalAddress(const Source& source) {
 }
 
 bool Context::IsKnown(const Source& source) const {
-  CheckOwned(source);
+  CheckReadable(source);
   if (source.calculation_ < 0) {
     CheckFixed(source.Resolve());
     return true;
@@ -137,12 +169,64 @@ void* Context::MutableAddress(const Source& source) {
 
 void Context::SetDoubles(const Source& source, std::span<const double> values) {
   CheckSettable(source);
-  const std::size_t size = internal::CountScalars(*source.type_, Address(source));
+  const internal::TypeInfo& type = *source.type_;
+  const std::size_t size = internal::CountScalars(type, Address(source));
   if (size != values.size()) {
     throw RunError(
         fmt::format("'{}' has {} elements, but {} values are given", source.path(), size, values.size()));
   }
-  internal::FromDoubles(*source.type_, MutableAddress(source), values.data());
+  const Copy value(type, Address(source));
+  internal::FromDoubles(type, value.get(), values.data());
+  Assign({&source, value.get()});
+}
+
+void Context::Assign(const Assignment& assignment) {
+  const Source& source = *assignment.source;
+  if (source.kind() == SourceKind::kParameter) return AssignParameters({&assignment, 1});
+  CheckSettable(source);
+  if (source.kind() == SourceKind::kContinuous) {
+    const std::size_t size = internal::CountScalars(*source.type_, Address(source)),
+                      given = internal::CountScalars(*source.type_, assignment.value);
+    if (size != given) {
+      throw RunError(
+          fmt::format("state '{}' has {} elements, but the value has {}: its size is that of its "
+                      "initial value",
+                      source.path(), size, given));
+    }
+  }
+  source.type_->assign(MutableAddress(source), assignment.value);
+  PackStates();
+}
+
+void Context::AssignParameters(std::span<const Assignment> list) {
+  for (const Assignment& each : list) {
+    CheckOwned(*each.source);
+    if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {
+      throw ParameterError(
+          fmt::format("parameter '{}' cannot be set to what is not a number (NaN)", each.source->path()));
+    }
+  }
+  for (const Assignment& each : list) {
+    const System& block = each.source->owner();
+    internal::ParameterValues values;
+    for (const Source* source : block.sources()) {
+      if (source->kind() != SourceKind::kParameter) continue;
+      const auto& parameter = static_cast<const internal::ParameterSource&>(*source);
+      if (parameter.offset_in_params_ == internal::ParameterSource::kNone) continue;
+      const void* value = Address(parameter);
+      for (const Assignment& other : list) {
+        if (other.source == source) value = other.value;
+      }
+      values.Add({parameter.type_, parameter.offset_in_params_, value});
+    }
+    try {
+      static_cast<const Leaf&>(block).ValidateParameters(values);
+    } catch (const ParameterError& error) {
+      std::throw_with_nested(ParameterError(
+          fmt::format("parameter '{}' cannot be set so: {}", each.source->path(), error.what())));
+    }
+  }
+  for (const Assignment& each : list) each.source->type_->assign(MutableAddress(*each.source), each.value);
 }
 
 void Context::CheckFixed(const Source& origin) const {
@@ -223,6 +307,39 @@ double* Context::derivative_data() {
   return reinterpret_cast<double*>(memory_.get() + diagram_->program().derivative_begin);
 }
 
+void Context::LoadStates(const double* x) {
+  const internal::Program& program = diagram_->program();
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
+  double* states = continuous_data();
+  if (states != x && bytes > 0) std::memcpy(states, x, bytes);
+  if (!program.unpacked_states.empty()) UnpackStates();
+}
+
+void Context::UnpackStates() {
+  for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
+    std::memcpy(each.source->type_->data(memory_.get() + each.source->offset_), memory_.get() + each.offset,
+                each.count * sizeof(double));
+  }
+}
+
+void Context::PackStates() {
+  for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
+    std::memcpy(memory_.get() + each.offset, each.source->type_->data(memory_.get() + each.source->offset_),
+                each.count * sizeof(double));
+  }
+}
+
+void Context::PackDerivatives() {
+  for (const internal::Unpacked& each : diagram_->program().unpacked_derivatives) {
+    std::byte* value = memory_.get() + each.source->offset_;
+    if (const std::size_t size = internal::CountScalars(*each.source->type_, value); size != each.count) {
+      throw RunError(fmt::format("'{}' has {} elements, but its state has {}: make them equal",
+                                 each.source->path(), size, each.count));
+    }
+    std::memcpy(memory_.get() + each.offset, each.source->type_->data(value), each.count * sizeof(double));
+  }
+}
+
 Eigen::Map<const Eigen::VectorXd> Context::continuous_state() const {
   const internal::Program& program = diagram_->program();
   return {reinterpret_cast<const double*>(memory_.get() + program.continuous_begin), program.num_continuous};
@@ -233,7 +350,7 @@ void Context::SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state)
     throw RunError(fmt::format("the diagram has {} continuous states, but {} values are given",
                                diagram_->num_continuous_states(), state.size()));
   }
-  std::copy(state.data(), state.data() + state.size(), continuous_data());
+  LoadStates(state.data());
   MarkAllStale();
 }
 
@@ -244,6 +361,7 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
   CheckSamplesFor(program.derivatives);
   RunStale(program.held);
   RunStale(program.derivatives);
+  PackDerivatives();
   return Eigen::Map<const Eigen::VectorXd>(derivative_data(), diagram_->num_continuous_states());
 }
 
@@ -256,10 +374,10 @@ void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
 void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
   const internal::Program& program = diagram_->program();
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
-  double* states = continuous_data();
-  if (states != x && bytes > 0) std::memcpy(states, x, bytes);
+  LoadStates(x);
   SetRunTime(t);
   RunAll(program.derivatives);
+  PackDerivatives();
   ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
   if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
 }
@@ -312,7 +430,14 @@ void Context::Apply(const internal::UpdatePlan& plan) {
     commit.state->type_->assign(memory_.get() + commit.state->offset_, memory_.get() + commit.next->offset_);
   }
   Invalidate(plan.invalidates);
-  if (plan.changes_continuous) ++instant_;
+  if (plan.changes_continuous) {
+    PackStates();
+    ++instant_;
+  }
+}
+
+void Context::Mute(const Source& publish, bool muted) {
+  reinterpret_cast<internal::Published*>(memory_.get() + publish.offset_)->muted = muted;
 }
 
 std::string Context::DescribeNonFinite() const {
@@ -339,7 +464,10 @@ std::string Context::DescribeNonFinite() const {
     }
     for (const CalculationInfo& info : program.calculations) {
       const Source& source = *info.source;
-      if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor) continue;
+      if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor ||
+          source.kind() == SourceKind::kPublish) {
+        continue;
+      }
       if (internal::FinitenessOf(*source.type_, Address(source)) == sought) return describe(source);
     }
   }

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 
@@ -52,11 +53,19 @@ class Context {
   /// The same for a source known by path only: all its elements as doubles.
   std::vector<double> EvalDoubles(const Source& source);
 
-  /// Sets a state, fixes an open input, or (for tests) overwrites a held sample. Throws RunError for what is
-  /// computed or connected.
+  /// Sets a state or a Parameter, fixes an open input, or (for tests) overwrites a held sample. Throws
+  /// RunError for what is computed or connected, ParameterError for a Parameter's value that is not a number
+  /// or that its block does not accept; then nothing is changed.
   template <class S>
   void Set(const S& source, const typename S::Value& value) {
-    *static_cast<typename S::Value*>(MutableAddress(source)) = value;
+    Assign({&source, &value});
+  }
+  /// Several Parameters at once, where one alone would not do: `Set(pd.low, 3, pd.high, 5)`.
+  template <class S, class... More>
+  requires(sizeof...(More) >= 2 && sizeof...(More) % 2 == 0)  //
+      void Set(const S& parameter, const typename S::Value& value, const More&... more) {
+    std::vector<Assignment> list;
+    Collect(list, parameter, value, more...);
   }
   /// The same for a source known by path only; throws RunError if the number of values is wrong.
   void SetDoubles(const Source& source, std::span<const double> values);
@@ -95,14 +104,36 @@ class Context {
     void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t(64)); }
   };
 
+  struct Assignment {
+    const Source* source;
+    const void* value;
+  };
+
   Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed);
   Context(const Context& other, const internal::Program& program);
+
+  template <class S, class... More>
+  void Collect(std::vector<Assignment>& list, const S& parameter, const typename S::Value& value,
+               const More&... more) {
+    static_assert(std::is_base_of_v<internal::ParameterSource, S>,
+                  "Set: only Parameters are set several at once.");
+    list.push_back({&parameter, &value});
+    if constexpr (sizeof...(More) > 0) {
+      Collect(list, more...);
+    } else {
+      AssignParameters(list);
+    }
+  }
+  void Assign(const Assignment& assignment);
+  void AssignParameters(std::span<const Assignment> list);
 
   const void* EvalAddress(const Source& source);
   bool IsKnown(const Source& source) const;
   void* MutableAddress(const Source& source);
   const std::byte* Address(const Source& source) const;
+  void Mute(const Source& publish, bool muted);
   void CheckOwned(const Source& source) const;
+  void CheckReadable(const Source& source) const;
   void CheckSettable(const Source& source) const;
   void CheckFixed(const Source& origin) const;
   void CheckAllFixed() const;
@@ -114,6 +145,12 @@ class Context {
   void MarkAllStale();
   double* continuous_data();
   double* derivative_data();
+  /// Takes over all continuous states.
+  void LoadStates(const double* x);
+  /// What values of run-time size hold, and their place among the continuous states, or derivatives.
+  void UnpackStates();
+  void PackStates();
+  void PackDerivatives();
 
   // Used by a run. Each runs a list; what throws is reported with its path and the time.
   void RunAll(const std::vector<internal::Op>& ops);

@@ -81,6 +81,7 @@ void Context::Load(std::span<const std::byte> bytes) {
     internal::Load(fixed, archive);
     fixed_[i] = fixed;
   }
+  PackStates();
   if (!archive.exhausted()) throw RunError("the snapshot is longer than this diagram's: it is damaged");
 }
 

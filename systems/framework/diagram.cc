@@ -9,9 +9,9 @@
 
 namespace tenon {
 
-Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks,
+Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks, std::vector<std::unique_ptr<System>> replaced,
                  std::unique_ptr<const internal::Program> program)
-    : blocks_(std::move(blocks)), program_(std::move(program)) {}
+    : blocks_(std::move(blocks)), replaced_(std::move(replaced)), program_(std::move(program)) {}
 
 Diagram::~Diagram() = default;
 
@@ -53,6 +53,17 @@ void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
 }
 
 }  // namespace
+
+std::vector<const internal::ParameterSource*> Diagram::parameters() const {
+  std::vector<const internal::ParameterSource*> found;
+  ForEachBlock(blocks_, [&](const System& block) {
+    for (const Source* source : block.sources()) {
+      if (source->kind() == SourceKind::kParameter)
+        found.push_back(static_cast<const internal::ParameterSource*>(source));
+    }
+  });
+  return found;
+}
 
 const System& Diagram::FindBlock(std::string_view path) const {
   const System* found = nullptr;

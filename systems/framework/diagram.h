@@ -40,6 +40,8 @@ class Diagram : public std::enable_shared_from_this<Diagram> {
   const std::vector<const Source*>& open_inputs() const;
   /// The blocks at top level; subdiagrams hold more.
   const std::vector<std::unique_ptr<System>>& blocks() const { return blocks_; }
+  /// All Parameters, in the order of the blocks.
+  std::vector<const internal::ParameterSource*> parameters() const;
   /// The diagram as a Graphviz program: blocks, port names, sample periods in colour, subdiagrams as boxes.
   std::string Graphviz() const;
 
@@ -47,9 +49,11 @@ class Diagram : public std::enable_shared_from_this<Diagram> {
 
  private:
   friend class DiagramBuilder;
-  Diagram(std::vector<std::unique_ptr<System>> blocks, std::unique_ptr<const internal::Program> program);
+  Diagram(std::vector<std::unique_ptr<System>> blocks, std::vector<std::unique_ptr<System>> replaced,
+          std::unique_ptr<const internal::Program> program);
 
   std::vector<std::unique_ptr<System>> blocks_;
+  std::vector<std::unique_ptr<System>> replaced_;  ///< at top level; users may still hold references to them
   std::unique_ptr<const internal::Program> program_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <exception>
 
 #include <tenon/systems/framework/diagram.h>
@@ -24,6 +25,7 @@ void Assembly::CheckName(const std::string& name) const {
 System& Assembly::Adopt(std::unique_ptr<System> block, const std::string& name) {
   block->name_ = name;
   block->parent_ = self_;
+  block->holder_ = this;
   by_name_.emplace(name, block.get());
   blocks_.push_back(std::move(block));
   return *blocks_.back();
@@ -39,12 +41,147 @@ void Assembly::RethrowWithName(const std::string& name) {
   }
 }
 
+bool Assembly::IsBelow(const System& block) const {
+  for (const System* each = &block; each != nullptr; each = each->parent_) {
+    if (each->holder_ == this) return true;
+  }
+  return false;
+}
+
+void Assembly::CheckBelow(const System& block) const {
+  if (!IsBelow(block)) {
+    throw BuildError(fmt::format(
+        "block '{}' cannot be replaced here: it was not added to this builder or nested diagram, or is built "
+        "already; replace blocks before Build",
+        block.path()));
+  }
+  if (!block.sources_.empty()) CheckStands(*block.sources_.front());
+}
+
+void Assembly::CheckStands(const Source& port) const {
+  if (const std::string fault = DescribeReplacement(port); !fault.empty()) throw BuildError(fault);
+  if (&port.owner() != self_ && !IsBelow(port.owner())) {
+    throw BuildError(fmt::format(
+        "port '{}' does not belong to a block of this builder: change connections before Build, through the "
+        "builder that holds both blocks",
+        port.path()));
+  }
+}
+
+void Assembly::AppendSources(std::vector<Source*>& sources) {
+  if (self_ != nullptr) sources.insert(sources.end(), self_->sources_.begin(), self_->sources_.end());
+  for (const auto& block : blocks_) {
+    if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) {
+      nested->AppendSources(sources);
+    } else {
+      sources.insert(sources.end(), block->sources_.begin(), block->sources_.end());
+    }
+  }
+}
+
+std::vector<Source*> Assembly::AllSources() {
+  Assembly* root = this;
+  while (root->self_ != nullptr && root->self_->holder_ != nullptr) root = root->self_->holder_;
+  std::vector<Source*> sources;
+  root->AppendSources(sources);
+  return sources;
+}
+
+System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
+  std::vector<std::unique_ptr<System>>& siblings = old.holder_->blocks_;
+  const auto place =
+      std::find_if(siblings.begin(), siblings.end(), [&](const auto& block) { return block.get() == &old; });
+  std::swap(*place, made);
+  System &block = **place, &replaced = *made;
+  block.name_ = replaced.name_;
+  block.parent_ = replaced.parent_;
+  block.holder_ = replaced.holder_;
+  block.replaces_ = &replaced;
+  replaced.replaced_by_ = &block;
+  old.holder_->by_name_[block.name_] = &block;
+  old.holder_->replaced_.push_back(std::move(made));
+
+  const auto counterpart = [&](const Source& port) -> Source* {
+    for (Source* source : block.sources_) {
+      if (source->kind() == port.kind() && source->name() == port.name() &&
+          *source->type_->id == *port.type_->id)
+        return source;
+    }
+    return nullptr;
+  };
+  // Also what that had replaced before, and what read it and found nothing.
+  for (const System* before = &replaced; before != nullptr; before = before->replaces_) {
+    for (const Source* port : before->sources_) {
+      if (port->kind() != SourceKind::kInput || port->driver_ == nullptr) continue;
+      Source* input = counterpart(*port);
+      if (input == nullptr || input->driver_ != nullptr) continue;
+      input->SetDriver(*port->driver_);
+      input->ignores_units_ = port->ignores_units_;
+    }
+  }
+  const auto replaces = [&](const System* driver) {
+    while (driver != &block && driver->replaced_by_ != nullptr) driver = driver->replaced_by_;
+    return driver == &block;
+  };
+  for (Source* source : AllSources()) {
+    if (source->driver_ == nullptr || source->driver_->kind() != SourceKind::kOutput ||
+        &source->driver_->owner() == &block || !replaces(&source->driver_->owner())) {
+      continue;
+    }
+    if (const Source* output = counterpart(*source->driver_)) source->SetDriver(*output);
+  }
+  return block;
+}
+
+void Assembly::Splice(const Source& output, Source& in, const Source& out) {
+  for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
+  if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
+    throw BuildError(
+        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in "
+                    "this order",
+                    in.path(), out.path()));
+  }
+  if (in.driver_ != nullptr && in.driver_ != &output) {
+    throw BuildError(fmt::format("'{}' cannot be inserted behind '{}': it is connected to '{}' already",
+                                 in.path(), output.path(), in.driver_->path()));
+  }
+  bool read = false;
+  for (Source* source : AllSources()) {
+    if (source->driver_ != &output || source == &in) continue;
+    source->SetDriver(out);
+    read = true;
+  }
+  if (!read) {
+    throw BuildError(fmt::format(
+        "nothing reads '{}': there is no connection into which '{}' could be inserted; take the port that is "
+        "connected",
+        output.path(), in.owner().path()));
+  }
+  in.SetDriver(output);
+}
+
+void Assembly::Disconnect(Source& input) {
+  CheckStands(input);
+  const bool port =
+      input.kind() == SourceKind::kInput || (input.kind() == SourceKind::kOutput && input.run_ == nullptr &&
+                                             dynamic_cast<const Subdiagram*>(&input.owner()) != nullptr);
+  if (!port || input.driver_ == nullptr) {
+    throw BuildError(fmt::format("'{}' has no connection that could be taken away", input.path()));
+  }
+  input.driver_ = nullptr;
+  input.ignores_units_ = false;
+}
+
 void Assembly::Join(const Source& from, Source& to) {
+  for (const Source* port : {&from, static_cast<const Source*>(&to)}) {
+    if (const std::string fault = DescribeReplacement(*port); !fault.empty()) throw BuildError(fault);
+  }
   const auto is_here = [&](const Source& port, SourceKind child, SourceKind own) {
     const System& owner = port.owner();
     if (&owner == self_ && self_ != nullptr) return port.kind() == own;
-    const auto namesake = by_name_.find(owner.name());
-    return namesake != by_name_.end() && namesake->second == &owner && port.kind() == child;
+    if (owner.holder_ == this) return port.kind() == child;
+    if (self_ != nullptr || !IsBelow(owner)) return false;
+    return port.kind() == child || (port.kind() == own && dynamic_cast<const Subdiagram*>(&owner) != nullptr);
   };
   const auto check = [&](const Source& port, SourceKind child, SourceKind own, const char* role) {
     if (is_here(port, child, own)) return;
@@ -71,7 +208,7 @@ void Assembly::IgnoreUnitsOf(Source& to) {
 std::shared_ptr<const Diagram> DiagramBuilder::Compile(bool open_inputs) {
   auto program =
       std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks(), open_inputs));
-  return std::shared_ptr<const Diagram>(new Diagram(TakeBlocks(), std::move(program)));
+  return std::shared_ptr<const Diagram>(new Diagram(TakeBlocks(), TakeReplaced(), std::move(program)));
 }
 
 std::shared_ptr<const Diagram> DiagramBuilder::Build() {

@@ -20,6 +20,21 @@ struct IgnoreUnits {};
 
 namespace internal {
 
+template <class Block>
+struct ParamsOfBlock {
+  using Type = Refused;
+};
+template <class Block>
+requires requires {
+  typename Block::Params;
+}
+struct ParamsOfBlock<Block> {
+  using Type = typename Block::Params;
+};
+/// What a block is made of, if it says so: LeafSystem<P> does, a Subdiagram may by `using Params = …`.
+template <class Block>
+using ParamsOf = typename ParamsOfBlock<Block>::Type;
+
 /// What DiagramBuilder and Subdiagram share: blocks, and connections between them.
 class Assembly {
  public:
@@ -30,24 +45,57 @@ class Assembly {
   /// blank, ParameterError (with the block's name in front) if the block refuses its parameters.
   template <class Block, class... Args>
   Block& Add(std::string name, Args&&... args) {
-    if constexpr (!std::is_base_of_v<System, Block>) {
-      static_assert(kFalse<Block>, "Add: what is added must derive from LeafSystem or Subdiagram.");
-      throw BuildError("");
-    } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
-      static_assert(kFalse<Block>, "Add: these are not the parameters that the block is made of.");
-      throw BuildError("");
-    } else {
-      CheckName(name);
-      try {
-        return static_cast<Block&>(Adopt(std::make_unique<Block>(std::forward<Args>(args)...), name));
-      } catch (...) {
-        RethrowWithName(name);
-      }
-    }
+    CheckName(name);
+    return static_cast<Block&>(Adopt(Make<Block>(name, std::forward<Args>(args)...), name));
+  }
+  /// The same with the parameters in braces: `Add<Pd>("pd", {.kp = 3})`.
+  template <class Block>
+  Block& Add(std::string name, ParamsOf<Block> params) {
+    CheckName(name);
+    return static_cast<Block&>(Adopt(Make<Block>(name, std::move(params)), name));
   }
 
+  /// Makes a block and puts it in the place of `old`, which may stand at any depth below. It takes over name,
+  /// path and place, and the connections of ports with the same name and type; what differs is connected by
+  /// hand, and Build says what is left: outputs that somebody reads and the new block lacks, and its inputs
+  /// that nothing is connected to. An input that the new block does not have is left away. The old block
+  /// stays alive, costs nothing, and is no part of the diagram: whatever is done with its ports is an error.
+  template <class Block, class... Args>
+  Block& Replace(const System& old, Args&&... args) {
+    CheckBelow(old);
+    return static_cast<Block&>(Exchange(old, Make<Block>(old.path(), std::forward<Args>(args)...)));
+  }
+  template <class Block>
+  Block& Replace(const System& old, ParamsOf<Block> params) {
+    CheckBelow(old);
+    return static_cast<Block&>(Exchange(old, Make<Block>(old.path(), std::move(params))));
+  }
+
+  /// Puts something between an output and all that read it: `in` reads the output, and what read it reads
+  /// `out`. For a delay, a fault, a filter behind a port of a diagram that ships:
+  ///
+  ///     auto& delay = builder.Add<SampleDelay<Vec<12>>>("delay", {.samples = 3});
+  ///     builder.Insert(loop.locomotion.torque, delay.u, delay.y);
+  ///
+  /// The three may stand at any depth below. Ports of nested diagrams to which the output is connected count
+  /// as readers; logs of the output itself show what it was before. Throws BuildError if nothing reads it, or
+  /// `in` is connected already.
+  template <class From, class In, class Out>
+  void Insert(const From& output, In& in, const Out& out) {
+    static_assert(std::is_same_v<typename From::Value, typename In::Value> &&
+                      std::is_same_v<typename From::Value, typename Out::Value>,
+                  "Insert: the three ports carry different types.");
+    Splice(output, in, out);
+  }
+
+  /// Takes away the connection of an input (or that to an output of a nested diagram, from inside), at any
+  /// depth below. Throws BuildError if it has none.
+  void Disconnect(Source& input);
+
   /// Connects an output to an input, an own input of a nested diagram to an inner input, or an inner output
-  /// to an own output. Throws BuildError if `to` has a connection already, or a port belongs elsewhere.
+  /// to an own output. A DiagramBuilder also connects ports at any depth, so that what is added to a diagram
+  /// that ships finds what it needs. Throws BuildError if `to` has a connection already, or a port belongs
+  /// elsewhere.
   template <class From, class To>
   void Connect(const From& from, To& to) {
     static_assert(std::is_same_v<typename From::Value, typename To::Value>,
@@ -84,13 +132,38 @@ class Assembly {
     by_name_.clear();
     return std::move(blocks_);
   }
+  std::vector<std::unique_ptr<System>> TakeReplaced() { return std::move(replaced_); }
 
  private:
   friend class Compiler;
 
   template <class... A, class F, class... When>
   auto& AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
+  template <class Block, class... Args>
+  static std::unique_ptr<Block> Make(const std::string& name, Args&&... args) {
+    if constexpr (!std::is_base_of_v<System, Block>) {
+      static_assert(kFalse<Block>, "Add: what is added must derive from LeafSystem or Subdiagram.");
+      throw BuildError("");
+    } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
+      static_assert(kFalse<Block>, "Add: these are not the parameters that the block is made of.");
+      throw BuildError("");
+    } else {
+      try {
+        return std::make_unique<Block>(std::forward<Args>(args)...);
+      } catch (...) {
+        RethrowWithName(name);
+      }
+    }
+  }
   void CheckName(const std::string& name) const;
+  bool IsBelow(const System& block) const;
+  void CheckBelow(const System& block) const;
+  void CheckStands(const Source& port) const;
+  System& Exchange(const System& old, std::unique_ptr<System> block);
+  void Splice(const Source& output, Source& in, const Source& out);
+  /// Of all blocks of the whole diagram, as far as it is known here.
+  std::vector<Source*> AllSources();
+  void AppendSources(std::vector<Source*>& sources);
   System& Adopt(std::unique_ptr<System> block, const std::string& name);
   void Join(const Source& from, Source& to);
   static void IgnoreUnitsOf(Source& to);
@@ -99,6 +172,7 @@ class Assembly {
   System* self_;  ///< the subdiagram, or null at top level
   std::vector<std::unique_ptr<System>> blocks_;
   std::unordered_map<std::string, const System*> by_name_;  ///< the same
+  std::vector<std::unique_ptr<System>> replaced_;
 };
 
 /// The inputs of a function block, one for each port that it uses; `time` needs none.

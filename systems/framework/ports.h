@@ -56,8 +56,10 @@ class Calculated : public Source {
                     "The function's parameters must be exactly the values of Uses(...), in that order.");
     } else {
       if constexpr (Code::Returns()) {
-        static_assert(Code::ReturnsTarget(),
-                      "The function must return exactly the type of the port, state or shared value.");
+        static_assert(
+            Code::ReturnsTarget(),
+            "The function must return exactly the type of the port, state or shared value; that of a "
+            "Publish, nothing.");
       }
       SetCalculation(Code::Run(std::index_sequence_for<A...>{}), std::move(function), std::move(uses.slots));
     }

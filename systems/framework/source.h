@@ -37,6 +37,9 @@ class Declared {
   ~Declared();
 };
 
+/// Empty if the source's block stands in its diagram; else which block took its place, and what to do.
+std::string DescribeReplacement(const Source& source);
+
 [[noreturn]] void ThrowUndeclared(const std::string& user, const std::string& used);
 
 /// The same member; throws BuildError if it does not exist yet. `user` says what uses it.
@@ -90,6 +93,7 @@ enum class SourceKind {
   kContinuous,  ///< a continuous state
   kDerivative,  ///< the time derivative of a continuous state
   kDiscrete,    ///< a discrete state or mode
+  kParameter,   ///< a value that stays unless somebody sets it
   kUpdate,      ///< the next value of a state, before it takes effect
   kShared,      ///< a value that several calculations of a block use
   kScratch,     ///< memory of one calculation, saved and cloned
@@ -97,11 +101,12 @@ enum class SourceKind {
   kRandom,      ///< a stream of random numbers
   kWitness,     ///< a function whose zero crossing is an event
   kMonitor,     ///< a check that can end a run
+  kPublish,     ///< a side effect
 };
 
 class Witness;
 
-/// When an Update or a Monitor runs.
+/// When an Update, a Monitor or a Publish runs.
 struct Trigger {
   enum class When { kAlways, kSampled, kEachStep, kAtStart, kWitness };
   When when = When::kAlways;
@@ -161,6 +166,7 @@ class Source : public internal::Declared {
   void SetDriver(const Source& driver) { driver_ = &driver; }
   void SetTarget(const Source& target) { target_ = &target; }
   void SetTrigger(Trigger trigger) { trigger_ = trigger; }
+  void SetComesFromOutside() { comes_from_outside_ = true; }
   void SetHasInitialValue() { has_initial_value_ = true; }
   void CheckUses(int undeclared, bool merged) const;
   System* mutable_owner() const { return owner_; }
@@ -184,7 +190,8 @@ class Source : public internal::Declared {
   bool ignores_units_ = false;      ///< of the driver
   const Source* target_ = nullptr;  ///< of an update or a derivative: the state
   Trigger trigger_;
-  bool has_initial_value_ = false;  ///< of a sampled output: readable before its first tick
+  bool comes_from_outside_ = false;  ///< an ExternalPort
+  bool has_initial_value_ = false;   ///< of a sampled output: readable before its first tick
 
   internal::Thunk run_ = nullptr;
   std::unique_ptr<internal::Closure, internal::Closure::Delete> closure_;

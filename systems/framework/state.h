@@ -10,12 +10,15 @@
 
 namespace tenon {
 
-/// A state that is integrated. `T` is double, Vec<N>, or a struct of those with Fields(). All continuous
-/// states of a diagram form one contiguous vector, in the order of the blocks.
+/// A state that is integrated. `T` is double, Vec<N>, or a struct of those with Fields(); or Eigen::VectorXd,
+/// which keeps the size of its initial value. All continuous states of a diagram form one contiguous vector,
+/// in the order of the blocks.
 template <class T>
 class ContinuousState : public Source {
-  static_assert(alignof(T) <= alignof(double) && internal::kBitwise<T>,
-                "A continuous state is made of plain doubles: use double, Vec<N>, or a struct of them.");
+  static_assert((alignof(T) <= alignof(double) && internal::kBitwise<T>) ||
+                    std::is_same_v<T, Eigen::VectorXd>,
+                "A continuous state is made of plain doubles: use double, Vec<N>, a struct of them, or "
+                "Eigen::VectorXd.");
 
  public:
   using Value = T;

@@ -2,16 +2,20 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <mutex>
 #include <unordered_set>
 
 #include <tenon/systems/framework/calculation.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/parameter.h>
 
 namespace tenon {
 
 std::string System::path() const {
-  return parent_ == nullptr ? name_ : parent_->path() + "." + name_;
+  // A diagram that is under construction has no name yet.
+  const std::string above = parent_ == nullptr ? "" : parent_->path();
+  return above.empty() ? name_ : above + "." + name_;
 }
 
 namespace internal {
@@ -45,6 +49,17 @@ bool Declared::IsDeclared(const Declared& member) {
   Registry& registry = DeclaredMembers();
   const std::lock_guard lock(registry.mutex);
   return registry.members.contains(&member);
+}
+
+std::string DescribeReplacement(const Source& source) {
+  for (const System* block = &source.owner(); block != nullptr; block = block->parent()) {
+    if (block->replaced_by() == nullptr) continue;
+    return fmt::format(
+        "'{}' belongs to a block that was replaced: use the port of the new block at '{}', which Replace "
+        "returned",
+        source.path(), block->replaced_by()->path());
+  }
+  return "";
 }
 
 void ThrowUndeclared(const std::string& user, const std::string& used) {
@@ -82,6 +97,20 @@ std::string Source::path() const {
 std::string Source::type_name() const {
   return internal::TypeName(*type_);
 }
+
+namespace internal {
+
+ParameterSource::ParameterSource(Leaf* owner, Spec spec, const TypeInfo& type, const void* model,
+                                 const void* given, std::string description)
+    : Source(owner, SourceKind::kParameter, std::move(spec), type, model),
+      description_(std::move(description)) {
+  const std::span<const std::byte> params = owner->ParameterBytes();
+  const auto begin = reinterpret_cast<std::uintptr_t>(params.data()),
+             place = reinterpret_cast<std::uintptr_t>(given);
+  if (place >= begin && place < begin + params.size()) offset_in_params_ = place - begin;
+}
+
+}  // namespace internal
 
 std::vector<Element> Source::elements() const {
   return internal::ListElements(*type_, model_, spec_);

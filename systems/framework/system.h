@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tenon/systems/framework/calculation.h>
@@ -8,6 +11,30 @@
 #include <tenon/systems/framework/source.h>
 
 namespace tenon {
+
+namespace internal {
+
+class ParameterSource;
+
+/// Values of the Parameters of one block.
+class ParameterValues {
+ public:
+  struct Value {
+    const TypeInfo* type;
+    std::size_t offset;  ///< in the block's params [bytes]
+    const void* value;
+  };
+  void Add(Value value) { values_.push_back(value); }
+  /// Into a copy of the block's params.
+  void WriteInto(std::byte* params) const {
+    for (const Value& each : values_) each.type->assign(params + each.offset, each.value);
+  }
+
+ private:
+  std::vector<Value> values_;
+};
+
+}  // namespace internal
 
 /// A block: a LeafSystem that computes, or a Subdiagram that holds further blocks. Has a name, unique among
 /// its siblings, and ports that are members of the derived class.
@@ -22,6 +49,9 @@ class System {
   /// Names from the outermost subdiagram down, joined by dots; the name alone at top level.
   std::string path() const;
   const System* parent() const { return parent_; }
+  /// The block that took this one's place in the diagram (see DiagramBuilder::Replace); null if it stands
+  /// there.
+  const System* replaced_by() const { return replaced_by_; }
   /// The ports, states and other members, in the order of their declaration.
   const std::vector<Source*>& sources() const { return sources_; }
 
@@ -32,6 +62,9 @@ class System {
 
   std::string name_;
   const System* parent_ = nullptr;
+  internal::Assembly* holder_ = nullptr;  ///< what it was added to
+  const System* replaced_by_ = nullptr;
+  const System* replaces_ = nullptr;
   std::vector<Source*> sources_;
 };
 
@@ -39,6 +72,14 @@ class System {
 class Leaf : public System {
  public:
   const Time time{};
+
+ private:
+  friend class Context;
+  friend class internal::ParameterSource;
+  /// Throws ParameterError unless the block's parameters make sense with these values of its Parameters.
+  virtual void ValidateParameters(const internal::ParameterValues&) const {}
+  /// Where its parameters lie.
+  virtual std::span<const std::byte> ParameterBytes() const { return {}; }
 };
 
 /// The base of every block of one's own. Ports, states and calculations are members that register themselves:
@@ -60,15 +101,29 @@ class Leaf : public System {
 ///       }
 ///     };
 ///
-/// Parameters stand in the base, so that the members can use them. If they have a `void Validate() const`, it
-/// runs first and throws ParameterError; the builder adds the block's name.
-template <class Params>
+/// `params` stand in the base, so that the members can use them. If they have a `void Validate() const`, it
+/// runs first and throws ParameterError; the builder adds the block's name. What is to be changed during a
+/// run is declared as Parameter.
+template <class P>
 class LeafSystem : public Leaf {
  public:
-  explicit LeafSystem(Params p = Params()) : params(std::move(p)) {
+  using Params = P;
+  explicit LeafSystem(P p = P()) : params(std::move(p)) {
     if constexpr (requires { params.Validate(); }) params.Validate();
   }
-  const Params params;
+  const P params;
+
+ private:
+  void ValidateParameters([[maybe_unused]] const internal::ParameterValues& values) const override {
+    if constexpr (requires { params.Validate(); }) {
+      P changed = params;
+      values.WriteInto(reinterpret_cast<std::byte*>(&changed));
+      changed.Validate();
+    }
+  }
+  std::span<const std::byte> ParameterBytes() const override {
+    return {reinterpret_cast<const std::byte*>(&params), sizeof(P)};
+  }
 };
 
 /// A block without parameters.

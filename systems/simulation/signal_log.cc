@@ -83,7 +83,9 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
     : context_(context),
       signals_(std::move(signals)),
       sinks_(std::move(sinks)),
-      ops_(context.diagram().program().Evaluation(signals_)) {}
+      ops_(context.diagram().program().Evaluation(signals_)) {
+  for (const Source* signal : signals_) context_.CheckReadable(*signal);
+}
 
 SignalLog::~SignalLog() = default;
 

@@ -48,6 +48,9 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
                     "give the seed to Diagram::CreateContext",
                     *options_.seed, context_->seed()));
   }
+  for (const internal::CalculationInfo& info : program_.calculations) {
+    if (info.source->kind() == SourceKind::kPublish) context_->Mute(*info.source, !options_.publish);
+  }
   witness_values_.resize(program_.witness_plans.size());
   new_witness_values_.resize(program_.witness_plans.size());
   events_.resize(program_.witness_plans.size());
@@ -159,8 +162,10 @@ void Simulator::Start() {
   context_->Apply(program_.at_start);
   if (schedule_->next_time() == context_->time()) Tick(true);
   for (const internal::CalculationInfo& info : program_.calculations) {
-    if (info.sampled) context_->CheckSample(info);  // all have run, unless the run starts between their ticks
+    const bool output = info.source->kind() == SourceKind::kOutput;
+    if (info.sampled && output) context_->CheckSample(info);  // or the run starts between their ticks
   }
+  context_->RunStale(program_.published_at_start);
 }
 
 /// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator

@@ -20,18 +20,24 @@ namespace tenon {
 template <class Block>
 class TestRig {
  public:
+  /// The block with parameters in braces: `TestRig<Pd> rig({.kp = 3})`.
+  explicit TestRig(internal::ParamsOf<Block> params) {
+    DiagramBuilder builder;
+    block_ = &builder.Add<Block>("block", std::move(params));
+    Build(builder);
+  }
   /// The arguments are those of the block's constructor. Throws what the block throws.
   template <class... Args>
   explicit TestRig(Args&&... args) {
     DiagramBuilder builder;
     block_ = &builder.Add<Block>("block", std::forward<Args>(args)...);
-    diagram_ = builder.BuildWithOpenInputs();
-    simulator_ =
-        std::make_unique<Simulator>(*diagram_, SimulatorOptions{.order = 5, .rtol = 1e-10, .atol = 1e-12});
+    Build(builder);
   }
 
   /// The block; writable, so that members can be named in `Fix`.
   Block& system() { return *block_; }
+  /// The same: `rig[rig->u]`.
+  Block* operator->() { return block_; }
 
   /// Gives an input a value, from now on.
   template <class T>
@@ -87,6 +93,12 @@ class TestRig {
   Simulator& simulator() { return *simulator_; }
 
  private:
+  void Build(DiagramBuilder& builder) {
+    diagram_ = builder.BuildWithOpenInputs();
+    simulator_ =
+        std::make_unique<Simulator>(*diagram_, SimulatorOptions{.order = 5, .rtol = 1e-10, .atol = 1e-12});
+  }
+
   Block* block_;
   std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<Simulator> simulator_;

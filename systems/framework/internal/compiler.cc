@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <unordered_set>
+#include <utility>
 
 #include <tenon/systems/framework/diagram_builder.h>
 
@@ -14,6 +16,13 @@ constexpr int kOnTrail = -2;
 
 bool GivesValue(const Source& source) {
   return source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared;
+}
+
+/// Runs in its place among the values when its ticks are due.
+bool IsDueInOrder(const Source& source) {
+  return source.is_sampled() &&
+         (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared ||
+          source.kind() == SourceKind::kPublish);
 }
 
 std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
@@ -29,6 +38,7 @@ Program Compiler::Compile(const std::vector<std::unique_ptr<System>>& blocks, bo
 Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs)
     : open_inputs_(open_inputs) {
   Collect(blocks);
+  CheckReplacements(blocks);
   ResolveInputs();
   CheckDeclarations();
   CheckConnections();
@@ -58,16 +68,45 @@ void Compiler::Order() {
   std::vector<const Source*> trail;
   for (Source* source : sources_) source->calculation_ = kUnvisited;
   program_.calculations.reserve(sources_.size());
+  OrderPublishes();
   for (Source* source : sources_) {
     if (source->run_ != nullptr && GivesValue(*source)) Visit(*source, trail);
   }
   for (Source* source : sources_) {
-    if (source->run_ != nullptr && !GivesValue(*source)) AddCalculation(*source);
+    if (source->calculation_ == kUnvisited && source->run_ != nullptr) AddCalculation(*source);
   }
   for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
     for (const int used : program_.calculations[i].uses)
       program_.calculations[used].affects.push_back(static_cast<int>(i));
   }
+}
+
+/// What is sent out at a tick comes before what is taken in there, unless it depends on that: one side's
+/// answer may be what the other waits for.
+void Compiler::OrderPublishes() {
+  std::vector<std::pair<std::size_t, Source*>> publishes;  // and how many inputs from outside each depends on
+  for (Source* source : sources_) {
+    if (source->kind() != SourceKind::kPublish || !source->is_sampled()) continue;
+    std::unordered_set<const Source*> seen;
+    std::vector<const Source*> open{source};
+    std::size_t depends = 0;
+    while (!open.empty()) {
+      const Source& next = *open.back();
+      open.pop_back();
+      for (const Slot& slot : next.arguments_) {
+        if (slot.source == nullptr) continue;
+        const Source& origin = slot.source->Resolve();
+        if (origin.run_ == nullptr || !seen.insert(&origin).second) continue;
+        if (origin.comes_from_outside_) ++depends;
+        open.push_back(&origin);
+      }
+    }
+    publishes.emplace_back(depends, source);
+  }
+  std::stable_sort(publishes.begin(), publishes.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<const Source*> trail;
+  for (const auto& [depends, source] : publishes) Visit(*source, trail);
 }
 
 void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
@@ -86,7 +125,7 @@ void Compiler::Visit(Source& source, std::vector<const Source*>& trail) {
 }
 
 void Compiler::AddCalculation(Source& source) {
-  CalculationInfo info{&source, {}, {}, false, source.is_sampled() && GivesValue(source)};
+  CalculationInfo info{&source, {}, {}, false, IsDueInOrder(source)};
   for (const Slot& slot : source.arguments_) {
     if (slot.what == Slot::What::kTime) info.varies = true;
     if (slot.source == nullptr) continue;
@@ -136,8 +175,14 @@ void Compiler::LayOut() {
   program_.continuous_begin = static_cast<Offset>(end);
   for (Source* source : sources_) {
     if (source->kind() != SourceKind::kContinuous) continue;
-    Place(*source, end);
     program_.continuous.push_back(source);
+    if (source->type_->fixed) {
+      Place(*source, end);
+      continue;
+    }
+    const std::size_t count = CountScalars(*source->type_, source->model_);
+    program_.unpacked_states.push_back({source, static_cast<Offset>(end), count});
+    end += count * sizeof(double);
   }
   const std::size_t continuous_size = end - program_.continuous_begin;
   program_.num_continuous = static_cast<int>(continuous_size / sizeof(double));
@@ -145,16 +190,24 @@ void Compiler::LayOut() {
   end += continuous_size;
   for (Source* source : sources_) {
     if (source->kind() != SourceKind::kDerivative) continue;
-    source->offset_ = static_cast<Offset>(source->target_->offset_ + continuous_size);
+    if (source->type_->fixed) {
+      source->offset_ = static_cast<Offset>(source->target_->offset_ + continuous_size);
+      continue;
+    }
+    for (const Unpacked& state : program_.unpacked_states) {
+      if (state.source != source->target_) continue;
+      program_.unpacked_derivatives.push_back(
+          {source, static_cast<Offset>(state.offset + continuous_size), state.count});
+    }
   }
   // Everything else that is stored: first what is copied as bytes.
   std::vector<Source*> stored;
   for (Source* source : sources_) {
     const bool passes_on = source->kind() == SourceKind::kInput ||
                            (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
-    if (source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative || passes_on) {
-      continue;
-    }
+    const bool integrated =
+        source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
+    if ((integrated && source->type_->fixed) || passes_on) continue;
     stored.push_back(source);
   }
   for (const Source* input : default_inputs_) stored.push_back(const_cast<Source*>(input));
@@ -189,7 +242,7 @@ void Compiler::LayOut() {
     const bool held = source.kind() == SourceKind::kOutput && source.is_sampled();
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
-                      source.kind() == SourceKind::kRandom;
+                      source.kind() == SourceKind::kRandom || source.kind() == SourceKind::kParameter;
     // Computed once more after a restore, what has a warm start would find another result.
     const bool warm = GivesValue(source) &&
                       std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Slot& slot) {

@@ -24,6 +24,7 @@ class Compiler {
   // compiler.cc: what there is
   void Collect(const std::vector<std::unique_ptr<System>>& blocks);
   void Order();
+  void OrderPublishes();
   void Visit(Source& source, std::vector<const Source*>& trail);
   void AddCalculation(Source& source);
   [[noreturn]] void ThrowLoop(const std::vector<const Source*>& trail, const Source& again) const;
@@ -35,6 +36,8 @@ class Compiler {
   void ResolveInputs();
   void CheckMembers(const System& block);
   void CheckSpec(const Source& source);
+  void CheckReplacement(const System& block);
+  void CheckReplacements(const std::vector<std::unique_ptr<System>>& blocks);
   void CheckConnections();
   void CheckDeclarations();
   void CheckArguments(const Source& calculation);

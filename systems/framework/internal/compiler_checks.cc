@@ -5,6 +5,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include <tenon/systems/framework/diagram_builder.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/compiler.h>
 #include <tenon/systems/framework/state.h>
@@ -145,6 +146,66 @@ void Compiler::CheckConnections() {
   }
 }
 
+/// What a block that replaced another one does not have, in one fault.
+void Compiler::CheckReplacement(const System& block) {
+  if (block.replaces_ == nullptr) return;
+  std::string text;
+  const auto add = [&](const std::string& difference) { text += (text.empty() ? "" : "; ") + difference; };
+  const auto final = [](const System* system) {
+    while (system->replaced_by_ != nullptr) system = system->replaced_by_;
+    return system;
+  };
+  const auto describe_other = [&](const Source& port) {
+    for (const Source* own : block.sources_) {
+      if (own->kind() == port.kind() && own->name() == port.name())
+        return fmt::format(" (its '{}' is a {})", own->name(), own->type_name());
+    }
+    return std::string();
+  };
+  for (const auto* list : {&sources_, &ports_}) {
+    for (const Source* reader : *list) {
+      const Source* driver = reader->driver_;
+      if (driver == nullptr || driver->kind() != SourceKind::kOutput || &driver->owner() == &block ||
+          final(&driver->owner()) != &block) {
+        continue;
+      }
+      add(fmt::format("it lacks the output '{}' ({}){}, which '{}' reads", driver->name(),
+                      driver->type_name(), describe_other(*driver), reader->path()));
+    }
+  }
+  bool unused = false;  // an input that could be meant
+  for (const Source* input : block.sources_) {
+    if (input->kind() != SourceKind::kInput || input->driver_ != nullptr) continue;
+    unused = true;
+    if (!input->has_initial_value_ && !open_inputs_)
+      add(fmt::format("nothing is connected to its input '{}' ({})", input->name(), input->type_name()));
+  }
+  for (const Source* old : block.replaces_->sources_) {
+    if (!unused || old->kind() != SourceKind::kInput || old->driver_ == nullptr) continue;
+    const bool matched = std::any_of(block.sources_.begin(), block.sources_.end(), [&](const Source* own) {
+      return own->kind() == SourceKind::kInput && own->name() == old->name() &&
+             *own->type_->id == *old->type_->id;
+    });
+    if (!matched) {
+      add(fmt::format("what came in at '{}' ({}){}, from '{}', goes nowhere", old->name(), old->type_name(),
+                      describe_other(*old), old->driver_->path()));
+    }
+  }
+  if (text.empty()) return;
+  Fault(fmt::format(
+      "the block that replaced '{}' has other ports: {}. Connect what differs by hand, or Disconnect "
+      "it",
+      block.path(), text));
+}
+
+void Compiler::CheckReplacements(const std::vector<std::unique_ptr<System>>& blocks) {
+  for (const auto& block : blocks) {
+    CheckReplacement(*block);
+    if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
+      CheckReplacements(nested->blocks());
+  }
+}
+
 void Compiler::ResolveInputs() {
   std::vector<const Source*>& open = program_.open_inputs;
   // Ports of subdiagrams too: nobody may read them, but they can be set, evaluated and logged.
@@ -168,7 +229,7 @@ void Compiler::ResolveInputs() {
     }
     if (std::find(open.begin(), open.end(), &origin) != open.end()) continue;
     open.push_back(&origin);
-    if (!open_inputs_) {
+    if (!open_inputs_ && origin.owner().replaces_ == nullptr) {  // that was said
       const std::string through =
           &origin == source ? "" : fmt::format(" (it is meant to feed '{}')", source->path());
       Fault(fmt::format(
@@ -217,7 +278,7 @@ void Compiler::CheckDeclarations() {
       Fault(fmt::format("continuous state '{}' has no time derivative: declare a TimeDerivative",
                         source->path()));
     }
-    if (source->elements().size() * sizeof(double) != source->type_->size) {
+    if (source->type_->fixed && source->elements().size() * sizeof(double) != source->type_->size) {
       Fault(fmt::format(
           "continuous state '{}' holds more than its declared doubles: list all members in Fields()",
           source->path()));

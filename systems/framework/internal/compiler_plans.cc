@@ -54,15 +54,17 @@ void Compiler::FindGroups() {
 }
 
 void Compiler::MakePlans() {
-  std::vector<const Source*> derivatives, witnesses, at_start, each_step, step_monitors, continuing;
+  std::vector<const Source*> derivatives, witnesses, at_start, each_step, step_monitors, continuing,
+      published_at_start;
   for (const Source* source : sources_) {
     const Trigger::When when = source->trigger().when;
     if (source->kind() == SourceKind::kDerivative) derivatives.push_back(source);
     if (source->kind() == SourceKind::kWitness) witnesses.push_back(source);
     if (source->kind() == SourceKind::kMonitor && when == Trigger::When::kEachStep)
       step_monitors.push_back(source);
-    if (source->kind() != SourceKind::kUpdate) continue;
-    if (when == Trigger::When::kAtStart) at_start.push_back(source);
+    const bool publish = source->kind() == SourceKind::kPublish;
+    if (source->kind() != SourceKind::kUpdate && !publish) continue;
+    if (when == Trigger::When::kAtStart) (publish ? published_at_start : at_start).push_back(source);
     if (when == Trigger::When::kEachStep) each_step.push_back(source);
   }
   program_.derivatives = program_.Needed(derivatives, Which::kVarying);
@@ -74,6 +76,8 @@ void Compiler::MakePlans() {
   program_.held = program_.Needed(continuing, Which::kHeld);
 
   program_.at_start = program_.MakeUpdates(at_start);
+  program_.published_at_start = program_.Needed(published_at_start, Which::kAll);
+  program_.AppendSinks(published_at_start, program_.published_at_start);
   program_.each_step = program_.MakeUpdates(each_step);
   program_.each_step_monitors = program_.Needed(step_monitors, Which::kAll);
   program_.AppendSinks(step_monitors, program_.each_step_monitors);
@@ -81,8 +85,7 @@ void Compiler::MakePlans() {
   for (const Source* witness : witnesses) {
     std::vector<const Source*> updates;
     for (const Source* source : sources_) {
-      if (source->kind() == SourceKind::kUpdate && source->trigger().witness == witness)
-        updates.push_back(source);
+      if (source->run_ != nullptr && source->trigger().witness == witness) updates.push_back(source);
     }
     program_.witness_plans.push_back({witness, program_.MakeUpdates(updates)});
   }

@@ -62,6 +62,7 @@ UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const
   AppendSinks(updates, plan.ops);
   std::vector<int> changed;
   for (const Source* update : updates) {
+    if (update->kind() == SourceKind::kPublish) continue;
     plan.commits.push_back({update->target_, update});
     plan.feeds |= calculations[update->calculation_].feeds;
     if (update->target_->kind() == SourceKind::kContinuous) {
@@ -78,7 +79,7 @@ UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const
 TickPlan Program::MakeTick(const Groups& due) const {
   TickPlan plan;
   plan.groups = due;
-  std::vector<const Source*> monitors, updates;
+  std::vector<const Source*> monitors, updates, publishes;
   std::vector<int> changed;
   // In the order of the blocks, whatever the order of the groups.
   for (const CalculationInfo& info : calculations) {
@@ -91,6 +92,7 @@ TickPlan Program::MakeTick(const Groups& due) const {
     }
     if (source->kind() == SourceKind::kMonitor) monitors.push_back(source);
     if (source->kind() == SourceKind::kUpdate) updates.push_back(source);
+    if (source->kind() == SourceKind::kPublish) publishes.push_back(source);
   }
   for (const Source* source : plan.due) {
     if (!source->type_->fixed) plan.movable.push_back(source);
@@ -100,7 +102,8 @@ TickPlan Program::MakeTick(const Groups& due) const {
     }
   }
   plan.invalidates = Downstream(changed);
-  plan.outputs = Needed(plan.due, Which::kAll, due);
+  publishes.insert(publishes.end(), plan.due.begin(), plan.due.end());
+  plan.outputs = Needed(publishes, Which::kAll, due);
   plan.monitors = Needed(monitors, Which::kAll);
   AppendSinks(monitors, plan.monitors);
   plan.verdicts = monitors;

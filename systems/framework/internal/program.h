@@ -57,7 +57,7 @@ struct UpdatePlan {
   std::vector<std::uint32_t> invalidates;  ///< held calculations that the new values make stale
   bool changes_continuous = false;
   bool feeds = false;  ///< the integrator has to start again afterwards
-  bool empty() const { return commits.empty(); }
+  bool empty() const { return ops.empty(); }
 };
 
 /// Everything that happens at a tick, for one combination of due sample groups.
@@ -83,6 +83,14 @@ struct WitnessPlan {
 struct Cell {
   const Source* source;
   Offset offset;
+};
+
+/// A value of run-time size whose numbers also have a place among the continuous states, or their
+/// derivatives.
+struct Unpacked {
+  const Source* source;
+  Offset offset;  ///< of that place
+  std::size_t count;
 };
 
 enum class Which { kVarying, kHeld, kAll };
@@ -113,6 +121,8 @@ struct Program {
   std::vector<Cell> cells;    ///< every stored value
   std::vector<Cell> objects;  ///< those of them that have to be copied by their type
   std::vector<Cell> saved;    ///< those of them that a snapshot holds
+  std::vector<Unpacked> unpacked_states;
+  std::vector<Unpacked> unpacked_derivatives;
 
   OpList derivatives;  ///< what varies and derivatives need, then the derivatives
   OpList held;         ///< what does not vary and derivatives or witnesses need
@@ -123,6 +133,7 @@ struct Program {
   /// Discrete state -> calculations, other than samples, that read it.
   std::unordered_map<const Source*, std::vector<int>> readers;
   UpdatePlan at_start;
+  OpList published_at_start;
   UpdatePlan each_step;
   OpList each_step_monitors;
   std::vector<const Source*> each_step_verdicts;

@@ -202,7 +202,7 @@ SundialsIntegrator::Stop SundialsIntegrator::Run::Start(double to) {
   if (std::equal(held.begin(), held.end(), context.continuous_data())) return stop;
   // With other options it is another step: what the context held counts.
   from.valid = false;
-  std::copy(held.begin(), held.end(), context.continuous_data());
+  context.LoadStates(held.data());
   std::copy(held.begin(), held.end(), solver.states());
   context.SetRunTime(time);
   Restart(time, FirstStep());
@@ -259,12 +259,13 @@ void SundialsIntegrator::Run::MoveContext(double t) {
     const bool there =
         at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
     if (there) return;
-    std::copy_n(solver.states(), program.num_continuous, context.continuous_data());
+    context.LoadStates(solver.states());
   } else if (solver.multistep()) {
-    solver.Interpolate(t, program.num_continuous, context.continuous_data());
+    solver.Interpolate(t, program.num_continuous, before.data());
+    context.LoadStates(before.data());
   } else {
     interpolant.At(t, *this, before.data());
-    std::copy(before.begin(), before.end(), context.continuous_data());
+    context.LoadStates(before.data());
   }
   context.SetRunTime(t);
 }
@@ -304,9 +305,10 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   ++evaluations;
   try {
     if (first || at_end) {
-      std::copy_n(y, size, context.continuous_data());
+      context.LoadStates(y);
       if (at_end) context.SetRunTime(end);
       context.RunStale(program.derivatives);
+      context.PackDerivatives();
       std::copy_n(context.derivative_data(), size, ydot);
     } else {
       context.CalcRunDerivatives(t, y, ydot);
@@ -326,7 +328,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
 
 int SundialsIntegrator::Run::Roots(double t, const double* y, double* g) {
   try {
-    std::copy_n(y, program.num_continuous, context.continuous_data());
+    context.LoadStates(y);
     const double now = context.time();
     *reinterpret_cast<double*>(context.memory_.get()) = t;
     context.RunAll(program.witnesses);

@@ -152,13 +152,28 @@ TEST(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
   EXPECT_THAT([&] { builder.Connect(here.y, there.u); }, refused("'there.u'", "target"));
 }
 
-TEST(DiagramBuilderTest, PortsInsideANestedDiagramAreRefusedFromOutside) {
+TEST(DiagramBuilderTest, PortsInsideANestedDiagramAreRefusedFromAnother) {
+  class Outer final : public Subdiagram {
+   public:
+    Outer() {
+      auto& box = Add<Box>("box", BoxParams{.connect_input = false});
+      Connect(Add<Map>("map", kSame).y, box.map.u);
+    }
+  };
+  DiagramBuilder builder;
+  EXPECT_THAT(
+      [&] { builder.Add<Outer>("outer"); },
+      ThrowsMessage<BuildError>(AllOf(HasSubstr("'box.map.u' cannot be the target"), HasSubstr("nested"))));
+}
+
+TEST(DiagramBuilderTest, TheBuilderReachesPortsAtAnyDepth) {
   DiagramBuilder builder;
   auto& box = builder.Add<Box>("box", BoxParams{.connect_input = false});
+  builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), box.map.u);
+  builder.Connect(builder.AddFunction("other", Uses(), [] { return 2.0; }), box.in);
   auto& map = builder.Add<Map>("map", kSame);
-  EXPECT_THAT(
-      [&] { builder.Connect(map.y, box.map.u); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'box.map.u' cannot be the target"), HasSubstr("nested"))));
+  builder.Connect(box.map.y, map.u);
+  EXPECT_EQ(builder.Build()->CreateContext()->Eval(map.y), box.map.params(1.0));
 }
 
 TEST(DiagramBuilderTest, WrongDirectionIsRefused) {

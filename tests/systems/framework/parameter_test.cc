@@ -1,0 +1,184 @@
+#include <tenon/systems/framework/parameter.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// u = kp (ref - x), limited, sampled.
+struct Limits {
+  double low = -5, high = 5;
+  static FieldList Fields() { return {{"low", &Limits::low, "N"}, {"high", &Limits::high, "N"}}; }
+};
+struct ServoParams {
+  double kp = 10;  // N/m
+  Limits limits = {};  // N
+  Rate rate = Hz(100);
+  void Validate() const {
+    Demand(kp > 0, "kp must be positive");
+    Demand(limits.low < limits.high, "limits.low must be below limits.high");
+  }
+};
+class Servo final : public LeafSystem<ServoParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
+  Parameter<double> kp{this, {"kp", "N/m"}, params.kp, "stiffness"};
+  Parameter<double> low{this, {"low", "N"}, params.limits.low};
+  Parameter<double> high{this, {"high", "N"}, params.limits.high};
+  Parameter<double> kd{this, {"kd", "N s/m"}, 2.0, "damping, no member of params"};
+  OutputPort<double> u{
+      this,
+      {"u", "N"},
+      Sampled{params.rate},
+      Uses(x, kp, kd, low, high),
+      [](const Vec<2>& x, double kp, double kd, double low, double high) {
+        return std::min(std::max(-kp * x[0] - kd * x[1], low), high);
+      }};
+};
+class Bounded final : public LeafSystem<Limits> {
+ public:
+  using LeafSystem::LeafSystem;
+  Parameter<Limits> limits{this, {"limits"}, params};
+  OutputPort<double> width{this, {"width", "N"}, Uses(limits), [](const Limits& l) { return l.high - l.low; }};
+};
+
+struct Loop {
+  DiagramBuilder builder;
+  Servo* servo;
+  Cart* cart;
+  explicit Loop(const ServoParams& params = {}) : servo(&builder.Add<Servo>("servo", params)), cart(&builder.Add<Cart>("cart")) {
+    builder.Connect(cart->state, servo->x);
+    builder.Connect(servo->u, cart->force);
+  }
+};
+
+std::vector<double> End(std::unique_ptr<Context> context, const Cart& cart) {
+  context->Set(cart.x, {1, 0});
+  Simulator simulator(std::move(context));
+  simulator.RunTo(1);
+  return simulator.context().EvalDoubles(cart.x);
+}
+
+TEST(ParameterTest, StartsWithWhatParamsHold) {
+  TestRig<Servo> rig({.kp = 3});
+  EXPECT_EQ(rig[rig->kp], 3);
+  rig.Fix(rig->x, {1, 0}).Tick();
+  EXPECT_EQ(rig[rig->u], -3);
+}
+
+TEST(ParameterTest, ChangesInTheMiddleOfARun) {
+  Loop loop;
+  Simulator simulator(loop.builder.Build());
+  simulator.context().Set(loop.cart->x, {0.1, 0});
+  simulator.RunTo(0.005);
+  EXPECT_EQ(simulator.context().Eval(loop.servo->u), -1);
+  simulator.context().Set(loop.servo->kp, 20);
+  EXPECT_EQ(simulator.context().Eval(loop.servo->u), -1) << "held until its tick";
+  simulator.RunTo(0.01);
+  EXPECT_NEAR(simulator.context().Eval(loop.servo->u), -2, 0.02);
+}
+
+TEST(ParameterTest, ASetValueGivesTheBitsOfOneThatWasBuilt) {
+  Loop loop;
+  const auto diagram = loop.builder.Build();
+  auto context = diagram->CreateContext();
+  context->Set(loop.servo->kp, 17);
+  Loop built({.kp = 17});
+  EXPECT_EQ(End(std::move(context), *loop.cart), End(built.builder.Build()->CreateContext(), *built.cart));
+}
+
+TEST(ParameterTest, VariantsOfOneDiagramRunInThreads) {
+  Loop loop;
+  const auto diagram = loop.builder.Build();
+  constexpr std::size_t kVariants = 40;
+  std::vector<std::vector<double>> ends(kVariants);
+  const auto run = [&](std::size_t begin) {
+    for (std::size_t i = begin; i < kVariants; i += 2) {
+      auto context = diagram->CreateContext();
+      context->Set(loop.servo->kp, 1.0 + static_cast<double>(i));
+      ends[i] = End(std::move(context), *loop.cart);
+    }
+  };
+  std::thread odd(run, 1);
+  run(0);
+  odd.join();
+  for (std::size_t i = 0; i < kVariants; ++i) {
+    Loop built({.kp = 1.0 + static_cast<double>(i)});
+    EXPECT_EQ(ends[i], End(built.builder.Build()->CreateContext(), *built.cart)) << i;
+  }
+}
+
+TEST(ParameterTest, SettingRunsValidateWithAllPresentValues) {
+  TestRig<Servo> rig;
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kp, -1); }, "'block.kp'", "kp must be positive"));
+  EXPECT_EQ(rig[rig->kp], 10) << "nothing is changed";
+  rig.Set(rig->high, 2);
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->low, 3); }, "'block.low'", "limits.low"));
+  rig.Set(rig->low, 1);
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kd, std::numeric_limits<double>::quiet_NaN()); }, "'block.kd'", "NaN"));
+}
+
+TEST(ParameterTest, SeveralAreSetAtOnce) {
+  TestRig<Servo> rig;
+  rig.context().Set(rig->low, 6, rig->high, 8.0);
+  EXPECT_EQ(rig[rig->low], 6);
+  EXPECT_EQ(rig[rig->high], 8);
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.context().Set(rig->high, 1, rig->low, 2); }, "limits.low"));
+  EXPECT_EQ(rig[rig->high], 8) << "nothing is changed";
+}
+
+TEST(ParameterTest, IsSavedAndCloned) {
+  Loop loop;
+  const auto diagram = loop.builder.Build();
+  auto context = diagram->CreateContext();
+  context->Set(loop.servo->kp, 17);
+  EXPECT_EQ(context->Clone()->Eval(loop.servo->kp), 17);
+  auto other = diagram->CreateContext();
+  other->Restore(context->Save());
+  EXPECT_EQ(other->Eval(loop.servo->kp), 17);
+}
+
+TEST(ParameterTest, IsListedWithUnitAndDescription) {
+  Loop loop;
+  const auto diagram = loop.builder.Build();
+  const auto parameters = diagram->parameters();
+  ASSERT_EQ(parameters.size(), 4u);
+  EXPECT_EQ(parameters[0]->path(), "servo.kp");
+  EXPECT_EQ(parameters[0]->elements()[0].unit, "N/m");
+  EXPECT_EQ(parameters[0]->description(), "stiffness");
+  EXPECT_EQ(parameters[0]->initial_numbers(), std::vector<double>{10});
+  auto context = diagram->CreateContext();
+  context->SetDoubles(*parameters[0], std::vector<double>{4});
+  EXPECT_EQ(context->Eval(loop.servo->kp), 4);
+  EXPECT_TRUE(Throws<ParameterError>([&] { context->SetDoubles(*parameters[0], std::vector<double>{-4}); }, "kp"));
+}
+
+TEST(ParameterTest, StructsAreSetAsAWhole) {
+  TestRig<Bounded> rig;
+  EXPECT_EQ(rig[rig->width], 10);
+  rig.Set(rig->limits, {.low = 1, .high = 4});
+  EXPECT_EQ(rig[rig->width], 3);
+}
+
+TEST(ParameterTest, RunsWithoutAllocating) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Loop loop;
+  Simulator simulator(loop.builder.Build());
+  simulator.RunTo(0.1);
+  const AllocationGuard guard;
+  simulator.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,128 @@
+#include <tenon/systems/framework/publish.h>
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+/// Writes down what it is told.
+class Reporter final : public LeafSystem<std::vector<double>*> {
+ public:
+  explicit Reporter(std::vector<double>* book) : LeafSystem(book) {}
+  InputPort<Vec<2>> x{this, "x"};
+  Witness zero{this, "zero", Crossing::kBoth, Uses(x), [](const Vec<2>& x) { return x[0]; }};
+  Publish at_rate{this, "at_rate", Sampled{Hz(10)}, Uses(time, x), &Reporter::Write};
+
+ private:
+  void Write(double time, const Vec<2>&) const { params->push_back(time); }
+};
+
+template <class When>
+class Once final : public LeafSystem<std::vector<Vec<2>>*> {
+ public:
+  explicit Once(std::vector<Vec<2>>* book) : LeafSystem(book) {}
+  InputPort<Vec<2>> x{this, "x"};
+  Publish write{this, "write", When{}, Uses(x), [this](const Vec<2>& x) { params->push_back(x); }};
+};
+
+class AtZero final : public LeafSystem<std::vector<Vec<2>>*> {
+ public:
+  explicit AtZero(std::vector<Vec<2>>* book) : LeafSystem(book) {}
+  InputPort<Vec<2>> x{this, "x"};
+  Witness zero{this, "zero", Crossing::kBoth, Uses(x), [](const Vec<2>& x) { return x[0]; }};
+  Publish write{this, "write", zero, Uses(x), [this](const Vec<2>& x) { params->push_back(x); }};
+};
+
+TEST(PublishTest, RunsAtItsRateAndChangesNoBit) {
+  std::vector<double> book;
+  const auto end = [&](bool publish) {
+    DiagramBuilder builder;
+    auto& oscillator = builder.Add<Oscillator>("oscillator");
+    if (publish) builder.Connect(oscillator.state, builder.Add<Reporter>("reporter", &book).x);
+    Simulator simulator(builder.Build());
+    simulator.RunTo(0.5);
+    EXPECT_EQ(simulator.statistics().evaluations > 0, true);
+    return std::pair(simulator.context().Eval(oscillator.state), simulator.statistics().evaluations);
+  };
+  EXPECT_EQ(end(false), end(true));
+  EXPECT_EQ(book, (std::vector<double>{0, 0.1, 0.2, 0.3, 0.4, 0.5}));
+}
+
+TEST(PublishTest, RunsOnceAtTheStart) {
+  std::vector<Vec<2>> book;
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Connect(oscillator.state, builder.Add<Once<AtStart>>("once", &book).x);
+  Simulator simulator(builder.Build());
+  simulator.RunTo(1);
+  EXPECT_EQ(book, (std::vector<Vec<2>>{{1, 0}}));
+}
+
+TEST(PublishTest, RunsAfterEachStep) {
+  std::vector<Vec<2>> book;
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Connect(oscillator.state, builder.Add<Once<EachStep>>("once", &book).x);
+  Simulator simulator(builder.Build());
+  simulator.RunTo(1);
+  EXPECT_GE(static_cast<long>(book.size()) + 1, simulator.statistics().steps);
+  EXPECT_LE(static_cast<long>(book.size()), simulator.statistics().steps);
+}
+
+TEST(PublishTest, RunsWhenAWitnessFires) {
+  std::vector<Vec<2>> book;
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Connect(oscillator.state, builder.Add<AtZero>("at_zero", &book).x);
+  Simulator simulator(builder.Build(), {.rtol = 1e-9});
+  simulator.RunTo(6);  // zeros at pi / 2 and 3 pi / 2
+  ASSERT_EQ(book.size(), 2u);
+  EXPECT_NEAR(book[0][1], -1, 1e-6);
+  EXPECT_NEAR(book[1][1], 1, 1e-6);
+}
+
+TEST(PublishTest, IsSilentOnRequest) {
+  std::vector<double> book;
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Connect(oscillator.state, builder.Add<Reporter>("reporter", &book).x);
+  Simulator simulator(builder.Build(), {.publish = false});
+  simulator.RunTo(1);
+  EXPECT_TRUE(book.empty());
+}
+
+TEST(PublishTest, WhatItThrowsEndsTheRunWithItsPath) {
+  class Broken final : public LeafSystem<void> {
+   public:
+    Publish send{this, "send", Sampled{Hz(10)}, Uses(time), [](double t) {
+                   if (t > 0.15) throw RunError("the wire is cut");
+                 }};
+  };
+  DiagramBuilder builder;
+  builder.Add<Broken>("radio");
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'radio.send'", "0.2", "the wire is cut"));
+}
+
+TEST(PublishTest, EvaluationsDoNotPublish) {
+  std::vector<double> book;
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Connect(oscillator.state, builder.Add<Reporter>("reporter", &book).x);
+  const auto diagram = builder.Build();
+  auto context = diagram->CreateContext();
+  context->Eval(oscillator.dx);
+  context->EvalTimeDerivatives();
+  EXPECT_TRUE(Throws<RunError>([&] { context->EvalDoubles(diagram->Find("reporter.at_rate")); },
+                               "'reporter.at_rate'", "no value"));
+  EXPECT_TRUE(book.empty());
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,95 @@
+// States whose size is known at run time only.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// x_i' = -i x_i + u from 1, for i = 1 … n; at t = 1 the first is set to 5.
+struct DecayParams {
+  Eigen::Index size = 3;
+  Eigen::Index wrong = 0;  ///< elements too many in the derivative
+};
+class Decay final : public LeafSystem<DecayParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<double> u{this, "u", 0.0};
+  ContinuousState<Eigen::VectorXd> x{this, {"x", "m"}, Eigen::VectorXd::Ones(params.size)};
+  OutputPort<Eigen::VectorXd> state{this, x};
+  TimeDerivative<Eigen::VectorXd> dx{x, Uses(x, u), [this](const Eigen::VectorXd& x, double u, Eigen::VectorXd* dx) {
+                                       dx->resize(x.size() + params.wrong);
+                                       dx->setZero();
+                                       for (Eigen::Index i = 0; i < x.size(); ++i)
+                                         (*dx)[i] = -static_cast<double>(i + 1) * x[i] + u;
+                                     }};
+  Update<Eigen::VectorXd> reset{x, Sampled{Hz(1), 1.0}, Uses(x), [](const Eigen::VectorXd& x, Eigen::VectorXd* next) {
+                                  *next = x;
+                                  (*next)[0] = 5;
+                                }};
+};
+
+TEST(RunTimeSizesTest, StatesAreIntegratedUpdatedLoggedAndNamed) {
+  for (const Eigen::Index size : {1, 3, 12}) {
+    for (const Method method : {Method::kErk, Method::kBdf}) {
+      DiagramBuilder builder;
+      auto& decay = builder.Add<Decay>("decay", {.size = size});
+      builder.Add<Oscillator>("other");
+      const auto diagram = builder.Build();
+      ASSERT_EQ(diagram->num_continuous_states(), size + 2);
+      EXPECT_EQ(diagram->ContinuousStateNames()[static_cast<std::size_t>(size)], "other.x.q");
+      Simulator simulator(*diagram, {.method = method, .rtol = 1e-9, .atol = 1e-11});
+      const auto log = simulator.AddLog(Hz(10), {&decay.state});
+      simulator.RunTo(1.5);
+      const Eigen::VectorXd& x = simulator.context().Eval(decay.x);
+      ASSERT_EQ(x.size(), size);
+      EXPECT_NEAR(x[0], 5 * std::exp(-0.5), 1e-6);
+      for (Eigen::Index i = 1; i < size; ++i) EXPECT_NEAR(x[i], std::exp(-1.5 * static_cast<double>(i + 1)), 1e-7);
+      EXPECT_EQ(x, simulator.context().continuous_state().head(size));
+      EXPECT_NEAR(log->row(5)[1], std::exp(-0.5), 1e-7);
+    }
+  }
+}
+
+TEST(RunTimeSizesTest, StatesAreSetClonedAndSaved) {
+  TestRig<Decay> rig({.size = 2});
+  rig.Set(rig->x, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(rig.context().continuous_state(), Eigen::Vector2d(3, 4));
+  const auto bytes = rig.context().Save();
+  const auto clone = rig.context().Clone();
+  clone->SetContinuousState(Eigen::Vector2d(7, 8));
+  EXPECT_EQ(clone->Eval(rig->x), Eigen::Vector2d(7, 8));
+  EXPECT_EQ(rig[rig->x], Eigen::Vector2d(3, 4));
+  clone->Restore(bytes);
+  EXPECT_EQ(clone->Eval(rig->x), Eigen::Vector2d(3, 4));
+  EXPECT_EQ(clone->continuous_state(), Eigen::Vector2d(3, 4));
+  rig.Fix(rig->u, 1);
+  EXPECT_EQ(rig.Derivative(rig->x), Eigen::Vector2d(-2, -7));
+  EXPECT_EQ(rig.context().EvalTimeDerivatives(), Eigen::Vector2d(-2, -7));
+}
+
+TEST(RunTimeSizesTest, SizesAreThoseOfTheInitialValue) {
+  TestRig<Decay> rig({.size = 2});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x' has 2", "has 3"));
+  TestRig<Decay> wrong({.size = 2, .wrong = 1});
+  EXPECT_TRUE(Throws<RunError>([&] { wrong.RunTo(0.1); }, "'block.d/dt x' has 3", "its state has 2"));
+}
+
+TEST(RunTimeSizesTest, RunsWithoutAllocating) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  TestRig<Decay> rig({.size = 20});
+  rig.RunTo(0.1);
+  const AllocationGuard guard;
+  rig.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon
