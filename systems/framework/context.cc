@@ -6,6 +6,7 @@
 #include <exception>
 
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/profiler.h>
 #include <tenon/systems/framework/internal/program.h>
 
 namespace tenon {
@@ -383,6 +384,7 @@ void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
 }
 
 void Context::RunAll(const internal::OpList& ops) {
+  if (profiler_ != nullptr) return RunProfiled(ops, true);
   const Op* op = ops.data();
   const Op* const end = op + ops.size();
   try {
@@ -393,6 +395,7 @@ void Context::RunAll(const internal::OpList& ops) {
 }
 
 void Context::RunStale(const internal::OpList& ops) {
+  if (profiler_ != nullptr) return RunProfiled(ops, false);
   const Op* op = ops.data();
   const Op* const end = op + ops.size();
   try {
@@ -404,6 +407,22 @@ void Context::RunStale(const internal::OpList& ops) {
   } catch (...) {
     RethrowFrom(*op);
   }
+}
+
+/// The same as the two above.
+void Context::RunProfiled(const internal::OpList& ops, bool all) {
+  const std::size_t before = profiler_->current();
+  for (const Op& op : ops) {
+    if (!all && !op.always && IsFresh(op)) continue;
+    profiler_->Enter(internal::Profiler::kCalculations + op.calculation);
+    try {
+      op.run(op.closure, memory_.get(), op.args);
+    } catch (...) {
+      RethrowFrom(op);
+    }
+    if (!all) stamps_[op.calculation] = instant_;
+  }
+  if (profiler_->current() != before) profiler_->Enter(before);
 }
 
 void Context::RethrowFrom(const Op& op) const {

@@ -24,6 +24,7 @@ struct CalculationInfo;
 struct UpdatePlan;
 struct TickPlan;
 struct Program;
+class Profiler;
 }  // namespace internal
 
 /// Everything of a run that changes: time, states, held samples, scratch, random streams, and the memory of
@@ -155,6 +156,7 @@ class Context {
   // Used by a run. Each runs a list; what throws is reported with its path and the time.
   void RunAll(const std::vector<internal::Op>& ops);
   void RunStale(const std::vector<internal::Op>& ops);
+  void RunProfiled(const std::vector<internal::Op>& ops, bool all);
   void Apply(const internal::UpdatePlan& plan);
   void SetRunTime(double time);
   void CalcRunDerivatives(double t, const double* x, double* xdot);
@@ -170,6 +172,8 @@ class Context {
   std::vector<std::uint64_t> stamps_;
   std::uint64_t instant_ = 1;
   std::vector<bool> fixed_;  ///< which open inputs have been set
+
+  internal::Profiler* profiler_ = nullptr;  ///< of the simulator that runs it
 
   /// Counts what anybody but the run has changed.
   std::uint64_t edition_ = 0;

@@ -42,6 +42,9 @@ class Diagram : public std::enable_shared_from_this<Diagram> {
   const std::vector<std::unique_ptr<System>>& blocks() const { return blocks_; }
   /// All Parameters, in the order of the blocks.
   std::vector<const internal::ParameterSource*> parameters() const;
+  /// The diagram in words: blocks with their ports, units and rates; in which order what is computed at each
+  /// tick; what the integrator evaluates, and what makes it start again.
+  std::string Describe() const;
   /// The diagram as a Graphviz program: blocks, port names, sample periods in colour, subdiagrams as boxes.
   std::string Graphviz() const;
 

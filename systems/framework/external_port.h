@@ -19,8 +19,8 @@ class ExternalPort : public OutputPort<T> {
   template <class... A, class F>
   ExternalPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function,
                std::uint64_t tag = internal::TagOf<F>::value)
-      : OutputPort<T>(owner, std::move(spec), std::move(initial), sampled, std::move(uses), std::move(function),
-                      tag) {
+      : OutputPort<T>(owner, std::move(spec), std::move(initial), sampled, std::move(uses),
+                      std::move(function), tag) {
     this->SetComesFromOutside();
   }
 };

@@ -18,17 +18,16 @@ struct Recorded {
 template <class T>
 using Recording = std::vector<Recorded<T>>;
 
-/// What a block that takes values from outside keeps of them in the context, so that a context that was saved or
-/// cloned goes on with the same.
+/// What a block that takes values from outside keeps of them in the context, so that a context that was saved
+/// or cloned goes on with the same.
 template <class T>
 struct TakenOver {
   T value = internal::Zeroed<T>();
   std::uint64_t number = 0;  ///< of the last one, as the block counts them
   Recording<T> recording;    ///< those of the run so far, if asked for
   static FieldList Fields() {
-    return {{"value", &TakenOver::value},
-            {"number", &TakenOver::number},
-            {"recording", &TakenOver::recording}};
+    return {
+        {"value", &TakenOver::value}, {"number", &TakenOver::number}, {"recording", &TakenOver::recording}};
   }
 
   void Take(double time, const T& taken, bool record) {

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <thread>
 
+#include <tenon/systems/framework/internal/profiler.h>
 #include <tenon/systems/framework/internal/program.h>
 #include <tenon/systems/framework/internal/schedule.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
 
 namespace tenon {
 
+using internal::Profiled;
+using internal::Profiler;
 using internal::TickPlan;
 
 namespace {
@@ -48,6 +51,8 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
                     "give the seed to Diagram::CreateContext",
                     *options_.seed, context_->seed()));
   }
+  if (options_.profile) profiler_ = std::make_unique<Profiler>(program_.calculations.size());
+  context_->profiler_ = profiler_.get();
   for (const internal::CalculationInfo& info : program_.calculations) {
     if (info.source->kind() == SourceKind::kPublish) context_->Mute(*info.source, !options_.publish);
   }
@@ -61,6 +66,45 @@ Simulator::~Simulator() = default;
 
 IntegratorStatistics Simulator::statistics() const {
   return integrator_->statistics();
+}
+
+RunProfile Simulator::Profile() const {
+  if (!profiler_) throw RunError("this run is not profiled: make the Simulator with .profile = true");
+  RunProfile profile;
+  profile.integrator = profiler_->seconds(Profiler::kIntegrator);
+  profile.logs = profiler_->seconds(Profiler::kLogs);
+  profile.ticks = profiler_->seconds(Profiler::kTicks);
+  profile.waiting = profiler_->seconds(Profiler::kWaiting);
+  profile.total = profile.integrator + profile.logs + profile.ticks + profile.waiting;
+  for (std::size_t i = 0; i < program_.calculations.size(); ++i) {
+    const std::size_t part = Profiler::kCalculations + i;
+    if (profiler_->calls(part) == 0) continue;
+    profile.calculations.push_back(
+        {program_.calculations[i].source->path(), profiler_->calls(part), profiler_->seconds(part)});
+    profile.total += profiler_->seconds(part);
+  }
+  std::stable_sort(profile.calculations.begin(), profile.calculations.end(),
+                   [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
+  return profile;
+}
+
+void Simulator::AddMonitor(std::function<Verdict(Context&)> monitor) {
+  if (!monitor) throw ParameterError("AddMonitor: give a function, not an empty std::function");
+  monitors_.push_back(std::move(monitor));
+}
+
+void Simulator::AskMonitors() {
+  for (const auto& monitor : monitors_) {
+    const std::uint64_t edition = context_->edition_;
+    const Verdict verdict = monitor(*context_);
+    if (context_->edition_ != edition) {
+      throw RunError(
+          "a monitor has changed the context: a monitor may only read; let an Update change states, or Set "
+          "them "
+          "between advances");
+    }
+    if (verdict && !end_reason_) end_reason_ = "monitor: " + *verdict;
+  }
 }
 
 double Simulator::next_tick_time() const {
@@ -122,6 +166,8 @@ RunStatus Simulator::AdvanceTo(double time) {
                     context_->failure_));
   }
   context_->CheckAllFixed();
+  if (profiler_) profiler_->Start();
+  const Profiled advance(profiler_.get(), Profiler::kTicks);
   try {
     Synchronize();
     steps_ = 0;
@@ -166,16 +212,19 @@ void Simulator::Start() {
     if (info.sampled && output) context_->CheckSample(info);  // or the run starts between their ticks
   }
   context_->RunStale(program_.published_at_start);
+  AskMonitors();
 }
 
 /// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator
 /// runs ahead, step by step if something is to be read on the way; what follows a step happens where it ends.
 void Simulator::IntegrateTo(double target) {
-  const bool each_step = !program_.each_step.empty() || !program_.each_step_verdicts.empty();
+  const bool each_step =
+      !program_.each_step.empty() || !program_.each_step_verdicts.empty() || !monitors_.empty();
   if (program_.num_continuous == 0 && program_.witness_plans.empty() && !each_step) {
     context_->SetRunTime(target);
     return;
   }
+  const Profiled integration(profiler_.get(), Profiler::kIntegrator);
   const double horizon = schedule_->next_feeding_time();
   const bool by_step = each_step || !program_.witness_plans.empty() || horizon - target > Tiny(target);
   while (!end_reason_) {
@@ -207,11 +256,13 @@ void Simulator::IntegrateTo(double target) {
 
 /// Moves to where the integrator has come, and does what follows a step.
 void Simulator::EndStep() {
+  const Profiled end(profiler_.get(), Profiler::kTicks);
   step_ends_ = false;
   integrator_->MoveContext(integrator_->finish());
   // A root inside a step ends it if the integrator has to start again there.
   if (!root_ || !integrator_->in_step() || RootsFeed()) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
+    AskMonitors();
     Apply(program_.each_step);
   }
   if (root_) HandleRoots();
@@ -259,6 +310,7 @@ void Simulator::Tick(bool first) {
     CheckSamples(*plan);
   }
   for (auto log = logs_begin; log != due.end(); ++log) {
+    const Profiled logging(profiler_.get(), Profiler::kLogs);
     for (const auto& each : logs_[static_cast<std::size_t>(*log - num_groups)].logs) each->Sample();
   }
   if (first) EvaluateWitnesses(witness_values_);
@@ -356,6 +408,7 @@ void Simulator::KeepPace() {
   if (options_.real_time_rate <= 0) return;
   const std::chrono::duration<double> due((context_->time() - pace_start_time_) / options_.real_time_rate);
   const std::chrono::nanoseconds start(*pace_start_);
+  const Profiled waiting(profiler_.get(), Profiler::kWaiting);
   std::this_thread::sleep_until(
       Clock::time_point(start + std::chrono::duration_cast<std::chrono::nanoseconds>(due)));
 }

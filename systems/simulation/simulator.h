@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include <tenon/systems/framework/context.h>
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/simulation/run_profile.h>
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
@@ -16,6 +18,7 @@ namespace tenon {
 class SundialsIntegrator;
 
 namespace internal {
+class Profiler;
 class Schedule;
 struct UpdatePlan;
 }  // namespace internal
@@ -69,6 +72,13 @@ class Simulator {
   double next_tick_time() const;
 
   IntegratorStatistics statistics() const;
+  /// Where the time of the run went, since the simulator was made. Throws RunError unless `.profile` is set.
+  RunProfile Profile() const;
+
+  /// Asks `monitor` at the start and after every step of the integrator whether the run goes on: what it
+  /// returns, if anything, is the reason for which it ends here. It must not change the context. For one that
+  /// belongs to a block, declare a Monitor there.
+  void AddMonitor(std::function<Verdict(Context&)> monitor);
 
  private:
   void Synchronize();
@@ -84,6 +94,7 @@ class Simulator {
   void HandleJumps();
   void Fire(std::size_t witness);
   void EvaluateWitnesses(std::vector<double>& values);
+  void AskMonitors();
   void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
   void CheckSamples(const internal::TickPlan& plan) const;
   void KeepPace();
@@ -106,6 +117,9 @@ class Simulator {
     std::vector<std::unique_ptr<SignalLog>> logs;
   };
   std::vector<RatedLog> logs_;
+
+  std::vector<std::function<Verdict(Context&)>> monitors_;
+  std::unique_ptr<internal::Profiler> profiler_;
 
   std::vector<double> witness_values_;
   std::vector<double> new_witness_values_;

@@ -34,7 +34,8 @@ struct SimulatorOptions {
   long max_steps = 100000;    ///< in an advance, between two ticks that restart the integrator
   int max_events = 100;       ///< of witnesses at one instant; more is an error
   double real_time_rate = 0;  ///< 1 paces the run to the clock, 0 runs as fast as it can
-  bool publish = true;        ///< whether what Publishes send goes out
+  bool profile = false;  ///< whether Simulator::Profile is wanted; each calculation takes some 50 ns more
+  bool publish = true;   ///< whether what Publishes send goes out
   /// Of the random streams of a context that the simulator makes, else 0; one that exists has its own.
   std::optional<std::uint64_t> seed = {};
 };

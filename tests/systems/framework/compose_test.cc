@@ -49,7 +49,8 @@ class Odd final : public LeafSystem<void> {
  public:
   InputPort<double> x{this, "x", 0.0};
   InputPort<double> goal{this, "goal"};
-  OutputPort<double> force{this, {"force", "N"}, Uses(x, goal), [](double x, double goal) { return goal - x; }};
+  OutputPort<double> force{
+      this, {"force", "N"}, Uses(x, goal), [](double x, double goal) { return goal - x; }};
 };
 
 /// Passes 3 ms later on.
@@ -134,8 +135,8 @@ TEST(ComposeTest, PortsThatDifferAreListedInOneError) {
   loop.servo.Disconnect(loop.servo.u);
   loop.servo.Connect(odd.force, loop.servo.u);
   builder.Connect(builder.AddFunction({"goal"}, Uses(), [] { return 4.0; }), odd.goal);
-  builder.Connect(builder.AddFunction({"position"}, Uses(loop.cart.state), [](const Vec<2>& x) { return x[0]; }),
-                  odd.x);
+  builder.Connect(
+      builder.AddFunction({"position"}, Uses(loop.cart.state), [](const Vec<2>& x) { return x[0]; }), odd.x);
   EXPECT_EQ(ForceAt(*builder.Build(), loop.cart, 0), 3);
 }
 
@@ -146,7 +147,8 @@ TEST(ComposeTest, PortsOfAReplacedBlockAreRefusedEverywhere) {
   auto& delay = AddDelay(builder);
   const char *replaced = "was replaced", *where = "'loop.servo.pd'";
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.pd.u, delay.u); }, replaced, where));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.pd.u, delay.u, delay.y); }, replaced, where));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.Insert(loop.servo.pd.u, delay.u, delay.y); }, replaced, where));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(loop.servo.pd.x); }, replaced, where));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Bang>(loop.servo.pd, 6.0); }, replaced, where));
   builder.Connect(loop.servo.u, delay.u);
@@ -165,7 +167,8 @@ TEST(ComposeTest, WhatIsReplacedMustBeInTheBuilder) {
 TEST(ComposeTest, AReplacementThatIsRefusedChangesNothing) {
   DiagramBuilder builder;
   auto& loop = builder.Add<Shipped>("loop");
-  EXPECT_TRUE(Throws<ParameterError>([&] { builder.Replace<Cart>(loop.cart, {.mass = -1}); }, "'loop.cart'", "mass"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { builder.Replace<Cart>(loop.cart, {.mass = -1}); }, "'loop.cart'", "mass"));
   EXPECT_EQ(loop.cart.replaced_by(), nullptr);
   builder.Build();
 }
@@ -202,11 +205,13 @@ TEST(ComposeTest, InsertRefusesWhatMakesNoSense) {
   auto& loop = builder.Add<Shipped>("loop");
   auto& delay = AddDelay(builder);
   auto& other = builder.Add<SampleDelay<double>>("other");
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(delay.y, other.u, other.y); }, "nothing reads 'delay.y'", "other"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(delay.y, other.u, other.y); },
+                                 "nothing reads 'delay.y'", "other"));
   builder.Connect(loop.servo.u, other.u);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.pd.u, other.u, other.y); }, "'other.u'",
                                  "connected to 'loop.servo.u' already"));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.u, delay.u, delay.u); }, "'delay.u'", "in this order"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.u, delay.u, delay.u); }, "'delay.u'",
+                                 "in this order"));
 }
 
 TEST(ComposeTest, DisconnectOpensAnInputAgain) {
@@ -214,7 +219,8 @@ TEST(ComposeTest, DisconnectOpensAnInputAgain) {
   auto& loop = builder.Add<Shipped>("loop");
   builder.Disconnect(loop.cart.force);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'loop.cart.force' is not connected"));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(loop.cart.force); }, "'loop.cart.force'", "no connection"));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.Disconnect(loop.cart.force); }, "'loop.cart.force'", "no connection"));
   builder.Connect(builder.AddFunction({"constant", "N"}, Uses(), [] { return 3.0; }), loop.cart.force);
   EXPECT_EQ(ForceAt(*builder.Build(), loop.cart, 0), 3);
 }

@@ -20,7 +20,7 @@ struct Limits {
   static FieldList Fields() { return {{"low", &Limits::low, "N"}, {"high", &Limits::high, "N"}}; }
 };
 struct ServoParams {
-  double kp = 10;  // N/m
+  double kp = 10;      // N/m
   Limits limits = {};  // N
   Rate rate = Hz(100);
   void Validate() const {
@@ -36,27 +36,28 @@ class Servo final : public LeafSystem<ServoParams> {
   Parameter<double> low{this, {"low", "N"}, params.limits.low};
   Parameter<double> high{this, {"high", "N"}, params.limits.high};
   Parameter<double> kd{this, {"kd", "N s/m"}, 2.0, "damping, no member of params"};
-  OutputPort<double> u{
-      this,
-      {"u", "N"},
-      Sampled{params.rate},
-      Uses(x, kp, kd, low, high),
-      [](const Vec<2>& x, double kp, double kd, double low, double high) {
-        return std::min(std::max(-kp * x[0] - kd * x[1], low), high);
-      }};
+  OutputPort<double> u{this,
+                       {"u", "N"},
+                       Sampled{params.rate},
+                       Uses(x, kp, kd, low, high),
+                       [](const Vec<2>& x, double kp, double kd, double low, double high) {
+                         return std::min(std::max(-kp * x[0] - kd * x[1], low), high);
+                       }};
 };
 class Bounded final : public LeafSystem<Limits> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<Limits> limits{this, {"limits"}, params};
-  OutputPort<double> width{this, {"width", "N"}, Uses(limits), [](const Limits& l) { return l.high - l.low; }};
+  OutputPort<double> width{
+      this, {"width", "N"}, Uses(limits), [](const Limits& l) { return l.high - l.low; }};
 };
 
 struct Loop {
   DiagramBuilder builder;
   Servo* servo;
   Cart* cart;
-  explicit Loop(const ServoParams& params = {}) : servo(&builder.Add<Servo>("servo", params)), cart(&builder.Add<Cart>("cart")) {
+  explicit Loop(const ServoParams& params = {})
+      : servo(&builder.Add<Servo>("servo", params)), cart(&builder.Add<Cart>("cart")) {
     builder.Connect(cart->state, servo->x);
     builder.Connect(servo->u, cart->force);
   }
@@ -125,7 +126,8 @@ TEST(ParameterTest, SettingRunsValidateWithAllPresentValues) {
   rig.Set(rig->high, 2);
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->low, 3); }, "'block.low'", "limits.low"));
   rig.Set(rig->low, 1);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kd, std::numeric_limits<double>::quiet_NaN()); }, "'block.kd'", "NaN"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kd, std::numeric_limits<double>::quiet_NaN()); },
+                                     "'block.kd'", "NaN"));
 }
 
 TEST(ParameterTest, SeveralAreSetAtOnce) {
@@ -160,7 +162,8 @@ TEST(ParameterTest, IsListedWithUnitAndDescription) {
   auto context = diagram->CreateContext();
   context->SetDoubles(*parameters[0], std::vector<double>{4});
   EXPECT_EQ(context->Eval(loop.servo->kp), 4);
-  EXPECT_TRUE(Throws<ParameterError>([&] { context->SetDoubles(*parameters[0], std::vector<double>{-4}); }, "kp"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { context->SetDoubles(*parameters[0], std::vector<double>{-4}); }, "kp"));
 }
 
 TEST(ParameterTest, StructsAreSetAsAWhole) {

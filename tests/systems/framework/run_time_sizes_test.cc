@@ -24,13 +24,15 @@ class Decay final : public LeafSystem<DecayParams> {
   InputPort<double> u{this, "u", 0.0};
   ContinuousState<Eigen::VectorXd> x{this, {"x", "m"}, Eigen::VectorXd::Ones(params.size)};
   OutputPort<Eigen::VectorXd> state{this, x};
-  TimeDerivative<Eigen::VectorXd> dx{x, Uses(x, u), [this](const Eigen::VectorXd& x, double u, Eigen::VectorXd* dx) {
+  TimeDerivative<Eigen::VectorXd> dx{x, Uses(x, u),
+                                     [this](const Eigen::VectorXd& x, double u, Eigen::VectorXd* dx) {
                                        dx->resize(x.size() + params.wrong);
                                        dx->setZero();
                                        for (Eigen::Index i = 0; i < x.size(); ++i)
                                          (*dx)[i] = -static_cast<double>(i + 1) * x[i] + u;
                                      }};
-  Update<Eigen::VectorXd> reset{x, Sampled{Hz(1), 1.0}, Uses(x), [](const Eigen::VectorXd& x, Eigen::VectorXd* next) {
+  Update<Eigen::VectorXd> reset{x, Sampled{Hz(1), 1.0}, Uses(x),
+                                [](const Eigen::VectorXd& x, Eigen::VectorXd* next) {
                                   *next = x;
                                   (*next)[0] = 5;
                                 }};
@@ -51,7 +53,8 @@ TEST(RunTimeSizesTest, StatesAreIntegratedUpdatedLoggedAndNamed) {
       const Eigen::VectorXd& x = simulator.context().Eval(decay.x);
       ASSERT_EQ(x.size(), size);
       EXPECT_NEAR(x[0], 5 * std::exp(-0.5), 1e-6);
-      for (Eigen::Index i = 1; i < size; ++i) EXPECT_NEAR(x[i], std::exp(-1.5 * static_cast<double>(i + 1)), 1e-7);
+      for (Eigen::Index i = 1; i < size; ++i)
+        EXPECT_NEAR(x[i], std::exp(-1.5 * static_cast<double>(i + 1)), 1e-7);
       EXPECT_EQ(x, simulator.context().continuous_state().head(size));
       EXPECT_NEAR(log->row(5)[1], std::exp(-0.5), 1e-7);
     }
@@ -77,7 +80,8 @@ TEST(RunTimeSizesTest, StatesAreSetClonedAndSaved) {
 
 TEST(RunTimeSizesTest, SizesAreThoseOfTheInitialValue) {
   TestRig<Decay> rig({.size = 2});
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x' has 2", "has 3"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x' has 2", "has 3"));
   TestRig<Decay> wrong({.size = 2, .wrong = 1});
   EXPECT_TRUE(Throws<RunError>([&] { wrong.RunTo(0.1); }, "'block.d/dt x' has 3", "its state has 2"));
 }

@@ -33,7 +33,8 @@ struct Pushed {
   DiagramBuilder builder;
   Cart* cart = &builder.Add<Cart>("cart");
   Input* input;
-  explicit Pushed(ExternalInputParams<double> params) : input(&builder.Add<Input>("input", std::move(params))) {
+  explicit Pushed(ExternalInputParams<double> params)
+      : input(&builder.Add<Input>("input", std::move(params))) {
     builder.Connect(input->y, cart->force);
   }
 };

@@ -694,5 +694,35 @@ TEST(SimulatorTest, LogsAreFlushedAfterAnError) {
   EXPECT_EQ(sink->flushed_rows, 5);
 }
 
+TEST(SimulatorTest, AMonitorOfTheSimulatorEndsTheRun) {
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  const auto diagram = builder.Build();
+  Simulator simulator(diagram);
+  simulator.AddMonitor([&](Context& context) -> Verdict {
+    if (context.Eval(oscillator.state)[0] < 0) return "it swings back";
+    return {};
+  });
+  const RunStatus status = simulator.AdvanceTo(3);
+  EXPECT_TRUE(status.ended);
+  EXPECT_EQ(status.reason, "monitor: it swings back");
+  EXPECT_NEAR(status.time, 1.6, 0.2);
+  Simulator at_start(diagram);
+  at_start.AddMonitor([](Context&) -> Verdict { return "never begin"; });
+  EXPECT_EQ(at_start.AdvanceTo(1).time, 0);
+}
+
+TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  Simulator simulator(builder.Build());
+  simulator.AddMonitor([&](Context& context) -> Verdict {
+    context.Set(oscillator.x, {0, 0});
+    return {};
+  });
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a monitor has changed the context"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddMonitor({}); }, "AddMonitor"));
+}
+
 }  // namespace
 }  // namespace tenon
