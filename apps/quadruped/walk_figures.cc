@@ -24,12 +24,13 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.errors.errors,
                                      &loop.errors.external_foot_forces};
   if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  for (const Source*& signal : signals) signal = &signal->Current();
   return signals;
 }
 
 std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
   std::vector<const Source*> judged = Signals(loop);
-  judged.push_back(Solves(loop.locomotion));
+  judged.push_back(&Solves(loop.locomotion)->Current());
   return judged;
 }
 

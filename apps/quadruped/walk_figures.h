@@ -23,7 +23,7 @@ class WalkFigures final : public LogSink {
 
   /// What shows it in a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
-    return {&loop.world.plant.geometry, &loop.view.geometry};
+    return {&Current(loop.world.plant.geometry), &Current(loop.view.geometry)};
   }
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);

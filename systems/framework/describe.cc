@@ -111,7 +111,8 @@ class Description {
         text_ += fmt::format("{}  {} {}: {}{}{}{}\n", indent, KindName(source->kind()), source->name(),
                              source->type_name(), Units(*source), When(*source), from);
       }
-      if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) WriteBlocks(nested->blocks(), indent + "  ");
+      if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
+        WriteBlocks(nested->blocks(), indent + "  ");
     }
   }
 
@@ -124,8 +125,9 @@ class Description {
                             static_cast<double>(group.period.denominator),
                    offset = 1000.0 * static_cast<double>(group.offset.numerator) /
                             static_cast<double>(group.offset.denominator);
-      text_ += fmt::format("  every {:g} ms{}{}\n", period, offset > 0 ? fmt::format(" from {:g} ms", offset) : "",
-                           group.feeds ? ", restarts the integrator" : ", reads only");
+      text_ +=
+          fmt::format("  every {:g} ms{}{}\n", period, offset > 0 ? fmt::format(" from {:g} ms", offset) : "",
+                      group.feeds ? ", restarts the integrator" : ", reads only");
       const internal::TickPlan plan = program_.MakeTick({static_cast<int>(i)});
       WriteOps("computes", plan.outputs);
       WriteOps("asks", plan.monitors);

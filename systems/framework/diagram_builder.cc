@@ -205,6 +205,37 @@ void Assembly::IgnoreUnitsOf(Source& to) {
 
 }  // namespace internal
 
+const Source& Source::Current() const {
+  const System* replaced = nullptr;  // the outermost
+  for (const System* block = owner_; block != nullptr; block = block->parent()) {
+    if (block->replaced_by() != nullptr) replaced = block;
+  }
+  if (replaced == nullptr) return *this;
+  std::vector<std::string> names;  // from the inside out
+  for (const System* block = owner_; block != replaced; block = block->parent())
+    names.push_back(block->name());
+  const System* now = replaced;
+  while (now->replaced_by() != nullptr) now = now->replaced_by();
+  for (; now != nullptr && !names.empty(); names.pop_back()) {
+    const auto* nested = dynamic_cast<const Subdiagram*>(now);
+    now = nullptr;
+    if (nested == nullptr) break;
+    for (const auto& block : nested->blocks()) {
+      if (block->name() == names.back()) now = block.get();
+    }
+  }
+  if (now != nullptr) {
+    for (const Source* source : now->sources()) {
+      if (source->kind() == kind_ && source->name() == name() && *source->type_->id == *type_->id)
+        return *source;
+    }
+  }
+  throw BuildError(
+      fmt::format("'{}' is needed, but the block that replaced '{}' has no '{}' ({}): give it that, or do "
+                  "without what reads it",
+                  path(), replaced->path(), name(), type_name()));
+}
+
 std::shared_ptr<const Diagram> DiagramBuilder::Compile(bool open_inputs) {
   auto program =
       std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks(), open_inputs));

@@ -147,6 +147,10 @@ class Source : public internal::Declared {
   void AppendTo(std::vector<internal::Slot>& slots) const {
     slots.push_back({internal::Slot::What::kSource, this});
   }
+  /// The same, unless its block, or a diagram around it, was replaced (see DiagramBuilder::Replace): then
+  /// what has its path and type now. Figures and reports of a diagram that ships find what they need so.
+  /// Throws BuildError that names what the new block lacks.
+  const Source& Current() const;
   /// What provides this port's value: through connections up to a state, a calculation or an open input.
   const Source& Resolve() const;
 
@@ -201,5 +205,11 @@ class Source : public internal::Declared {
   internal::Offset offset_ = 0;
   int calculation_ = -1;  ///< index among the diagram's calculations
 };
+
+/// Source::Current with the type of the port.
+template <class Port>
+const Port& Current(const Port& port) {
+  return static_cast<const Port&>(port.Current());
+}
 
 }  // namespace tenon

@@ -40,8 +40,9 @@ std::string RunProfile::Text() const {
     text += fmt::format("{}\n", title);
     for (std::size_t i = 0; i < std::min(entries.size(), kRows); ++i) {
       const Entry& each = entries[i];
-      text += fmt::format("  {:5.1f} %  {:>10} calls  {:8.3f} us each  {}\n", part(each.seconds), each.calls,
-                          each.calls > 0 ? 1e6 * each.seconds / static_cast<double>(each.calls) : 0.0, each.path);
+      text +=
+          fmt::format("  {:5.1f} %  {:>10} calls  {:8.3f} us each  {}\n", part(each.seconds), each.calls,
+                      each.calls > 0 ? 1e6 * each.seconds / static_cast<double>(each.calls) : 0.0, each.path);
     }
   };
   list("blocks", Blocks());

@@ -12,13 +12,13 @@ namespace tenon {
 /// A part of a walk with one gait and constant velocities: a straight line, an arc, a turn on the spot.
 struct WalkSegment {
   Gait gait = Gait::kStand;
-  double forward = 0;              ///< [m/s]
-  double left = 0;                 ///< [m/s]
-  double yaw_rate = 0;             ///< [rad/s]
-  std::optional<double> duration;  ///< [s]
-  std::optional<double> length;    ///< of path, instead of the duration [m]
-  double squat_amplitude = 0;      ///< of the CoM's height about the nominal one [m]
-  double squat_frequency = 0.5;    ///< [Hz]
+  double forward = 0;                   ///< [m/s]
+  double left = 0;                      ///< [m/s]
+  double yaw_rate = 0;                  ///< [rad/s]
+  std::optional<double> duration = {};  ///< [s]
+  std::optional<double> length = {};    ///< of path, instead of the duration [m]
+  double squat_amplitude = 0;           ///< of the CoM's height about the nominal one [m]
+  double squat_frequency = 0.5;         ///< [Hz]
 
   static FieldList Fields() {
     return {Required("gait", &WalkSegment::gait),

@@ -9,7 +9,7 @@
 
 int main() {
   tenon::DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart", CartParams{.mass = 2});
+  auto& cart = builder.Add<Cart>("cart", {.mass = 2});
   auto& pd = builder.Add<Pd>("pd");
   auto& ref = builder.AddFunction({"ref", "m"}, tenon::Uses(builder.time),
                                   [](double t) { return t < 1 ? 0.0 : 0.2; });

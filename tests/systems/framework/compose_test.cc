@@ -157,6 +157,20 @@ TEST(ComposeTest, PortsOfAReplacedBlockAreRefusedEverywhere) {
   EXPECT_TRUE(Throws<RunError>([&] { simulator.AddLog(Hz(10), {&loop.servo.pd.u}); }, replaced, where));
 }
 
+TEST(ComposeTest, FiguresFindWhatStandsWhereAPortWas) {
+  DiagramBuilder builder;
+  auto& loop = builder.Add<Shipped>("loop");
+  const OutputPort<double>& u = loop.servo.pd.u;
+  EXPECT_EQ(&Current(u), &u);
+  auto& bang = builder.Replace<Bang>(loop.servo.pd, 5.0);
+  EXPECT_EQ(&Current(u), &bang.u);
+  auto& odd = builder.Replace<Odd>(bang);
+  EXPECT_TRUE(Throws<BuildError>([&] { Current(u); }, "'loop.servo.pd.u'", "no 'u' (double)"));
+  static_cast<void>(odd);
+  auto& servo = builder.Replace<Servo>(loop.servo, {.kp = 20});
+  EXPECT_EQ(&Current(u), &servo.pd.u) << "inside of what was exchanged";
+}
+
 TEST(ComposeTest, WhatIsReplacedMustBeInTheBuilder) {
   DiagramBuilder builder, other;
   auto& pd = other.Add<Pd>("pd");

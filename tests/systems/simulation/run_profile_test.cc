@@ -21,7 +21,8 @@ double Busy(double u) {
 TEST(RunProfileTest, AccountsForTheTimeOfTheRun) {
   DiagramBuilder builder;
   auto& oscillator = builder.Add<Oscillator>("oscillator");
-  const auto& position = builder.AddFunction({"position"}, Uses(oscillator.state), [](const Vec<2>& x) { return x[0]; });
+  const auto& position =
+      builder.AddFunction({"position"}, Uses(oscillator.state), [](const Vec<2>& x) { return x[0]; });
   auto& busy = builder.Add<SampledMap>("busy", SampledMapParams{Busy, Sampled{Hz(100)}});
   builder.Connect(position, busy.u);
   builder.Connect(busy.y, oscillator.u);

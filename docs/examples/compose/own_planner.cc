@@ -1,0 +1,16 @@
+// The walking robot that ships, with a swing planner of one's own in it.
+
+#include "arc_planner.h"
+#include "walk.h"
+
+int main() {
+  const tenon::QuadrupedWalkParams params = TrotParams();
+  tenon::DiagramBuilder builder;
+  auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", params);
+  auto& planner = builder.Replace<ArcPlanner>(loop.locomotion.swing_planner, {.robot = params.world.plant.robot});
+
+  tenon::Simulator simulator(builder.Build());
+  const int code = WalkFor(3, simulator, loop);
+  std::printf("'%s' lifts feet by %.0f mm\n", planner.path().c_str(), 1000 * planner.params.height);
+  return code;
+}

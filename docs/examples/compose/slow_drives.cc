@@ -1,0 +1,22 @@
+// The walking robot that ships, whose drives answer 3 ms late and with a lag of 40 Hz.
+
+#include <numbers>
+#include <tenon/systems/primitives/low_pass_filter.h>
+#include <tenon/systems/primitives/sample_delay.h>
+
+#include "walk.h"
+
+int main() {
+  using Torque = tenon::Vec<12>;
+  constexpr double kLag = 1 / (2 * std::numbers::pi * 40);  // s
+
+  tenon::DiagramBuilder builder;
+  auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
+  auto& delay = builder.Add<tenon::SampleDelay<Torque>>("delay", {.samples = 3, .unit = "N m"});
+  auto& lag = builder.Add<tenon::LowPassFilter<Torque>>("lag", {.time_constant = kLag, .unit = "N m"});
+  builder.Insert(loop.locomotion.torque, delay.u, delay.y);
+  builder.Insert(delay.y, lag.u, lag.y);
+
+  tenon::Simulator simulator(builder.Build());
+  return WalkFor(3, simulator, loop);
+}

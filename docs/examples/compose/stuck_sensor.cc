@@ -1,0 +1,30 @@
+// The walking robot that ships, whose inertial unit sticks at t = 2 s: its observer goes on with the last value.
+
+#include <tenon/systems/block.h>
+
+#include "walk.h"
+
+/// y = u until `time`, then what u was there.
+struct StickParams {
+  double time = 0;  // s
+  tenon::Rate rate = tenon::Hz(1000);
+};
+template <class T>
+class Stick final : public tenon::LeafSystem<StickParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  tenon::InputPort<T> u{this, {"u"}};
+  tenon::Scratch<T> last{this, "last"};
+  tenon::OutputPort<T> y{this, {"y"}, tenon::Sampled{params.rate}, tenon::Uses(time, u, last),
+                         [this](double t, const T& u, T& last) -> T { return t < params.time ? last = u : last; }};
+};
+
+int main() {
+  tenon::DiagramBuilder builder;
+  auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
+  auto& stick = builder.Add<Stick<tenon::ImuMeasurement>>("stick", {.time = 2});
+  builder.Insert(loop.world.inertial, stick.u, stick.y);
+
+  tenon::Simulator simulator(builder.Build());
+  return WalkFor(3, simulator, loop);
+}
