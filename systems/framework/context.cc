@@ -141,6 +141,11 @@ std::vector<double> Context::EvalDoubles(const Source& source) {
   return doubles;
 }
 
+std::vector<Element> Context::Elements(const Source& source) const {
+  CheckOwned(source);
+  return internal::ListElements(*source.type_, Address(source), source.spec_);
+}
+
 void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();

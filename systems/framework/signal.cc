@@ -39,15 +39,22 @@ std::string ElementName(const Spec& spec, std::size_t row, std::size_t col, std:
   return std::to_string(row);
 }
 
+bool IsReal(ScalarKind kind) {
+  return kind == ScalarKind::kDouble || kind == ScalarKind::kFloat;
+}
+
 class ElementLister final : public ValueVisitor {
  public:
   explicit ElementLister(const Spec& spec) : specs_{spec} {}
-  void Number(void*, const TypeInfo&) override { elements.push_back({path_, specs_.back().units}); }
-  void Numbers(void*, ScalarKind, std::size_t rows, std::size_t cols) override {
+  void Number(void*, const TypeInfo& type) override {
+    elements.push_back({path_, specs_.back().units, IsReal(type.scalar)});
+  }
+  void Numbers(void*, ScalarKind kind, std::size_t rows, std::size_t cols) override {
     const Spec& spec = specs_.back();
     for (std::size_t c = 0; c < cols; ++c) {
       for (std::size_t r = 0; r < rows; ++r) {
-        elements.push_back({Below(ElementName(spec, r, c, rows, cols)), ElementUnit(spec, c * rows + r)});
+        elements.push_back(
+            {Below(ElementName(spec, r, c, rows, cols)), ElementUnit(spec, c * rows + r), IsReal(kind)});
       }
     }
   }
@@ -190,7 +197,7 @@ void FromDoubles(const TypeInfo& type, void* value, const double* in) {
 Finiteness FinitenessOf(const TypeInfo& type, const void* value) {
   Finiteness worst = Finiteness::kFinite;
   ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
-    if (kind != ScalarKind::kDouble && kind != ScalarKind::kFloat) return;
+    if (!IsReal(kind)) return;
     WithKind(kind, data, [&](const auto* first) {
       // The sum of 0 x is 0 unless one is not finite.
       double zero = 0;

@@ -30,6 +30,7 @@ struct Spec {
 struct Element {
   std::string name;
   std::string unit;
+  bool is_real = true;  ///< else a bool, an integer or an enumeration, which changes by jumps only
 };
 
 namespace internal {

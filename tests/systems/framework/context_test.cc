@@ -160,6 +160,20 @@ class Busy final : public LeafSystem<Rate> {
   }
 };
 
+TEST(ContextTest, ElementsAreThoseOfThePresentValue) {
+  DiagramBuilder builder;
+  auto& busy = builder.Add<Busy>("busy", Hz(10));
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(busy.warm, Eigen::Vector3d(1, 2, 3));  // scratch can be set
+  EXPECT_EQ(context->EvalDoubles(busy.warm), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(busy.warm.elements().size(), 2);
+  ASSERT_EQ(context->Elements(busy.warm).size(), 3);
+  EXPECT_EQ(context->Elements(busy.warm)[2].name, "z");
+  EXPECT_TRUE(context->Elements(busy.warm)[2].is_real);
+  EXPECT_FALSE(context->Elements(busy.gait)[0].is_real);
+}
+
 /// Its continuous output has a warm start; it depends on held values only, or varies.
 class WarmMap final : public LeafSystem<void> {
  public:

@@ -12,10 +12,10 @@ namespace tenon {
 
 // In gtest's matchers, an Element reads as its name and unit.
 bool operator==(const Element& a, const Element& b) {
-  return a.name == b.name && a.unit == b.unit;
+  return a.name == b.name && a.unit == b.unit && a.is_real == b.is_real;
 }
 void PrintTo(const Element& element, std::ostream* out) {
-  *out << element.name << " [" << element.unit << "]";
+  *out << element.name << " [" << element.unit << (element.is_real ? "]" : "], whole");
 }
 
 namespace {
@@ -66,8 +66,8 @@ std::vector<double> Doubles(const T& value) {
 
 TEST(SignalTest, ScalarHasOneElementWithoutName) {
   EXPECT_THAT(Elements(1.5, {"force", "N"}), ElementsAre(Element{"", "N"}));
-  EXPECT_THAT(Elements(true), ElementsAre(Element{"", ""}));
-  EXPECT_THAT(Elements(Phase::kSwing), ElementsAre(Element{"", ""}));
+  EXPECT_THAT(Elements(true), ElementsAre(Element{"", "", false}));
+  EXPECT_THAT(Elements(Phase::kSwing), ElementsAre(Element{"", "", false}));
 }
 
 TEST(SignalTest, VectorElementsAreNamedByTheSpecOrAxesOrIndices) {
@@ -92,7 +92,7 @@ TEST(SignalTest, MatrixElementsAreNamedByRowAndColumn) {
 TEST(SignalTest, StructsDescribeThemselves) {
   EXPECT_THAT(Elements(Foot{}),
               ElementsAre(Element{"height", "m"}, Element{"p_W.x", "m"}, Element{"p_W.y", "m"},
-                          Element{"p_W.z", "m"}, Element{"phase", ""}));
+                          Element{"p_W.z", "m"}, Element{"phase", "", false}));
   const std::vector<Element> elements = Elements(Robot{.feet = {}, .battery = {12, 48}});
   ASSERT_EQ(elements.size(), 12);
   EXPECT_EQ(elements[6], (Element{"feet.1.p_W.x", "m"}));
