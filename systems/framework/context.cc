@@ -78,7 +78,7 @@ Context::Context(const Context& other, const internal::Program& program)
       stamps_(other.stamps_),
       instant_(other.instant_),
       fixed_(other.fixed_),
-      started_(other.started_),
+      progress_(other.progress_),
       failure_(other.failure_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),

@@ -181,7 +181,13 @@ class Context {
   std::uint64_t edition_ = 0;
 
   // Progress of a run, and what the step size control remembers.
-  bool started_ = false;
+  enum class Progress : std::uint8_t {
+    kNew,       ///< nothing has happened
+    kTickDone,  ///< all that happens up to the present time
+    kStarted,   ///< AtStart updates, and no tick yet
+    kTickDue,   ///< a tick at the present time has yet to happen
+  };
+  Progress progress_ = Progress::kNew;
   std::string failure_;  ///< why the run cannot go on
   double next_step_ = 0;
   double last_error_ = 0;

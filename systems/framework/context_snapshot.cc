@@ -19,7 +19,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(program.signature, archive);
   internal::Save(time(), archive);
   internal::Save(seed_, archive);
-  internal::Save(started_, archive);
+  internal::Save(progress_, archive);
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(step_start_.valid, archive);
@@ -55,7 +55,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   double time = 0;
   internal::Load(time, archive);
   internal::Load(seed_, archive);
-  internal::Load(started_, archive);
+  internal::Load(progress_, archive);
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
   SetTime(time);

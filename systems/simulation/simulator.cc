@@ -134,15 +134,19 @@ void Simulator::RebuildSchedule() {
     entries.push_back({{log.rate.numerator(), log.rate.denominator()}, {0, 1}, "a log"});
   }
   schedule_ = std::make_unique<internal::Schedule>(entries);
-  schedule_->MoveTo(context_->time(), !context_->started_);
+  MoveSchedule();
   due_.reserve(entries.size());
+}
+
+void Simulator::MoveSchedule() {
+  schedule_->MoveTo(context_->time(), context_->progress_ != Context::Progress::kTickDone);
 }
 
 /// Finds the place in the schedule again after the context was restored or set by hand.
 void Simulator::Synchronize() {
-  if (known_edition_ == context_->edition_ && context_->started_) return;
+  if (known_edition_ == context_->edition_ && context_->progress_ != Context::Progress::kNew) return;
   known_edition_ = context_->edition_;
-  schedule_->MoveTo(context_->time(), !context_->started_);
+  MoveSchedule();
   step_ends_ = false;
   end_reason_.reset();
   pace_start_.reset();
@@ -153,6 +157,15 @@ RunStatus Simulator::Initialize() {
 }
 
 RunStatus Simulator::AdvanceTo(double time) {
+  return Advance(time, false);
+}
+
+RunStatus Simulator::AdvanceToBefore(double time) {
+  return Advance(time, true);
+}
+
+RunStatus Simulator::Advance(double time, bool before_tick) {
+  using Progress = Context::Progress;
   const double rounding = Rounding(time);
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
@@ -176,14 +189,23 @@ RunStatus Simulator::AdvanceTo(double time) {
           std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
       pace_start_time_ = context_->time();
     }
-    if (!context_->started_) Start();
+    if (context_->progress_ == Progress::kNew) {
+      context_->CheckSamplesFor(program_.at_start.ops);
+      context_->Apply(program_.at_start);
+      context_->progress_ = Progress::kStarted;
+    }
+    const bool goes_on = !before_tick || time > context_->time() + rounding;
+    if (context_->progress_ == Progress::kStarted && goes_on) FirstTick();
     while (!end_reason_) {
-      const bool tick = schedule_->next_time() <= time + rounding;
+      const double next = schedule_->next_time();
+      const bool tick = before_tick ? next < time - rounding : next <= time + rounding;
       if (!tick && context_->time() >= time - rounding) break;
-      IntegrateTo(tick ? schedule_->next_time() : time);
+      IntegrateTo(next <= time + rounding ? next : time);
       if (tick && !end_reason_) Tick();
       KeepPace();
     }
+    if (context_->progress_ == Progress::kTickDone && schedule_->next_time() <= context_->time())
+      context_->progress_ = Progress::kTickDue;
   } catch (const std::exception& error) {
     context_->failure_ = error.what();
     FlushLogs();
@@ -202,10 +224,8 @@ void Simulator::RunTo(double time) {
   if (status.ended) throw RunError(fmt::format("the run ended at t = {} s: {}", status.time, status.reason));
 }
 
-void Simulator::Start() {
-  context_->started_ = true;
-  context_->CheckSamplesFor(program_.at_start.ops);
-  context_->Apply(program_.at_start);
+void Simulator::FirstTick() {
+  context_->progress_ = Context::Progress::kTickDone;
   if (schedule_->next_time() == context_->time()) Tick(true);
   for (const internal::CalculationInfo& info : program_.calculations) {
     const bool output = info.source->kind() == SourceKind::kOutput;
@@ -293,6 +313,7 @@ const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
 void Simulator::Tick(bool first) {
   const auto num_groups = static_cast<int>(program_.groups.size());
   const std::vector<int>& due = schedule_->Take();
+  context_->progress_ = Context::Progress::kTickDone;
   auto logs_begin = due.end();
   const TickPlan* plan = nullptr;
   if (due.back() < num_groups) {

@@ -66,7 +66,10 @@ class Simulator {
   /// value that is not finite, the integrator's failure with its worst state, or events without end. After
   /// that the run refuses to go on until a snapshot is restored: half of a tick may have happened.
   [[nodiscard]] RunStatus AdvanceTo(double time);
-  /// The same for runs that no monitor should end: throws RunError with its reason if one does.
+  /// The same up to and without the tick at `time`, which happens when the run goes on: so what that tick
+  /// reads can be set. With the tick where the run stands already, nothing happens.
+  [[nodiscard]] RunStatus AdvanceToBefore(double time);
+  /// AdvanceTo for runs that no monitor should end: throws RunError with its reason if one does.
   void RunTo(double time);
   /// Time of the next tick [s], infinity if there is none.
   double next_tick_time() const;
@@ -83,10 +86,12 @@ class Simulator {
  private:
   void Synchronize();
   void RebuildSchedule();
+  void MoveSchedule();
   void IntegrateTo(double target);
   void EndStep();
   bool RootsFeed() const;
-  void Start();
+  RunStatus Advance(double time, bool before_tick);
+  void FirstTick();
   void Tick(bool first = false);
   const internal::TickPlan& PlanFor(const std::vector<int>& due);
   void Apply(const internal::UpdatePlan& plan);

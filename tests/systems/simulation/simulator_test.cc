@@ -262,6 +262,39 @@ TEST(SimulatorTest, AdvancesSplitAtTicksAreOneAdvanceBitForBit) {
   EXPECT_EQ(summed.statistics().steps, whole.statistics().steps);
 }
 
+TEST(SimulatorTest, AdvanceToBeforeLeavesTheTickForLater) {
+  const Loop loop;
+  Simulator whole(*loop.diagram), split(*loop.diagram);
+  whole.RunTo(1);
+  for (int i = 0; i <= 100; ++i) {
+    const double time = i * 0.01;  // rounded
+    ASSERT_FALSE(split.AdvanceToBefore(time).ended);
+    EXPECT_DOUBLE_EQ(split.next_tick_time(), time);
+    ASSERT_FALSE(split.AdvanceToBefore(time).ended);  // nothing happens
+    if (i % 3 == 0) {
+      const std::vector<std::byte> saved = split.context().Save();
+      split.context().Restore(saved);
+    }
+  }
+  const auto tick_due = split.context().Clone();
+  split.RunTo(1);
+  EXPECT_EQ(split.context().Save(), whole.context().Save());
+  Simulator clone(tick_due->Clone());
+  clone.RunTo(1);
+  EXPECT_EQ(clone.context().Save(), whole.context().Save());
+}
+
+TEST(SimulatorTest, WhatIsSetBeforeATickIsWhatItReads) {
+  const Loop loop;
+  Simulator simulator(*loop.diagram);
+  for (const double time : {0.0, 0.01, 0.05}) {
+    ASSERT_FALSE(simulator.AdvanceToBefore(time).ended);
+    simulator.context().Set(loop.plant->x, Vec<2>(time + 2, 0));
+    simulator.RunTo(time);
+    EXPECT_EQ(simulator.context().Eval(loop.pd->u), -10 * (time + 2));
+  }
+}
+
 TEST(SimulatorTest, EveryMethodTakesEndsThatMissTicksByRounding) {
   const Loop loop;
   for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
@@ -405,6 +438,21 @@ TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
   simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(block.n), 6);
   EXPECT_EQ(simulator.context().Eval(block.x), 50);  // both read the old n
+}
+
+TEST(SimulatorTest, AtStartUpdatesRunBeforeATickThatIsLeftForLater) {
+  DiagramBuilder builder;
+  auto& block = builder.Add<UpdatedAtStart>("block");
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  ASSERT_FALSE(simulator.AdvanceToBefore(0).ended);
+  EXPECT_EQ(simulator.context().Eval(block.n), 6);
+  EXPECT_THROW(simulator.context().Eval(block.seen), RunError);
+  simulator.context().Set(block.n, 8);
+  Simulator clone(simulator.context().Clone());
+  clone.Initialize();
+  EXPECT_EQ(clone.context().Eval(block.seen), 8);
+  EXPECT_EQ(clone.context().Eval(block.n), 8);  // once
 }
 
 TEST(SimulatorTest, AtStartRefusesSamplesThatHaveNotRun) {
