@@ -7,6 +7,8 @@
 #include <cmath>
 #include <unsupported/Eigen/NonLinearOptimization>
 
+#include <tenon/systems/analysis/internal/numbers.h>
+
 namespace tenon {
 namespace {
 
@@ -17,14 +19,7 @@ class Variables {
       : context_(context), inputs_(std::move(inputs)) {
     for (const Source* input : inputs_) sizes_.push_back(context.EvalDoubles(*input).size());
   }
-  Eigen::VectorXd Inputs() const {
-    std::vector<double> values;
-    for (const Source* input : inputs_) {
-      const std::vector<double> own = context_.EvalDoubles(*input);
-      values.insert(values.end(), own.begin(), own.end());
-    }
-    return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-  }
+  Eigen::VectorXd Inputs() const { return internal::EvalNumbers(context_, inputs_); }
   void SetInputs(const Eigen::VectorXd& values) {
     std::size_t begin = 0;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -54,19 +49,6 @@ double Step(double value) {
   return 1e-6 * (1 + std::abs(value));
 }
 
-std::vector<std::string> Names(Context& context, const std::vector<const Source*>& sources) {
-  std::vector<std::string> names;
-  for (const Source* source : sources) {
-    const std::size_t size = context.EvalDoubles(*source).size();
-    const std::vector<Element> elements = source->elements();
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::string element = i < elements.size() ? elements[i].name : std::to_string(i);
-      names.push_back(source->path() + (element.empty() ? "" : "." + element));
-    }
-  }
-  return names;
-}
-
 }  // namespace
 
 LinearModel Linearize(const Context& original, const std::vector<const Source*>& inputs,
@@ -74,28 +56,19 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
   if (original.diagram().num_continuous_states() == 0 && original.diagram().has_samples()) {
     throw RunError(
         "Linearize: this diagram has no continuous state, and what is sampled is held: nothing would be left "
-        "of its "
-        "dynamics; linearise the plant that it belongs to");
+        "of its dynamics; use LinearizeDiscrete, or linearise the plant that it belongs to");
   }
   const std::unique_ptr<Context> context = original.Clone();
   Variables variables(*context, inputs);
-  const auto evaluate_outputs = [&] {
-    std::vector<double> values;
-    for (const Source* output : outputs) {
-      const std::vector<double> own = context->EvalDoubles(*output);
-      values.insert(values.end(), own.begin(), own.end());
-    }
-    return Eigen::VectorXd(
-        Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  };
+  const auto evaluate_outputs = [&] { return internal::EvalNumbers(*context, outputs); };
   LinearModel model;
   model.states = context->diagram().ContinuousStateNames();
-  model.inputs = Names(*context, inputs);
-  model.outputs = Names(*context, outputs);
   model.x0 = context->continuous_state();
   model.u0 = variables.Inputs();
   model.xdot0 = context->EvalTimeDerivatives();
   model.y0 = evaluate_outputs();
+  model.inputs = internal::NumberNames(*context, inputs);
+  model.outputs = internal::NumberNames(*context, outputs);
 
   const Eigen::Index n = model.x0.size(), m = model.u0.size(), p = model.y0.size();
   Eigen::MatrixXd dynamics(n, n + m), readout(p, n + m);

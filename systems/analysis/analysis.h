@@ -21,7 +21,7 @@ struct LinearModel {
 /// state, with time, discrete states and samples held; `inputs` are open inputs or sampled outputs (of which
 /// the diagram holds the value: so a plant inside a digital loop can be linearised from its command),
 /// `outputs` any ports. The context is left as it is. Throws RunError if an input
-/// cannot be set, and for a diagram that has samples and no continuous state.
+/// cannot be set, and for a diagram that has samples and no continuous state: that is for LinearizeDiscrete.
 LinearModel Linearize(const Context& context, const std::vector<const Source*>& inputs,
                       const std::vector<const Source*>& outputs);
 

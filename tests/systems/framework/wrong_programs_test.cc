@@ -403,7 +403,7 @@ TEST(WrongProgramsTest, LinearizeRefusesADiagramOfSamplesAlone) {
   builder.Add<Counter>("counter", Sampled{Hz(10)});
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(
-      Throws<RunError>([&] { Linearize(*context, {}, {}); }, "no continuous state", "linearise the plant"));
+      Throws<RunError>([&] { Linearize(*context, {}, {}); }, "no continuous state", "use LinearizeDiscrete"));
 }
 
 // ---- Memory ----

@@ -1,0 +1,443 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/analysis/linearize_discrete.h>
+
+#include <cmath>
+#include <limits>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/primitives/noise.h>
+#include <tenon/systems/primitives/unit_delay.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr double kMass = 2;
+
+/// The double integrator under a constant force for `h` seconds, exactly.
+Eigen::Matrix2d Phi(double h) {
+  return (Eigen::Matrix2d() << 1, h, 0, 1).finished();
+}
+Eigen::Vector2d Gamma(double h) {
+  return {h * h / 2 / kMass, h / kMass};
+}
+
+/// A cart under a PD at 100 Hz.
+struct CartLoop {
+  CartLoop() {
+    builder.Connect(cart.state, pd.x);
+    builder.Connect(pd.u, cart.force);
+    diagram = builder.BuildWithOpenInputs();
+  }
+  DiagramBuilder builder;
+  Cart& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
+  Pd& pd = builder.Add<Pd>("pd", PdParams{.kp = 30, .kd = 8, .rate = Hz(100)});
+  std::shared_ptr<const Diagram> diagram;
+};
+
+TEST(LinearizeDiscreteTest, SampledPdOnADoubleIntegrator) {
+  CartLoop loop;
+  const auto context = loop.diagram->CreateContext();
+  context->Set(loop.cart.x, Vec<2>(0.3, -0.1));
+  context->Set(loop.pd.ref, 0.2);
+  const DiscreteLinearModel model =
+      LinearizeDiscrete(*context, {&loop.pd.ref}, {&loop.cart.state, &loop.pd.u});
+
+  const Eigen::RowVector2d K(30, 8);
+  const Eigen::Vector2d x0(0.3, -0.1);
+  EXPECT_THAT(model.A, IsNear(Phi(0.01) - Gamma(0.01) * K, 1e-8));
+  EXPECT_THAT(model.B, IsNear(Gamma(0.01) * 30, 1e-8));
+  Eigen::MatrixXd C(3, 2), D(3, 1);
+  C << 1, 0, 0, 1, -30, -8;
+  D << 0, 0, 30;
+  EXPECT_THAT(model.C, IsNear(C, 1e-8));
+  EXPECT_THAT(model.D, IsNear(D, 1e-8));
+  EXPECT_EQ(model.x0, x0);
+  EXPECT_EQ(model.u0[0], 0.2);
+  EXPECT_NEAR(model.y0[2], 30 * (0.2 - 0.3) + 0.8, 1e-12);
+  EXPECT_THAT(model.x1, IsNear(Phi(0.01) * x0 + Gamma(0.01) * model.y0[2], 1e-10));
+  EXPECT_EQ(model.time, 0);
+  EXPECT_DOUBLE_EQ(model.period, 0.01);
+  EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
+  EXPECT_THAT(model.inputs, ElementsAre("pd.ref"));
+  EXPECT_THAT(model.outputs, ElementsAre("cart.x.position", "cart.x.velocity", "pd.u"));
+  EXPECT_THAT(model.flips, IsEmpty());
+}
+
+TEST(LinearizeDiscreteTest, BeginsAtTheNextTickAndLeavesTheContextAsItIs) {
+  CartLoop loop;
+  Simulator simulator(*loop.diagram);
+  simulator.context().Set(loop.pd.ref, 0.2);
+  for (const auto& [now, begin] : {std::pair(0.0, 0.01), {0.034, 0.04}, {0.05, 0.06}}) {
+    simulator.RunTo(now);
+    const auto before = simulator.context().Save();
+    const DiscreteLinearModel model = LinearizeDiscrete(simulator.context(), {}, {});
+    EXPECT_DOUBLE_EQ(model.time, begin);
+    EXPECT_THAT(model.A, IsNear(Phi(0.01) - Gamma(0.01) * Eigen::RowVector2d(30, 8), 1e-8));
+    EXPECT_EQ(simulator.context().Save(), before);
+  }
+  ASSERT_FALSE(simulator.AdvanceToBefore(0.08).ended);
+  EXPECT_DOUBLE_EQ(LinearizeDiscrete(simulator.context(), {}, {}).time, 0.08);
+}
+
+TEST(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
+  // q'' = -w² q + u: a turn by w h.
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant", 3.0);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->SetTime(0.123);
+  const DiscreteLinearModel model =
+      LinearizeDiscrete(*context, {&plant.u}, {&plant.state, &plant.u}, {.period = 0.2});
+  const double c = std::cos(0.6), s = std::sin(0.6);
+  EXPECT_THAT(model.A, IsNear((Eigen::Matrix2d() << c, s / 3, -3 * s, c).finished(), 1e-8));
+  EXPECT_THAT(model.B, IsNear(Eigen::Vector2d((1 - c) / 9, s / 3), 1e-8));
+  EXPECT_THAT(model.C, IsNear((Eigen::MatrixXd(3, 2) << 1, 0, 0, 1, 0, 0).finished(), 1e-9));
+  EXPECT_THAT(model.D, IsNear(Eigen::Vector3d(0, 0, 1), 1e-9));
+  EXPECT_EQ(model.time, 0.123);
+}
+
+TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
+  DiagramBuilder builder;
+  auto& first = builder.Add<UnitDelay<>>("first", UnitDelayParams<>{.initial = 1, .rate = Hz(50)});
+  auto& second = builder.Add<UnitDelay<>>("second", UnitDelayParams<>{.initial = 2, .rate = Hz(50)});
+  builder.Connect(first.y, second.u);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(first.u, 3.0);
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {&first.u}, {&second.y});
+  EXPECT_THAT(model.states, ElementsAre("first.x", "second.x"));
+  EXPECT_THAT(model.A, IsNear((Eigen::Matrix2d() << 0, 0, 1, 0).finished(), 1e-9));
+  EXPECT_THAT(model.B, IsNear(Eigen::Vector2d(1, 0), 1e-9));
+  EXPECT_THAT(model.C, IsNear(Eigen::RowVector2d(0, 1), 1e-9));
+  EXPECT_THAT(model.D, IsNear(Eigen::Matrix<double, 1, 1>(0.0), 1e-9));
+  EXPECT_EQ(model.x0, Eigen::Vector2d(1, 2));
+  EXPECT_EQ(model.x1, Eigen::Vector2d(3, 1));
+  EXPECT_EQ(model.y0[0], 2);
+}
+
+TEST(LinearizeDiscreteTest, TwoRates) {
+  // A spring at 2 ms and a damper at 3 ms: ticks at 0, 2, 3, 4 of 6 ms.
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
+  auto& spring = builder.Add<Pd>("spring", PdParams{.kp = 900, .kd = 0, .rate = Milliseconds(2)});
+  auto& damper = builder.Add<Pd>("damper", PdParams{.kp = 0, .kd = 70, .rate = Milliseconds(3)});
+  builder.Connect(cart.state, spring.x);
+  builder.Connect(cart.state, damper.x);
+  builder.Connect(
+      builder.AddFunction("sum", Uses(spring.u, damper.u), [](double a, double b) { return a + b; }),
+      cart.force);
+  const auto diagram = builder.Build();
+  const DiscreteLinearModel model = LinearizeDiscrete(*diagram->CreateContext(), {}, {});
+
+  // Of (x, v, force of the spring, of the damper).
+  const auto flow = [](double h) {
+    Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
+    F.topLeftCorner<2, 2>() = Phi(h);
+    F.topRightCorner<2, 2>() << Gamma(h), Gamma(h);
+    return F;
+  };
+  Eigen::Matrix4d spring_tick = Eigen::Matrix4d::Identity(), damper_tick = Eigen::Matrix4d::Identity();
+  spring_tick.row(2) << -900, 0, 0, 0;
+  damper_tick.row(3) << 0, -70, 0, 0;
+  const Eigen::Matrix4d period = flow(0.002) * spring_tick * flow(0.001) * damper_tick * flow(0.001) *
+                                 spring_tick * flow(0.002) * damper_tick * spring_tick;
+  EXPECT_DOUBLE_EQ(model.period, 0.006);
+  EXPECT_THAT(model.A, IsNear(period.topLeftCorner<2, 2>(), 1e-8));
+
+  const DiscreteLinearModel twice = LinearizeDiscrete(*diagram->CreateContext(), {}, {}, {.period = 0.012});
+  EXPECT_THAT(twice.A, IsNear(model.A * model.A, 1e-8));
+}
+
+/// y = gain u, with an offset.
+struct LateGainParams {
+  double gain = -1;
+  Sampled sampled{Hz(100), 0.004};
+};
+class LateGain final : public LeafSystem<LateGainParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<2>> u{this, "u"};
+  OutputPort<Vec<2>> y{this, "y", Vec<2>(Vec<2>::Zero()), params.sampled, Uses(u), &LateGain::Calc};
+
+ private:
+  Vec<2> Calc(const Vec<2>& u) const { return params.gain * u; }
+};
+
+TEST(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
+  // The force is computed 4 ms after the beginning of each period: until then the old one acts.
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
+  auto& late = builder.Add<LateGain>("late", LateGainParams{.gain = -40});
+  builder.Connect(cart.state, late.u, IgnoreUnits{});
+  builder.Connect(builder.AddFunction("force", Uses(late.y), [](const Vec<2>& y) { return y[0]; }),
+                  cart.force, IgnoreUnits{});
+  const auto diagram = builder.Build();
+  const auto context = diagram->CreateContext();
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {&late.y});
+  EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity", "late.y.0", "late.y.1"));
+  EXPECT_DOUBLE_EQ(model.time, 0.01);  // the first multiple of the period after the first tick
+
+  Eigen::Matrix4d before = Eigen::Matrix4d::Identity(), tick = before, after = before;
+  before.topLeftCorner<2, 2>() = Phi(0.004);
+  before.block<2, 1>(0, 2) = Gamma(0.004);
+  tick.bottomRows<2>() << -40 * Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Zero();
+  after.topLeftCorner<2, 2>() = Phi(0.006);
+  after.block<2, 1>(0, 2) = Gamma(0.006);
+  EXPECT_THAT(model.A, IsNear(after * tick * before, 1e-8));
+  EXPECT_THAT(model.C.rightCols<2>(), IsNear(Eigen::Matrix2d::Identity(), 1e-9));  // no tick at the begin
+}
+
+TEST(LinearizeDiscreteTest, HeldSamplesThatAreRenewedBeforeTheyAreReadCarryNothing) {
+  // Read at 8 ms only, by which time it has been renewed at 4 ms.
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& early = builder.Add<LateGain>("early");
+  auto& late = builder.Add<LateGain>("late", LateGainParams{.gain = 2, .sampled = {Hz(100), 0.008}});
+  builder.Connect(cart.state, early.u, IgnoreUnits{});
+  builder.Connect(early.y, late.u);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(cart.force, 0.0);
+  EXPECT_THAT(LinearizeDiscrete(*context, {}, {}).states, ElementsAre("cart.x.position", "cart.x.velocity"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&early.y}}); },
+                               "'early.y' carries nothing on over t = 0.01 s",
+                               "held samples that are read before"));
+}
+
+/// s += u h in Scratch, and counts.
+struct Sum {
+  double value = 0;
+  int ticks = 0;
+  static FieldList Fields() { return {{"value", &Sum::value, "m s"}, {"ticks", &Sum::ticks}}; }
+};
+class ScratchIntegrator final : public LeafSystem<void> {
+ public:
+  InputPort<double> u{this, {"u", "m"}};
+  Scratch<Sum> sum{this, "sum"};
+  OutputPort<double> y{this, {"y", "m s"}, Sampled{Hz(10)}, Uses(u, sum), [](double u, Sum& sum) {
+                         sum.value += 0.1 * u;
+                         ++sum.ticks;
+                         return sum.value;
+                       }};
+};
+
+TEST(LinearizeDiscreteTest, ScratchIsState) {
+  DiagramBuilder builder;
+  auto& integrator = builder.Add<ScratchIntegrator>("integrator");
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(integrator.u, 5.0);
+  context->Set(integrator.sum, Sum{7, 3});
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {&integrator.u}, {&integrator.y});
+  EXPECT_THAT(model.states, ElementsAre("integrator.sum.value"));
+  EXPECT_EQ(model.x0[0], 7);
+  EXPECT_NEAR(model.A(0, 0), 1, 1e-9);
+  EXPECT_NEAR(model.B(0, 0), 0.1, 1e-9);
+  EXPECT_NEAR(model.C(0, 0), 1, 1e-9);
+  EXPECT_NEAR(model.D(0, 0), 0.1, 1e-9);
+  EXPECT_THAT(model.flips, IsEmpty());  // it counts in all runs alike
+}
+
+enum class Side { kBelow, kAbove };
+
+/// On which side of 0.3 the position is.
+class Latch final : public LeafSystem<void> {
+ public:
+  InputPort<Vec<2>> x{this, "x"};
+  Mode<Side> side{this, "side"};
+  Update<Side> next{side, Sampled{Hz(100)}, Uses(x),
+                    [](const Vec<2>& x) { return x[0] > 0.3 ? Side::kAbove : Side::kBelow; }};
+};
+
+TEST(LinearizeDiscreteTest, FlipsAreNamed) {
+  CartLoop loop;
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& latch = builder.Add<Latch>("latch");
+  builder.Connect(cart.state, latch.x, IgnoreUnits{});
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(cart.force, 0.0);
+  context->Set(cart.x, Vec<2>(0.3, 0));
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {});
+  ASSERT_EQ(model.flips.size(), 1);
+  EXPECT_EQ(model.flips[0].signal, "latch.side");
+  EXPECT_EQ(model.flips[0].moved, "cart.x.position");
+  EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}); },
+                               "'latch.side' turns over when 'cart.x.position' moves",
+                               "choose another time"));
+  context->Set(cart.x, Vec<2>(0.31, 0));
+  EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}));
+}
+
+TEST(LinearizeDiscreteTest, NoiseIsTheSameInAllRuns) {
+  DiagramBuilder builder;
+  auto& noise = builder.Add<AddNoise<>>("noise", NoiseParams<>{.standard_deviation = 5});
+  auto& delay = builder.Add<UnitDelay<>>("delay");
+  builder.Connect(noise.y, delay.u);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext(7);
+  context->Set(noise.u, 0.0);
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {&noise.u}, {});
+  EXPECT_NE(model.x1[0], 0);
+  EXPECT_NEAR(model.B(0, 0), 1, 1e-9);
+}
+
+/// x[n+1] = x[n]³ beside numbers that are not finite.
+struct CubeState {
+  double x = 2, last = -std::numeric_limits<double>::infinity();
+  static FieldList Fields() { return {{"x", &CubeState::x, "m"}, {"last", &CubeState::last, "s"}}; }
+};
+class Cube final : public LeafSystem<void> {
+ public:
+  DiscreteState<CubeState> state{this, "state", CubeState()};
+  Update<CubeState> next{state, Sampled{Hz(1)}, Uses(state), [](const CubeState& s) {
+                           return CubeState{s.x * s.x * s.x, s.last};
+                         }};
+};
+
+TEST(LinearizeDiscreteTest, StepsAreAveragedAndTheirSpreadIsTold) {
+  // ((x + h)³ - (x - h)³) / 2 h = 3 x² + h²
+  DiagramBuilder builder;
+  auto& cube = builder.Add<Cube>("cube");
+  const auto diagram = builder.Build();
+  const DiscreteLinearModel model =
+      LinearizeDiscrete(*diagram->CreateContext(), {}, {}, {.steps = {0.1, 0.3}, .scales = {{"m", 2}}});
+  EXPECT_NEAR(model.A(0, 0), 12 + (0.2 * 0.2 + 0.6 * 0.6) / 2, 1e-12);
+  EXPECT_NEAR(model.spread[0], (0.6 * 0.6 - 0.2 * 0.2) / 2, 1e-12);
+  // What is not finite is not moved.
+  EXPECT_EQ(model.A.col(1), Eigen::Vector2d::Zero());
+  EXPECT_EQ(model.A(1, 0), 0);
+  const DiscreteLinearModel plain =
+      LinearizeDiscrete(*diagram->CreateContext(), {}, {}, {.states = {&cube.state}, .steps = {0.1}});
+  EXPECT_NEAR(plain.A(0, 0), 12 + 0.3 * 0.3, 1e-12);  // 1 + |x| is 3
+}
+
+TEST(LinearizeDiscreteTest, StatesCanBeChosen) {
+  CartLoop loop;
+  const auto context = loop.diagram->CreateContext();
+  context->Set(loop.pd.ref, 0.0);
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {}, {.states = {&loop.cart.state}});
+  EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&loop.pd.u}}); },
+                               "'pd.u' carries nothing on over t = 0 s",
+                               "continuous and discrete states, Scratch"));
+}
+
+// ---- What is refused ----
+
+TEST(LinearizeDiscreteTest, OptionsThatMakeNoSense) {
+  CartLoop loop;
+  const auto context = loop.diagram->CreateContext();
+  const auto refuses = [&](const LinearizeDiscreteOptions& options, const char* text) {
+    return Throws<ParameterError>([&] { LinearizeDiscrete(*context, {}, {}, options); }, text);
+  };
+  EXPECT_TRUE(refuses({.period = 0.015}, "period = 0.015 s is no multiple of 0.01 s"));
+  EXPECT_TRUE(refuses({.period = -0.01}, "period = -0.01 s must be positive"));
+  EXPECT_TRUE(refuses({.steps = {}}, "steps are empty"));
+  EXPECT_TRUE(refuses({.steps = {1e-5, 0}}, "step 0 must be positive"));
+  EXPECT_TRUE(refuses({.scales = {{"m", -1}}}, "scale -1 of 'm' must be positive"));
+}
+
+TEST(LinearizeDiscreteTest, WithoutSamplesAPeriodIsNeeded) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("plant");
+  const auto diagram = builder.Build();
+  EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*diagram->CreateContext(), {}, {}); },
+                                     "samples nothing", "give options.period"));
+}
+
+TEST(LinearizeDiscreteTest, PeriodsThatHaveNoCommonOne) {
+  DiagramBuilder builder;
+  for (const std::int64_t microseconds : {1000003, 1000033, 1000037, 1000039}) {
+    builder.Add<Counter>("every_" + std::to_string(microseconds), Sampled{Rate(microseconds, 1000000)});
+  }
+  const auto diagram = builder.Build();
+  EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*diagram->CreateContext(), {}, {}); },
+                                     "have no common period", "round their periods"));
+}
+
+TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
+  CartLoop loop;
+  const auto context = loop.diagram->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.u}, {}); },
+                               "input 'pd.u' is sampled", "give an open input"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.x}, {}); },
+                               "'pd.x' is connected to 'cart.x'"));
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  const auto diagram = builder.BuildWithOpenInputs();
+  EXPECT_TRUE(Throws<RunError>(
+      [&] { LinearizeDiscrete(*diagram->CreateContext(), {&cart.force}, {}, {.period = 1}); },
+      "'cart.force' is open and has no value"));
+}
+
+/// Ends the run beyond `limit`, at ticks.
+class Fence final : public LeafSystem<double> {
+ public:
+  explicit Fence(double limit) : LeafSystem(limit) {}
+  InputPort<Vec<2>> x{this, "x"};
+  Monitor beyond{this, "beyond", Sampled{Hz(100)}, Uses(x), [this](const Vec<2>& x) -> Verdict {
+                   if (x[0] > params) return "too far";
+                   return {};
+                 }};
+};
+
+TEST(LinearizeDiscreteTest, RunsThatEndAreNamed) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& fence = builder.Add<Fence>("fence", 1.0);
+  builder.Connect(cart.state, fence.x, IgnoreUnits{});
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(cart.force, 0.0);
+  context->Set(cart.x, Vec<2>(1, 0));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); },
+                               "with 'cart.x.position' moved to 1.00002: the run ended at t = 0 s",
+                               "fence.beyond: too far"));
+  context->Set(cart.x, Vec<2>(2, 0));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); }, "the run ended at t = 0 s"));
+}
+
+/// Holds more numbers at each tick, and puts out as many as its input says.
+class Growing final : public LeafSystem<void> {
+ public:
+  InputPort<double> size{this, "size"};
+  DiscreteState<std::vector<double>> list{this, "list", {1.0}};
+  OutputPort<std::vector<double>> copy{this, "copy", Uses(size),
+                                       [](double size) { return std::vector<double>(size > 1 ? 2 : 1); }};
+  Update<std::vector<double>> next{list, Sampled{Hz(1)}, Uses(list), [](const std::vector<double>& list) {
+                                     std::vector<double> longer = list;
+                                     longer.push_back(0);
+                                     return longer;
+                                   }};
+};
+
+TEST(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
+  DiagramBuilder builder;
+  auto& growing = builder.Add<Growing>("growing");
+  auto& delay = builder.Add<UnitDelay<>>("delay", UnitDelayParams<>{.rate = Hz(1)});
+  builder.Connect(delay.y, growing.size);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(delay.u, 0.0);
+  context->Set(delay.x, 1.0);
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); },
+                               "'growing.list' holds 2 numbers at t = 1 s, but held 1 before",
+                               "leave it out"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {&growing.copy}, {.states = {&delay.x}}); },
+                       "the outputs hold 2 numbers in one run and 1 in another"));
+  EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.states = {&delay.x}}));
+}
+
+}  // namespace
+}  // namespace tenon
