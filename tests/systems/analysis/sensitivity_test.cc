@@ -1,0 +1,122 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/analysis/sensitivity.h>
+
+#include <cmath>
+#include <limits>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/primitives/noise.h>
+#include <tenon/systems/primitives/unit_delay.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::ElementsAre;
+
+struct FreeCart {
+  DiagramBuilder builder;
+  Cart& cart = builder.Add<Cart>("cart", CartParams{.mass = 2});
+  std::shared_ptr<const Diagram> diagram = builder.BuildWithOpenInputs();
+  std::unique_ptr<Context> context = diagram->CreateContext();
+};
+
+TEST(SensitivityTest, OfARunInClosedForm) {
+  // J = (p + v T + F T²/2 m)²
+  FreeCart free;
+  free.context->Set(free.cart.x, Vec<2>(0.5, 0.2));
+  free.context->Set(free.cart.force, 3.0);
+  const auto before = free.context->Save();
+  const Figure figure = [&](std::unique_ptr<Context> start) {
+    Simulator simulator(std::move(start));
+    const auto log = simulator.AddLog(Hz(1), {&free.cart.state});
+    simulator.RunTo(2);
+    return std::pow(log->column("cart.x.position").back(), 2);
+  };
+  const SensitivityResult result = Sensitivity(*free.context, {&free.cart.force, &free.cart.x}, figure);
+  const double end = 0.5 + 0.2 * 2 + 3;
+  EXPECT_NEAR(result.figure, end * end, 1e-9);
+  ASSERT_EQ(result.gradient.size(), 3);
+  EXPECT_NEAR(result.gradient[0], 2 * end, 1e-6);
+  EXPECT_NEAR(result.gradient[1], 2 * end, 1e-6);
+  EXPECT_NEAR(result.gradient[2], 2 * end * 2, 1e-6);
+  EXPECT_THAT(result.names, ElementsAre("cart.force", "cart.x.position", "cart.x.velocity"));
+  EXPECT_THAT(result.units, ElementsAre("N", "m", "m/s"));
+  EXPECT_EQ(free.context->Save(), before);
+}
+
+TEST(SensitivityTest, StepsAreRelativeToTheValueOrToTheScaleOfItsUnit) {
+  // (|F + h| - |F - h|) / 2 h tells h, where h is above F.
+  FreeCart free;
+  free.context->Set(free.cart.force, 0.1);
+  const Figure figure = [&](std::unique_ptr<Context> start) {
+    return std::abs(start->Eval(free.cart.force));
+  };
+  const auto slope = [&](const SensitivityOptions& options) {
+    return Sensitivity(*free.context, {&free.cart.force}, figure, options).gradient[0];
+  };
+  EXPECT_NEAR(slope({}), 1, 1e-9);
+  EXPECT_NEAR(slope({.step = 2}), 0.1 / 0.2, 1e-9);
+  EXPECT_NEAR(slope({.step = 0.5, .scales = {{"N", 8}}}), 0.1 / 4, 1e-9);
+  free.context->Set(free.cart.force, 0.0);
+  EXPECT_NEAR(slope({}), 0, 1e-12);
+}
+
+TEST(SensitivityTest, NoiseIsTheSameInAllRuns) {
+  DiagramBuilder builder;
+  auto& noise = builder.Add<AddNoise<>>("noise", NoiseParams<>{.standard_deviation = 5});
+  auto& delay = builder.Add<UnitDelay<>>("delay");
+  builder.Connect(delay.y, noise.u);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext(4);
+  context->Set(delay.u, 0.0);
+  const Figure figure = [&](std::unique_ptr<Context> start) {
+    Simulator simulator(std::move(start));
+    simulator.Initialize();
+    return simulator.context().Eval(noise.y);
+  };
+  const SensitivityResult result = Sensitivity(*context, {&delay.x}, figure);
+  EXPECT_NE(result.figure, 0);
+  EXPECT_NEAR(result.gradient[0], 1, 1e-9);
+}
+
+TEST(SensitivityTest, WhatCannotBeMovedIsRefused) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& pd = builder.Add<Pd>("pd");
+  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(1)});
+  builder.Connect(cart.state, pd.x);
+  builder.Connect(pd.u, cart.force);
+  const auto diagram = builder.Build();
+  const auto context = diagram->CreateContext();
+  const Figure nothing = [](std::unique_ptr<Context>) { return 0.0; };
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*context, {&counter.n}, nothing); },
+                               "'counter.n' holds no real number"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { Sensitivity(*context, {&pd.x}, nothing); }, "'pd.x' is connected to 'cart.x'"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { Sensitivity(*context, {&cart.x}, nothing, {.step = 0}); },
+                                     "step 0 must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        Sensitivity(*context, {&cart.x}, nothing, {.scales = {{"m", 0}}});
+      },
+      "scale 0 of 'm' must be positive"));
+}
+
+TEST(SensitivityTest, RunsThatFailAreNamed) {
+  FreeCart free;
+  free.context->Set(free.cart.force, 1.0);
+  const Figure root = [&](std::unique_ptr<Context> start) {
+    return std::sqrt(1 - start->Eval(free.cart.force));
+  };
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, root); },
+                               "with 'cart.force' moved to 1.0001: the figure is", "nan"));
+  const Figure failing = [](std::unique_ptr<Context>) -> double { throw RunError("it fell"); };
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, failing); },
+                               "in the nominal run: it fell"));
+}
+
+}  // namespace
+}  // namespace tenon
