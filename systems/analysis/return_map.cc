@@ -39,7 +39,7 @@ Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 ReturnMapResult ReturnMap(const Context& context, const ReturnMapOptions& options) {
-  Simulator settled(context.Clone(), options.map.simulator);
+  Simulator settled(context.Clone(), internal::Silent(options.map).simulator);
   if (options.settle_periods > 0) {
     const double period = internal::PeriodOf(context.diagram(), options.map);
     internal::RunToBefore(settled, context.time() + options.settle_periods * period);

@@ -40,7 +40,7 @@ using Figure = std::function<double(std::unique_ptr<Context>)>;
 ///
 ///     dJ/dp = (J(p + h) - J(p - h)) / 2 h
 ///
-/// `sources` are what Context::SetDoubles can set: open inputs, states, Scratch, held samples that the run
+/// `sources` are what Context::SetDoubles can set: Parameters, open inputs, states, Scratch, held samples that the run
 /// has not computed again when it reads them. Random streams are equal in all runs (common random numbers: P.
 /// Glasserman, Monte Carlo Methods in Financial Engineering, 2004, sec. 7.1), so the derivative is that of
 /// one realisation. Let the simulator's tolerances be well below `step`.

@@ -55,7 +55,7 @@ void CheckSteps(const LinearizeDiscreteOptions& options) {
 
 PeriodMap::PeriodMap(const Context& context, std::vector<const Source*> inputs,
                      std::vector<const Source*> outputs, const LinearizeDiscreteOptions& options)
-    : options_(options), outputs_(std::move(outputs)) {
+    : options_(Silent(options)), outputs_(std::move(outputs)) {
   CheckSteps(options_);
   for (const Source* input : inputs) {
     if (!input->Resolve().is_sampled()) continue;
@@ -84,6 +84,11 @@ double PeriodOf(const Diagram& diagram, const LinearizeDiscreteOptions& options)
         "period = {} s is no multiple of {} s, after which all sample times repeat", period, common));
   }
   return period;
+}
+
+LinearizeDiscreteOptions Silent(LinearizeDiscreteOptions options) {
+  options.simulator.publish = false;
+  return options;
 }
 
 void RunToBefore(Simulator& simulator, double time) {

@@ -19,6 +19,9 @@ namespace internal {
 /// LinearizeDiscrete does.
 double PeriodOf(const Diagram& diagram, const LinearizeDiscreteOptions& options);
 
+/// The same for runs that publish nothing.
+LinearizeDiscreteOptions Silent(LinearizeDiscreteOptions options);
+
 /// Simulator::AdvanceToBefore; throws RunError if a monitor ends the run.
 void RunToBefore(Simulator& simulator, double time);
 
