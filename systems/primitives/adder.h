@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
@@ -11,6 +12,7 @@ namespace tenon {
 struct AdderParams {
   std::vector<double> weights = {1, 1};  ///< one per input: {1, -1} subtracts
   std::string unit = "";                 ///< of the inputs and of the output
+  std::string elements = "";             ///< names of their elements
   void Validate() const {
     Demand(!weights.empty(), "weights must not be empty: give one weight per input");
     Demand(internal::IsFinite(weights), "weights must be finite");
@@ -21,19 +23,29 @@ struct AdderParams {
 ///
 ///     y = w_0 u_0 + w_1 u_1 + …
 ///
-///     | port        | kind   | size   | unit |
-///     | u[0], u[1]… | input  | T each | unit |
-///     | y           | output | T      | unit |
+///     | port        | kind      | size          | unit |
+///     | u[0], u[1]… | input     | T each        | unit |
+///     | weights     | Parameter | one per input |      |
+///     | y           | output    | T             | unit |
 ///
-/// T is double or Vec<N>. Throws ParameterError if there are no weights or one is not finite.
+/// T is double or Vec<N>. Throws ParameterError if there are no weights or one is not finite, RunError if in
+/// a run another number of weights is set than there are inputs.
 template <internal::DoubleOrMatrix T = double>
 class Adder final : public LeafSystem<AdderParams> {
  public:
   using LeafSystem::LeafSystem;
-  InputPorts<T> u{this, {"u", params.unit}, params.weights.size()};
-  OutputPort<T> y{this, {"y", params.unit}, Uses(u), [this](const Inputs<T>& u) -> T {
-                    T sum = params.weights[0] * u[0];
-                    for (std::size_t i = 1; i < u.size(); ++i) sum += params.weights[i] * u[i];
+  Parameter<std::vector<double>> weights{this, "weights", params.weights, "one per input"};
+  InputPorts<T> u{this, {"u", params.unit, params.elements}, params.weights.size()};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Uses(weights, u),
+                  [](const std::vector<double>& weights, const Inputs<T>& u) -> T {
+                    if (weights.size() != u.size()) {
+                      throw RunError("there are " + std::to_string(weights.size()) + " weights, but " +
+                                     std::to_string(u.size()) + " inputs: set one weight per input");
+                    }
+                    T sum = weights[0] * u[0];
+                    for (std::size_t i = 1; i < u.size(); ++i) sum += weights[i] * u[i];
                     return sum;
                   }};
 };

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 
 namespace tenon {
@@ -10,12 +11,14 @@ template <class T = double>
 struct ConstantParams {
   T value = internal::Zeroed<T>();  ///< [unit]
   std::string unit = "";
+  std::string elements = "";  ///< names of its elements
 };
 
-/// A value that never changes.
+/// A value that stays as it is until somebody sets it: `context.Set(constant.value, 3)`.
 ///
-///     | port | kind   | size | unit |
-///     | y    | output | T    | unit |
+///     | port  | kind      | size | unit |
+///     | value | Parameter | T    | unit |
+///     | y     | output    | T    | unit |
 ///
 /// T is any copyable type.
 template <class T = double>
@@ -23,8 +26,11 @@ class ConstantSource final : public LeafSystem<ConstantParams<T>> {
  public:
   using LeafSystem<ConstantParams<T>>::LeafSystem;
   using LeafSystem<ConstantParams<T>>::params;
+  Parameter<T> value{this, {"value", params.unit, params.elements}, params.value};
   OutputPort<T> y{
-      this, {"y", params.unit}, params.value, Uses(), [this]() -> const T& { return params.value; }};
+      this, {"y", params.unit, params.elements}, params.value, Uses(value), [](const T& value) -> const T& {
+        return value;
+      }};
 };
 
 }  // namespace tenon

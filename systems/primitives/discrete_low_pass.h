@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
@@ -13,7 +14,8 @@ struct DiscreteLowPassParams {
   double time_constant = 0.1;          ///< [s]
   T initial = internal::Filled<T>(0);  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  ///< of input and output
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");
@@ -25,9 +27,10 @@ struct DiscreteLowPassParams {
 ///
 ///     y[n + 1] = y[n] + (1 - exp(-h / T)) (u[n] - y[n]),   y[0] = initial
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
+///     | port          | kind            | size   | unit |
+///     | u             | input           | T      | unit |
+///     | time_constant | Parameter       | double | s    |
+///     | y             | output, sampled | T      | unit |
 ///
 /// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
 /// Throws ParameterError if the time constant is not positive or the initial value is not finite.
@@ -36,17 +39,22 @@ class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
  public:
   using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
   using LeafSystem<DiscreteLowPassParams<T>>::params;
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
+  OutputPort<T> y{
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& {
+        return x;
+      }};
 
  private:
-  const double blend_ = -std::expm1(-params.rate.period() / params.time_constant);
+  Shared<double> blend_{this, "blend", Uses(time_constant), [this](double time_constant) {
+                          return -std::expm1(-params.rate.period() / time_constant);
+                        }};
 
  public:
-  InputPort<T> u{this, {"u", params.unit}};
-  DiscreteState<T> x{this, {"x", params.unit}, params.initial};
-  OutputPort<T> y{
-      this, {"y", params.unit}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& { return x; }};
-  Update<T> next{x, Sampled{params.rate}, Uses(x, u),
-                 [this](const T& x, const T& u) -> T { return x + blend_ * (u - x); }};
+  Update<T> next{x, Sampled{params.rate}, Uses(x, u, blend_),
+                 [](const T& x, const T& u, double blend) -> T { return x + blend * (u - x); }};
 };
 
 }  // namespace tenon

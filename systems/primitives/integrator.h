@@ -12,6 +12,7 @@ struct IntegratorParams {
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [y_unit]
   std::string u_unit = "";             ///< of the input: y_unit per second
   std::string y_unit = "";             ///< of the output
+  std::string elements = "";           ///< names of the elements of both
   void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 
@@ -30,8 +31,8 @@ class Integrator final : public LeafSystem<IntegratorParams<T>> {
  public:
   using LeafSystem<IntegratorParams<T>>::LeafSystem;
   using LeafSystem<IntegratorParams<T>>::params;
-  InputPort<T> u{this, {"u", params.u_unit}};
-  ContinuousState<T> x{this, {"y", params.y_unit}, params.initial};
+  InputPort<T> u{this, {"u", params.u_unit, params.elements}};
+  ContinuousState<T> x{this, {"y", params.y_unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};
   TimeDerivative<T> dx{x, Uses(u), [](const T& u) -> const T& { return u; }};
 };

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
@@ -12,6 +13,7 @@ struct LowPassFilterParams {
   double time_constant = 0.1;          ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [unit]
   std::string unit = "";               ///< of input and output
+  std::string elements = "";           ///< names of their elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");
@@ -22,9 +24,10 @@ struct LowPassFilterParams {
 ///
 ///     T dy/dt = u - y,   y(0) = initial
 ///
-///     | port | kind              | size | unit |
-///     | u    | input             | T    | unit |
-///     | y    | output, the state | T    | unit |
+///     | port          | kind              | size   | unit |
+///     | u             | input             | T      | unit |
+///     | time_constant | Parameter         | double | s    |
+///     | y             | output, the state | T      | unit |
 ///
 /// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
 /// Throws ParameterError if the time constant is not positive or the initial value is not finite.
@@ -33,11 +36,13 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
  public:
   using LeafSystem<LowPassFilterParams<T>>::LeafSystem;
   using LeafSystem<LowPassFilterParams<T>>::params;
-  InputPort<T> u{this, {"u", params.unit}};
-  ContinuousState<T> x{this, {"y", params.unit}, params.initial};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  ContinuousState<T> x{this, {"y", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};
-  TimeDerivative<T> dx{x, Uses(x, u),
-                       [this](const T& x, const T& u) -> T { return (1 / params.time_constant) * (u - x); }};
+  TimeDerivative<T> dx{x, Uses(x, u, time_constant), [](const T& x, const T& u, double time_constant) -> T {
+                         return (1 / time_constant) * (u - x);
+                       }};
 };
 
 }  // namespace tenon

@@ -2,74 +2,89 @@
 
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 
-template <internal::DoubleOrMatrix T = double>
+template <internal::DoublesInside T = double>
 struct NoiseParams {
-  T standard_deviation = internal::Filled<T>(1);  ///< [unit], 0 or more
+  T standard_deviation = internal::FilledOrZero<T>(1);  ///< of each number [unit], 0 or more; 0 in a struct
   Rate rate = Hz(1000);
   std::string unit = "";
+  std::string elements = "";  ///< names of the elements
   void Validate() const {
-    Demand(internal::IsFinite(standard_deviation) &&
-               internal::Everywhere([](double deviation) { return deviation >= 0; }, standard_deviation),
+    Demand(internal::TypeInfoOf<T>().fixed,
+           "standard_deviation has parts whose size is known at run time only: give noise to those of fixed "
+           "size, each by a block of its own");
+    bool good = true;
+    internal::ForEachDouble([&](double deviation) { good &= deviation >= 0; }, standard_deviation);
+    Demand(good && internal::IsFinite(standard_deviation),
            "standard_deviation must be finite and not negative, in every element");
   }
 };
-
-namespace internal {
-template <DoubleOrMatrix T>
-T NormalSample(const T& standard_deviation, RandomStream& random) {
-  return Elementwise([&](double deviation) { return deviation * random.Normal(); }, standard_deviation);
-}
-}  // namespace internal
 
 /// Band-limited white noise: independent normal numbers of mean 0, one per element and tick, held between.
 ///
 ///     y[n] ~ N(0, standard_deviation^2)
 ///
-///     | port | kind            | size | unit |
-///     | y    | output, sampled | T    | unit |
+///     | port               | kind            | size | unit |
+///     | standard_deviation | Parameter       | T    | unit |
+///     | y                  | output, sampled | T    | unit |
 ///
-/// T is double or Vec<N>. Its one-sided power spectral density well below rate / 2 is
-/// 2 standard_deviation^2 / rate. The numbers follow from the run's seed and the block's path.
-/// Throws ParameterError if a standard deviation is negative or not finite.
-template <internal::DoubleOrMatrix T = double>
+/// T is double, Vec<N>, or a struct with Fields(), whose doubles are then such numbers and all else in it 0.
+/// The one-sided power spectral density well below rate / 2 is 2 standard_deviation^2 / rate. The numbers
+/// follow from the run's seed and the block's path.
+/// Throws ParameterError if a standard deviation is negative or not finite, or if T has parts of run-time
+/// size.
+template <internal::DoublesInside T = double>
 class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
+  Parameter<T> standard_deviation{
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation};
   Random random{this, "random"};
-  OutputPort<T> y{
-      this, {"y", params.unit}, Sampled{params.rate}, Uses(random), [this](RandomStream& random) -> T {
-        return internal::NormalSample(params.standard_deviation, random);
-      }};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Sampled{params.rate},
+                  Uses(standard_deviation, random),
+                  [](const T& standard_deviation, RandomStream& random, T* y) {
+                    internal::ForEachDouble(
+                        [&](double& y, double deviation) { y = deviation * random.Normal(); }, *y,
+                        standard_deviation);
+                  }};
 };
 
 /// A sampled measurement with white noise on it.
 ///
 ///     y[n] = u[n] + e[n],   e[n] ~ N(0, standard_deviation^2)
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
+///     | port               | kind            | size | unit |
+///     | u                  | input           | T    | unit |
+///     | standard_deviation | Parameter       | T    | unit |
+///     | y                  | output, sampled | T    | unit |
 ///
-/// Feedthrough at its ticks. Otherwise as WhiteNoise.
-template <internal::DoubleOrMatrix T = double>
+/// Feedthrough at its ticks. Of a struct, what is no double passes as it is. Otherwise as WhiteNoise.
+template <internal::DoublesInside T = double>
 class AddNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
-  InputPort<T> u{this, {"u", params.unit}};
+  Parameter<T> standard_deviation{
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
   Random random{this, "random"};
   OutputPort<T> y{this,
-                  {"y", params.unit},
+                  {"y", params.unit, params.elements},
                   Sampled{params.rate},
-                  Uses(u, random),
-                  [this](const T& u, RandomStream& random) -> T {
-                    return u + internal::NormalSample(params.standard_deviation, random);
+                  Uses(u, standard_deviation, random),
+                  [](const T& u, const T& standard_deviation, RandomStream& random, T* y) {
+                    *y = u;
+                    internal::ForEachDouble(
+                        [&](double& y, double deviation) { y += deviation * random.Normal(); }, *y,
+                        standard_deviation);
                   }};
 };
 

@@ -14,7 +14,8 @@ struct SampleDelayParams {
   int samples = 1;                    ///< the length of the delay, in periods; at least 1
   T initial = internal::Zeroed<T>();  ///< y before the first sample arrives [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  ///< of input and output
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
   void Validate() const { Demand(samples >= 1, "samples must be 1 or more: a delay of 0 is a connection"); }
 };
 
@@ -36,10 +37,11 @@ class SampleDelay final : public LeafSystem<SampleDelayParams<T>> {
  public:
   using LeafSystem<SampleDelayParams<T>>::LeafSystem;
   using LeafSystem<SampleDelayParams<T>>::params;
-  InputPort<T> u{this, {"u", params.unit}};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
   /// What is on its way, the oldest first.
-  DiscreteState<Line> line{this, {"line", params.unit}, Line(params.samples, params.initial)};
-  OutputPort<T> y{this,           {"y", params.unit},
+  DiscreteState<Line> line{
+      this, {"line", params.unit, params.elements}, Line(params.samples, params.initial)};
+  OutputPort<T> y{this,           {"y", params.unit, params.elements},
                   params.initial, Sampled{params.rate},
                   Uses(line),     [](const Line& line) -> const T& { return line.front(); }};
   Update<Line> next{line, Sampled{params.rate}, Uses(line, u), [](const Line& line, const T& u, Line* next) {

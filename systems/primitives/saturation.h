@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
@@ -14,6 +15,7 @@ struct SaturationParams {
   T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< [unit]
   T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< [unit]
   std::string unit = "";                                                    ///< of input, output and limits
+  std::string elements = "";                                                ///< names of their elements
   void Validate() const {
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");
@@ -24,9 +26,10 @@ struct SaturationParams {
 ///
 ///     y = min(max(u, lower), upper)
 ///
-///     | port | kind   | size | unit |
-///     | u    | input  | T    | unit |
-///     | y    | output | T    | unit |
+///     | port         | kind      | size   | unit |
+///     | u            | input     | T      | unit |
+///     | lower, upper | Parameter | T each | unit |
+///     | y            | output    | T      | unit |
 ///
 /// T is double or Vec<N>. A u that is not a number passes as it is. Throws ParameterError if a lower limit
 /// exceeds its upper one or either is not a number.
@@ -35,12 +38,17 @@ class Saturation final : public LeafSystem<SaturationParams<T>> {
  public:
   using LeafSystem<SaturationParams<T>>::LeafSystem;
   using LeafSystem<SaturationParams<T>>::params;
-  InputPort<T> u{this, {"u", params.unit}};
-  OutputPort<T> y{this, {"y", params.unit}, Uses(u), [this](const T& u) -> T {
+  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower};
+  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Uses(u, lower, upper),
+                  [](const T& u, const T& lower, const T& upper) -> T {
                     const auto limit = [](double u, double low, double high) {
                       return std::clamp(u, low, high);
                     };
-                    return internal::Elementwise(limit, u, params.lower, params.upper);
+                    return internal::Elementwise(limit, u, lower, upper);
                   }};
 };
 

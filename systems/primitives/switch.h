@@ -3,12 +3,14 @@
 #include <cmath>
 #include <string>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 
 namespace tenon {
 
 struct SwitchParams {
-  std::string unit = "";  ///< of the two signals and the output
+  std::string unit = "";      ///< of the two signals and the output
+  std::string elements = "";  ///< names of their elements
 };
 
 /// Passes on one of two signals:
@@ -26,10 +28,10 @@ class Switch final : public LeafSystem<SwitchParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<bool> select{this, "select"};
-  InputPort<T> on{this, {"on", params.unit}};
-  InputPort<T> off{this, {"off", params.unit}};
+  InputPort<T> on{this, {"on", params.unit, params.elements}};
+  InputPort<T> off{this, {"off", params.unit, params.elements}};
   OutputPort<T> y{this,
-                  {"y", params.unit},
+                  {"y", params.unit, params.elements},
                   Uses(select, on, off),
                   [](bool select, const T& on, const T& off) -> const T& { return select ? on : off; }};
 };
@@ -38,6 +40,7 @@ struct ThresholdSwitchParams {
   double threshold = 0;           ///< [control_unit]
   std::string control_unit = "";  ///< of the control input
   std::string unit = "";          ///< of the two signals and the output
+  std::string elements = "";      ///< names of their elements
   void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
 };
 
@@ -45,24 +48,26 @@ struct ThresholdSwitchParams {
 ///
 ///     y = on if control >= threshold, else off
 ///
-///     | port    | kind   | size   | unit         |
-///     | control | input  | double | control_unit |
-///     | on, off | input  | T      | unit         |
-///     | y       | output | T      | unit         |
+///     | port      | kind      | size   | unit         |
+///     | control   | input     | double | control_unit |
+///     | threshold | Parameter | double | control_unit |
+///     | on, off   | input     | T      | unit         |
+///     | y         | output    | T      | unit         |
 ///
 /// T is any copyable type. All inputs have feedthrough. Throws ParameterError if the threshold is not finite.
 template <class T = double>
 class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
  public:
   using LeafSystem::LeafSystem;
+  Parameter<double> threshold{this, {"threshold", params.control_unit}, params.threshold};
   InputPort<double> control{this, {"control", params.control_unit}};
-  InputPort<T> on{this, {"on", params.unit}};
-  InputPort<T> off{this, {"off", params.unit}};
+  InputPort<T> on{this, {"on", params.unit, params.elements}};
+  InputPort<T> off{this, {"off", params.unit, params.elements}};
   OutputPort<T> y{this,
-                  {"y", params.unit},
-                  Uses(control, on, off),
-                  [this](double control, const T& on, const T& off) -> const T& {
-                    return control >= params.threshold ? on : off;
+                  {"y", params.unit, params.elements},
+                  Uses(control, threshold, on, off),
+                  [](double control, double threshold, const T& on, const T& off) -> const T& {
+                    return control >= threshold ? on : off;
                   }};
 };
 

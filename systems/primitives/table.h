@@ -16,6 +16,7 @@ struct TableParams {
   std::vector<T> y = {};       ///< [y_unit], one for each u
   std::string u_unit = "";
   std::string y_unit = "";
+  std::string elements = "";  ///< names of the elements of y
   void Validate() const {
     Demand(u.size() >= 2, "a table needs two points or more");
     Demand(u.size() == y.size(), "a table needs as many values y as u: there are " +
@@ -40,7 +41,7 @@ class Table final : public LeafSystem<TableParams<T>> {
   using LeafSystem<TableParams<T>>::LeafSystem;
   using LeafSystem<TableParams<T>>::params;
   InputPort<double> u{this, {"u", params.u_unit}};
-  OutputPort<T> y{this, {"y", params.y_unit}, Uses(u), [this](double u) -> T {
+  OutputPort<T> y{this, {"y", params.y_unit, params.elements}, Uses(u), [this](double u) -> T {
                     const auto& points = params.u;
                     const double inside = std::clamp(u, points.front(), points.back());
                     const auto next = std::upper_bound(points.begin() + 1, points.end() - 1, inside);

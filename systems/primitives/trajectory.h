@@ -7,6 +7,7 @@
 
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/per.h>
 
 namespace tenon {
 
@@ -17,6 +18,7 @@ struct TrajectoryParams {
   T start_velocity = internal::Filled<T>(0);  ///< at the first time [unit/s]
   T end_velocity = internal::Filled<T>(0);    ///< at the last time [unit/s]
   std::string unit = "";
+  std::string elements = "";  ///< names of the elements of y and its derivatives
   void Validate() const {
     Demand(times.size() >= 2, "a trajectory needs two times or more");
     Demand(times.size() == values.size(), "a trajectory needs as many values as times: there are " +
@@ -63,22 +65,19 @@ class Trajectory final : public LeafSystem<TrajectoryParams<T>> {
   Shared<Point> point_{this, "point", Uses(this->time), &Trajectory::Evaluate};
 
  public:
-  OutputPort<T> y{this, {"y", params.unit}, Uses(point_), [](const Point& p) -> const T& { return p.y; }};
-  OutputPort<T> dy{this, {"dy", Per("s")}, Uses(point_), [](const Point& p) -> const T& { return p.dy; }};
-  OutputPort<T> ddy{
-      this, {"ddy", Per("s^2")}, Uses(point_), [](const Point& p) -> const T& { return p.ddy; }};
+  OutputPort<T> y{this, {"y", params.unit, params.elements}, Uses(point_), [](const Point& p) -> const T& {
+                    return p.y;
+                  }};
+  OutputPort<T> dy{this,
+                   {"dy", internal::Per(params.unit, "s"), params.elements},
+                   Uses(point_),
+                   [](const Point& p) -> const T& { return p.dy; }};
+  OutputPort<T> ddy{this,
+                    {"ddy", internal::Per(params.unit, "s^2"), params.elements},
+                    Uses(point_),
+                    [](const Point& p) -> const T& { return p.ddy; }};
 
  private:
-  std::string Per(const std::string& time) const {
-    std::string units = "";
-    for (const char c : params.unit + ",") {
-      if (c == ',' && !units.empty()) units += "/" + time;
-      units += c;
-    }
-    units.pop_back();
-    return units;
-  }
-
   static std::vector<T> SolveVelocities(const TrajectoryParams<T>& p);
   Point Evaluate(double time) const;
 };

@@ -10,7 +10,8 @@ template <class T = double>
 struct UnitDelayParams {
   T initial = internal::Zeroed<T>();  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";  ///< of input and output
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
 };
 
 /// A delay by one sample, which models computation time and breaks loops of sampled blocks:
@@ -27,11 +28,10 @@ class UnitDelay final : public LeafSystem<UnitDelayParams<T>> {
  public:
   using LeafSystem<UnitDelayParams<T>>::LeafSystem;
   using LeafSystem<UnitDelayParams<T>>::params;
-  InputPort<T> u{this, {"u", params.unit}};
-  DiscreteState<T> x{this, {"x", params.unit}, params.initial};
-  OutputPort<T> y{this,           {"y", params.unit},
-                  params.initial, Sampled{params.rate},
-                  Uses(x),        [](const T& x) -> const T& { return x; }};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
+  OutputPort<T> y{this,    {"y", params.unit, params.elements},     params.initial, Sampled{params.rate},
+                  Uses(x), [](const T& x) -> const T& { return x; }};
   Update<T> next{x, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& { return u; }};
 };
 

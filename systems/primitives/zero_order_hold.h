@@ -8,7 +8,8 @@ namespace tenon {
 
 struct ZeroOrderHoldParams {
   Rate rate = Hz(1000);
-  std::string unit = "";  ///< of input and output
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
 };
 
 /// Samples its input and holds it, with h the period:
@@ -25,9 +26,11 @@ template <class T = double>
 class ZeroOrderHold final : public LeafSystem<ZeroOrderHoldParams> {
  public:
   using LeafSystem::LeafSystem;
-  InputPort<T> u{this, {"u", params.unit}};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.unit}, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& { return u; }};
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& {
+        return u;
+      }};
 };
 
 }  // namespace tenon

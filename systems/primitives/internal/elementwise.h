@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <type_traits>
 
 #include <tenon/systems/framework/signal.h>
@@ -12,6 +13,10 @@ template <class T>
 concept DoubleOrMatrix = std::same_as<T, double> ||
     (InlineMatrix<T>&& std::same_as<typename T::Scalar, double>);
 
+/// What noise is put on: those, and structs that describe themselves.
+template <class T>
+concept DoublesInside = DoubleOrMatrix<T> || HasFields<T>;
+
 /// A T with every number in it `number`.
 template <DoubleOrMatrix T>
 T Filled(double number) {
@@ -19,6 +24,16 @@ T Filled(double number) {
     return number;
   } else {
     return T::Constant(number);
+  }
+}
+
+/// The same; a struct is zero.
+template <DoublesInside T>
+T FilledOrZero([[maybe_unused]] double number) {
+  if constexpr (DoubleOrMatrix<T>) {
+    return Filled<T>(number);
+  } else {
+    return Zeroed<T>();
   }
 }
 
@@ -46,6 +61,23 @@ bool Everywhere(F condition, const T& first, const More&... more) {
       },
       first, more...);
   return all;
+}
+
+inline double* DoublesAt(void* value, std::size_t offset) {
+  return reinterpret_cast<double*>(static_cast<std::byte*>(value) + offset);
+}
+inline const double* DoublesAt(const void* value, std::size_t offset) {
+  return reinterpret_cast<const double*>(static_cast<const std::byte*>(value) + offset);
+}
+
+/// Calls `visit(double&, …)` for all doubles of the values, one of each, in order. Their type must be fixed.
+template <class F, class T, class... More>
+void ForEachDouble(F visit, T& first, More&... more) {
+  for (const ScalarRun& run : TypeInfoOf<std::remove_const_t<T>>().runs) {
+    if (run.kind != ScalarKind::kDouble) continue;
+    for (std::size_t i = 0; i < run.count; ++i)
+      visit(DoublesAt(&first, run.offset)[i], DoublesAt(&more, run.offset)[i]...);
+  }
 }
 
 }  // namespace tenon::internal

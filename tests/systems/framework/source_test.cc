@@ -42,7 +42,7 @@ TEST(SourceTest, TellsWhatItUsesAndWhatItIsFor) {
 
 TEST(SourceTest, UsesTheEntriesOfAList) {
   const Adder<> adder;
-  EXPECT_THAT(adder.y.uses(), ElementsAre(&adder.u[0], &adder.u[1]));
+  EXPECT_THAT(adder.y.uses(), ElementsAre(&adder.weights, &adder.u[0], &adder.u[1]));
 }
 
 }  // namespace

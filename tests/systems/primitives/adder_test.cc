@@ -41,5 +41,13 @@ TEST(AdderTest, RefusesBadWeights) {
       "weights must be finite"));
 }
 
+TEST(AdderTest, WeightsAreSetInARun) {
+  TestRig<Adder<>> rig;
+  rig.Fix(rig->u[0], 3).Fix(rig->u[1], 4).Set(rig->weights, {1, -1});
+  EXPECT_EQ(rig[rig->y], -1);
+  rig.Set(rig->weights, {1});
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "there are 1 weights, but 2 inputs"));
+}
+
 }  // namespace
 }  // namespace tenon

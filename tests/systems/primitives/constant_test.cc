@@ -26,5 +26,11 @@ TEST(ConstantSourceTest, IsZeroByDefault) {
   EXPECT_EQ(rig[rig.system().y], 0);
 }
 
+TEST(ConstantSourceTest, IsSetInARun) {
+  TestRig<ConstantSource<>> rig(ConstantParams<>{.value = 1});
+  rig.RunTo(1).Set(rig->value, 5);
+  EXPECT_EQ(rig.RunTo(2)[rig->y], 5);
+}
+
 }  // namespace
 }  // namespace tenon

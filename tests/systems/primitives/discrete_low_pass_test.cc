@@ -67,5 +67,13 @@ TEST(DiscreteLowPassTest, RefusesBadParameters) {
       Throws<ParameterError>([] { DiscreteLowPass<> filter(Params{.initial = std::nan("")}); }, "initial"));
 }
 
+TEST(DiscreteLowPassTest, TheTimeConstantIsSetInARun) {
+  TestRig<DiscreteLowPass<>> rig({.time_constant = 1e6, .rate = Hz(10), .unit = "m"});
+  rig.Set(rig->time_constant, 0.1).Fix(rig->u, 1).Tick().Tick();
+  EXPECT_NEAR(rig[rig->y], 1 - std::exp(-1), 1e-15);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "positive"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -33,5 +33,12 @@ TEST(GainTest, RefusesAGainThatIsNotFinite) {
   EXPECT_TRUE(Throws<ParameterError>([&] { Gain<> gain(GainParams{.gain = nan}); }, "gain must be finite"));
 }
 
+TEST(GainTest, IsSetInARun) {
+  TestRig<Gain<Vec<2>>> rig({.gain = 2, .elements = "x, z"});
+  rig.Set(rig->gain, 5);
+  EXPECT_THAT(rig.Fix(rig->u, {1, 2})[rig->y], IsNear(Vec<2>(5, 10), 0));
+  EXPECT_EQ(rig->y.elements()[1].name, "z");
+}
+
 }  // namespace
 }  // namespace tenon

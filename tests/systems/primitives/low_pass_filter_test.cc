@@ -51,5 +51,14 @@ TEST(LowPassFilterTest, RefusesBadParameters) {
                                      "initial"));
 }
 
+TEST(LowPassFilterTest, TheTimeConstantIsSetInARun) {
+  TestRig<LowPassFilter<Vec<2>>> rig({.time_constant = 0.5, .unit = "m", .elements = "x, z"});
+  rig.Set(rig->time_constant, 0.25);
+  EXPECT_THAT(rig.Fix(rig->u, {1, 2}).Derivative(rig->x), IsNear(Vec<2>(4, 8), 0));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "positive"));
+  EXPECT_EQ(rig.diagram().ContinuousStateNames()[1], "block.y.z");
+}
+
 }  // namespace
 }  // namespace tenon

@@ -86,5 +86,54 @@ TEST(NoiseTest, RefusesBadDeviations) {
       "every element"));
 }
 
+struct Measurement {
+  double angle = 0;
+  Vec<3> velocity = Vec<3>::Zero();
+  int contacts = 0;
+  static FieldList Fields() {
+    return {{"angle", &Measurement::angle, "rad"},
+            {"velocity", &Measurement::velocity, "m/s"},
+            {"contacts", &Measurement::contacts}};
+  }
+};
+
+TEST(NoiseTest, IsPutOnTheDoublesOfAStruct) {
+  TestRig<AddNoise<Measurement>> rig({.standard_deviation = {.angle = 0.1, .velocity = {0, 2, 0}}});
+  TestRig<WhiteNoise<Vec<4>>> noise({.standard_deviation = {0.1, 0, 2, 0}});  // a block of the same path
+  rig.Fix(rig->u, {.angle = 1, .velocity = {1, 2, 3}, .contacts = 4});
+  for (int i = 0; i < 5; ++i) {
+    const Measurement& y = rig.Tick()[rig->y];
+    const Vec<4>& e = noise.Tick()[noise->y];
+    EXPECT_EQ(y.angle, 1 + e[0]);
+    EXPECT_THAT(y.velocity, IsNear(Vec<3>(1, 2 + e[2], 3), 0));
+    EXPECT_EQ(y.contacts, 4);
+  }
+  TestRig<WhiteNoise<Measurement>> none;
+  EXPECT_EQ(none.Tick()[none->y].angle, 0);
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        WhiteNoise<Measurement> block({.standard_deviation = {.velocity = {0, -1, 0}}});
+      },
+      "every element"));
+}
+
+TEST(NoiseTest, DeviationsAreSetInARun) {
+  TestRig<WhiteNoise<>> rig;
+  rig.Tick().Set(rig->standard_deviation, 0);
+  EXPECT_EQ(rig.Tick()[rig->y], 0);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->standard_deviation, -1); }, "'block.standard_deviation'"));
+}
+
+struct Scan {
+  std::vector<double> ranges;
+  static FieldList Fields() { return {{"ranges", &Scan::ranges}}; }
+};
+
+TEST(NoiseTest, RefusesTypesWithoutAFixedSize) {
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { AddNoise<Scan> block; }, "standard_deviation", "known at run time only"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -51,5 +51,13 @@ TEST(SaturationTest, RefusesCrossedLimits) {
   EXPECT_TRUE(Throws<ParameterError>([] { Saturation<> block(SaturationParams<>{.upper = kNan}); }, "lower"));
 }
 
+TEST(SaturationTest, LimitsAreSetInARun) {
+  TestRig<Saturation<>> rig({.lower = -1, .upper = 2});
+  rig.Set(rig->upper, 3);
+  EXPECT_EQ(rig.Fix(rig->u, 5)[rig->y], 3);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->upper, -3); }, "'block.upper'", "lower must not exceed"));
+}
+
 }  // namespace
 }  // namespace tenon

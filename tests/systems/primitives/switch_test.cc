@@ -39,5 +39,11 @@ TEST(ThresholdSwitchTest, RefusesAThresholdThatIsNotFinite) {
       "finite"));
 }
 
+TEST(ThresholdSwitchTest, TheThresholdIsSetInARun) {
+  TestRig<ThresholdSwitch<>> rig({.threshold = 0.5});
+  rig.Fix(rig->on, 1).Fix(rig->off, -1).Fix(rig->control, 0.7).Set(rig->threshold, 0.8);
+  EXPECT_EQ(rig[rig->y], -1);
+}
+
 }  // namespace
 }  // namespace tenon
