@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/product.h>
+
+namespace tenon {
+
+template <int Rows = Eigen::Dynamic, int Cols = Rows>
+struct MatrixGainParams {
+  static constexpr bool kDynamic = Rows == Eigen::Dynamic || Cols == Eigen::Dynamic;
+  static constexpr int kOrder = Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor;
+  /// Eigen::MatrixXd, or a matrix of fixed size that is never over-aligned, as Vec<N>.
+  using Matrix = Eigen::Matrix<double, Rows, Cols, kOrder | (kDynamic ? 0 : Eigen::DontAlign)>;
+  Matrix gain = internal::Zeroed<Matrix>();  ///< [y_unit / u_unit]
+  std::string u_unit = "";                   ///< of the input
+  std::string y_unit = "";                   ///< of the output
+  std::string u_elements = "";               ///< names of the input's elements
+  std::string y_elements = "";               ///< names of the output's elements
+  void Validate() const {
+    Demand(gain.size() > 0, "gain must not be empty: give a matrix of as many columns as u has elements");
+    Demand(internal::IsFinite(gain), "gain must be finite");
+  }
+};
+
+/// A matrix as a factor:
+///
+///     y = gain u
+///
+///     | port | kind      | size       | unit            |
+///     | u    | input     | Vec<Cols>  | u_unit          |
+///     | gain | Parameter | Rows, Cols | y_unit / u_unit |
+///     | y    | output    | Vec<Rows>  | y_unit          |
+///
+/// MatrixGain<> has the size of its matrix, known at run time, and ports of Eigen::VectorXd. Throws
+/// ParameterError if the matrix is empty or not finite, RunError if u has not as many elements as it has
+/// columns, or if a matrix with other rows is set in a run.
+template <int Rows = Eigen::Dynamic, int Cols = Rows>
+class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
+  using Matrix = typename MatrixGainParams<Rows, Cols>::Matrix;
+
+ public:
+  using LeafSystem<MatrixGainParams<Rows, Cols>>::LeafSystem;
+  using LeafSystem<MatrixGainParams<Rows, Cols>>::params;
+  Parameter<Matrix> gain{this, "gain", params.gain, "unit of y / unit of u"};
+  InputPort<Vec<Cols>> u{this, {"u", params.u_unit, params.u_elements}};
+  OutputPort<Vec<Rows>> y{this,
+                          {"y", params.y_unit, params.y_elements},
+                          Vec<Rows>::Zero(params.gain.rows()),
+                          Uses(gain, u),
+                          [](const Matrix& gain, const Vec<Cols>& u, Vec<Rows>* y) {
+                            internal::Multiply("gain", gain, "u", u, y);
+                          }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,63 @@
+#include <tenon/systems/primitives/matrix_gain.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/primitives/zero_order_hold.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(MatrixGainTest, MultipliesVectorsOfAnySize) {
+  Eigen::MatrixXd gain(2, 3);
+  gain << 1, 2, 3, 4, 5, 6;
+  TestRig<MatrixGain<>> rig({.gain = gain, .y_unit = "N, m", .y_elements = "force, torque"});
+  EXPECT_EQ(rig->y.elements()[1].name, "torque");
+  EXPECT_EQ(rig->y.elements()[1].unit, "m");
+  EXPECT_THAT(rig.Fix(rig->u, Eigen::Vector3d(1, 0, -1))[rig->y], IsNear(Vec<2>(-2, -2), 0));
+  rig.Set(rig->gain, 2 * gain);
+  EXPECT_THAT(rig[rig->y], IsNear(Vec<2>(-4, -4), 0));
+}
+
+TEST(MatrixGainTest, MultipliesVectorsOfFixedSize) {
+  TestRig<MatrixGain<2>> square({.gain = Eigen::Matrix2d{{1, 2}, {3, 4}}});
+  EXPECT_THAT(square.Fix(square->u, {1, 1})[square->y], IsNear(Vec<2>(3, 7), 0));
+  TestRig<MatrixGain<1, 3>> row({.gain = Eigen::RowVector3d(1, 2, 3)});
+  EXPECT_EQ(row.Fix(row->u, {1, 1, 1})[row->y][0], 6);
+}
+
+TEST(MatrixGainTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  DiagramBuilder builder;
+  auto& gain = builder.Add<MatrixGain<>>("gain", {.gain = Eigen::MatrixXd::Ones(20, 30)});
+  auto& hold = builder.Add<ZeroOrderHold<Eigen::VectorXd>>("hold");
+  builder.Connect(gain.y, hold.u);
+  Simulator simulator(builder.BuildWithOpenInputs());
+  simulator.context().Set(gain.u, Eigen::VectorXd::Ones(30));
+  simulator.RunTo(0.1);
+  const AllocationGuard guard;
+  simulator.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
+  EXPECT_TRUE(Throws<ParameterError>([] { MatrixGain<> block; }, "gain must not be empty"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] { MatrixGain<> block({.gain = Eigen::MatrixXd::Constant(2, 2, kNan)}); }, "gain must be finite"));
+  TestRig<MatrixGain<>> rig({.gain = Eigen::MatrixXd::Ones(2, 3)});
+  rig.Fix(rig->u, Eigen::Vector2d(1, 2));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "u has 2 elements", "gain has 3 columns"));
+  rig.Set(rig->gain, Eigen::MatrixXd::Ones(3, 2));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "gain has 3 rows, but had 2", "keep its size"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,147 @@
+#include <tenon/systems/primitives/state_space.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// The oscillator q'' = -4 q + u, its position and velocity.
+StateSpaceParams Oscillator() {
+  return {.A = Eigen::MatrixXd{{0, 1}, {-4, 0}},
+          .B = Eigen::MatrixXd{{0}, {1}},
+          .C = Eigen::MatrixXd::Identity(2, 2),
+          .initial = Eigen::Vector2d(1, 0),
+          .u_unit = "N/kg",
+          .x_unit = "m, m/s",
+          .y_unit = "m, m/s",
+          .x_elements = "q, v"};
+}
+
+TEST(StateSpaceTest, IsIntegrated) {
+  TestRig<StateSpace> rig(Oscillator());
+  EXPECT_EQ(rig.diagram().ContinuousStateNames()[1], "block.x.v");
+  rig.Fix(rig->u, Eigen::VectorXd::Constant(1, 2)).RunTo(0.7);
+  // About the rest at u / 4.
+  EXPECT_THAT(rig[rig->y], IsNear(Vec<2>(0.5 + 0.5 * std::cos(1.4), -std::sin(1.4)), 1e-9));
+}
+
+TEST(StateSpaceTest, HasFeedthroughOnlyIfThereIsAD) {
+  const auto build = [](StateSpaceParams params) {
+    DiagramBuilder builder;
+    auto& plant = builder.Add<StateSpace>("plant", std::move(params));
+    builder.Connect(plant.y, plant.u);
+    return builder.Build();
+  };
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  EXPECT_NO_THROW(build({.A = one, .B = one, .C = one}));
+  EXPECT_TRUE(Throws<BuildError>([&] { build({.A = one, .B = one, .C = one, .D = one}); }, "algebraic loop"));
+  TestRig<StateSpace> rig({.A = one, .B = one, .C = 2 * one, .D = 3 * one, .initial = one});
+  EXPECT_EQ(rig.Fix(rig->u, 5 * one)[rig->y][0], 17);
+  rig.Set(rig->D, -one);
+  EXPECT_EQ(rig[rig->y][0], -3);
+}
+
+TEST(StateSpaceTest, MatricesAreSetInARun) {
+  TestRig<StateSpace> rig(Oscillator());
+  rig.Fix(rig->u, Eigen::VectorXd::Zero(1));
+  EXPECT_THAT(rig.Derivative(rig->x), IsNear(Vec<2>(0, -4), 0));
+  rig.Set(rig->A, Eigen::Matrix2d{{0, 1}, {-9, 0}});
+  EXPECT_THAT(rig.Derivative(rig->x), IsNear(Vec<2>(0, -9), 0));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->A, Eigen::Matrix3d::Zero()); }, "'block.A'", "B must have"));
+}
+
+TEST(StateSpaceTest, RefusesInARunWhatDoesNotFit) {
+  TestRig<StateSpace> rig(Oscillator());
+  rig.Fix(rig->u, Eigen::Vector2d(1, 2));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig.Derivative(rig->x); }, "block", "u has 2 elements, but B has 1 columns"));
+  EXPECT_NO_THROW(rig[rig->y]);
+  rig.Set(rig->D, Eigen::MatrixXd::Zero(2, 1));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "D is set, but was empty when the block was made"));
+}
+
+TEST(StateSpaceTest, MatricesKeepTheirSizes) {
+  TestRig<StateSpace> rig(Oscillator());
+  rig.Fix(rig->u, Eigen::VectorXd::Zero(1)).Set(rig->C, Eigen::MatrixXd::Zero(3, 2));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "C has 3 rows, but had 2"));
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1), square = Eigen::MatrixXd::Ones(2, 2),
+                        column = square.leftCols(1), row = square.topRows(1);
+  TestRig<StateSpace> small({.A = one, .B = one, .C = one});
+  small.Fix(small->u, one).context().Set(small->A, square, small->B, column, small->C, row);
+  EXPECT_TRUE(Throws<RunError>([&] { small.Derivative(small->x); }, "x has 1 elements, but A has 2 columns"));
+}
+
+TEST(StateSpaceTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  TestRig<StateSpace> rig(Oscillator());
+  rig.Fix(rig->u, Eigen::VectorXd::Zero(1)).RunTo(0.1);
+  const AllocationGuard guard;
+  rig.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(StateSpaceTest, RefusesMatricesThatDoNotFit) {
+  const auto make = [](auto change) {
+    StateSpaceParams params = Oscillator();
+    change(params);
+    StateSpace block(std::move(params));
+  };
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { StateSpace block; }, "A must be square and not empty: it is 0 x 0"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.A.resize(2, 3); }); }, "it is 2 x 3"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.B.resize(3, 1); }); },
+                                     "B must have as many rows as A"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.C.resize(1, 3); }); },
+                                     "C must have as many columns"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.D.resize(1, 1); }); }, "D must be 2 x 1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.initial.resize(3); }); }, "initial must have",
+                                     "it has 3"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make([](auto& p) { p.B(1, 0) = kNan; }); }, "must be finite"));
+}
+
+TEST(DiscreteStateSpaceTest, StepsByItsMatrices) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  TestRig<DiscreteStateSpace> rig(
+      {.model = {.A = 0.5 * one, .B = one, .C = 2 * one, .D = one, .initial = 3 * one}, .rate = Hz(10)});
+  rig.Fix(rig->u, one);
+  // x = 2 + 0.5^n
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(rig.Tick()[rig->y][0], 2 * (2 + std::pow(0.5, n)) + 1);
+  EXPECT_TRUE(Throws<ParameterError>([] { DiscreteStateSpace block; }, "A must be square"));
+}
+
+TEST(DiscreteStateSpaceTest, BreaksLoopsWithoutD) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  DiagramBuilder builder;
+  auto& plant =
+      builder.Add<DiscreteStateSpace>("plant", {.model = {.A = one, .B = one, .C = one, .initial = one}});
+  builder.Connect(plant.y, plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  simulator.RunTo(0.01);  // doubles every millisecond
+  EXPECT_EQ(simulator.context().Eval(plant.y)[0], 1024);
+}
+
+TEST(DiscreteStateSpaceTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  TestRig<DiscreteStateSpace> rig({.model = Oscillator()});
+  rig.Fix(rig->u, Eigen::VectorXd::Zero(1)).Tick();
+  const AllocationGuard guard;
+  for (int i = 0; i < 10; ++i) rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon
