@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/filtered_difference.h>
+
+namespace tenon {
+
+struct DiscreteDerivativeParams {
+  double time_constant = 0;  ///< of a low-pass filter [s]; 0 is none
+  Rate rate = Hz(1000);
+  std::string u_unit = "";    ///< of the input
+  std::string y_unit = "";    ///< of the output: u_unit per second
+  std::string elements = "";  ///< names of the elements of both
+  void Validate() const {
+    Demand(time_constant >= 0 && std::isfinite(time_constant),
+           "time_constant must be finite and not negative; 0 filters nothing");
+  }
+};
+
+/// The derivative of a sampled signal behind a first-order low-pass filter, by backward differences. With T
+/// the time constant and h the period:
+///
+///     y[n] = (T y[n - 1] + u[n] - u[n - 1]) / (T + h),   y[0] = 0
+///
+///     | port          | kind            | size   | unit   |
+///     | u             | input           | T      | u_unit |
+///     | time_constant | Parameter       | double | s      |
+///     | y             | output, sampled | T      | y_unit |
+///
+/// T is double or Vec<N>. Feedthrough at its ticks; of a signal that is smooth it lags by T + h / 2.
+/// Throws ParameterError if the time constant is negative or not finite.
+template <internal::DoubleOrMatrix T = double>
+class DiscreteDerivative final : public LeafSystem<DiscreteDerivativeParams> {
+  using Difference = internal::FilteredDifference<T>;
+
+ public:
+  using LeafSystem::LeafSystem;
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  InputPort<T> u{this, {"u", params.u_unit, params.elements}};
+  DiscreteState<Difference> x{this, "x"};
+
+ private:
+  Shared<Difference> next_{this, "next", Uses(x, u, time_constant),
+                           [this](const Difference& x, const T& u, double time_constant) {
+                             return x.Next(u, time_constant, params.rate.period());
+                           }};
+
+ public:
+  OutputPort<T> y{this,
+                  {"y", params.y_unit, params.elements},
+                  Sampled{params.rate},
+                  Uses(next_),
+                  [](const Difference& next) -> const T& { return next.d; }};
+  Update<Difference> update{x, Sampled{params.rate}, Uses(next_),
+                            [](const Difference& next) -> const Difference& { return next; }};
+};
+
+}  // namespace tenon

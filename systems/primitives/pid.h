@@ -1,0 +1,130 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/filtered_difference.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct PidParams {
+  T kp = internal::Filled<T>(1);  ///< [u_unit / y_unit]
+  T ki = internal::Filled<T>(0);  ///< [u_unit / (y_unit s)]
+  T kd = internal::Filled<T>(0);  ///< [u_unit s / y_unit]
+  double filter_time = 0.01;      ///< of the derivative [s]; 0 is none
+  double ref_weight = 1;          ///< of ref in the derivative, 0 to 1
+  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< of the output [u_unit]
+  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< of the output [u_unit]
+  Rate rate = Hz(1000);
+  std::string y_unit = "";    ///< of ref and y
+  std::string u_unit = "";    ///< of the output
+  std::string elements = "";  ///< names of the elements of all three
+  void Validate() const {
+    Demand(internal::IsFinite(kp) && internal::IsFinite(ki) && internal::IsFinite(kd),
+           "kp, ki and kd must be finite");
+    Demand(filter_time >= 0 && std::isfinite(filter_time),
+           "filter_time must be finite and not negative; 0 filters nothing");
+    Demand(ref_weight >= 0 && ref_weight <= 1,
+           "ref_weight must be from 0, the derivative of -y, to 1, that of ref - y");
+    Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
+           "lower must not exceed upper, in any element");
+  }
+};
+
+/// What a Pid remembers from tick to tick.
+template <class T>
+struct PidMemory {
+  T integral = internal::Filled<T>(0);
+  internal::FilteredDifference<T> derivative = {};
+  static FieldList Fields() {
+    return {{"integral", &PidMemory::integral}, {"derivative", &PidMemory::derivative}};
+  }
+};
+
+/// A sampled PID controller with filtered derivative, limited output and anti-windup, element by element.
+/// With e = ref - y, h the period and Tf = filter_time:
+///
+///     v[n] = kp e[n] + I[n] + kd d[n],   u[n] = min(max(v[n], lower), upper)
+///     I[n + 1] = I[n] + h ki e[n],   I[0] = 0,   but I[n] if v[n] is beyond a limit and would go further
+///     d[n] = (Tf d[n - 1] + w[n] - w[n - 1]) / (Tf + h),   d[0] = 0,   w = ref_weight ref - y
+///
+/// This anti-windup is clamping, or conditional integration; unlike back-calculation it has no gain to choose
+/// (Åström and Hägglund, "PID Controllers: Theory, Design, and Tuning", ISA 1995, chapter 3). A ref_weight of
+/// 1 is for smooth references, 0 for those with steps, at which the derivative would kick. I is in units of
+/// u: a ki that is set in a run makes no jump.
+///
+///     | port                    | kind            | size   | unit            |
+///     | ref, y                  | input           | T      | y_unit          |
+///     | kp                      | Parameter       | T      | u_unit / y_unit |
+///     | ki                      | Parameter       | T      | that / s        |
+///     | kd                      | Parameter       | T      | that s          |
+///     | filter_time, ref_weight | Parameter       | double | s, 1            |
+///     | lower, upper            | Parameter       | T      | u_unit          |
+///     | u                       | output, sampled | T      | u_unit          |
+///
+/// T is double or Vec<N>. Feedthrough at its ticks. Throws ParameterError if a gain is not finite, if
+/// filter_time is negative, if ref_weight is not from 0 to 1, or if a lower limit exceeds its upper one.
+template <internal::DoubleOrMatrix T = double>
+class Pid final : public LeafSystem<PidParams<T>> {
+ public:
+  using LeafSystem<PidParams<T>>::LeafSystem;
+  using LeafSystem<PidParams<T>>::params;
+  using Memory = PidMemory<T>;
+  InputPort<T> ref{this, {"ref", params.y_unit, params.elements}};
+  InputPort<T> y{this, {"y", params.y_unit, params.elements}};
+  Parameter<T> kp{this, {"kp", "", params.elements}, params.kp, "proportional gain, unit of u / unit of y"};
+  Parameter<T> ki{this, {"ki", "", params.elements}, params.ki, "integral gain, unit of u / (unit of y s)"};
+  Parameter<T> kd{this, {"kd", "", params.elements}, params.kd, "derivative gain, unit of u s / unit of y"};
+  Parameter<double> filter_time{this, {"filter_time", "s"}, params.filter_time, "of the derivative"};
+  Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "of ref in the derivative"};
+  Parameter<T> lower{this, {"lower", params.u_unit, params.elements}, params.lower};
+  Parameter<T> upper{this, {"upper", params.u_unit, params.elements}, params.upper};
+  DiscreteState<Memory> memory{this, "memory"};
+
+ private:
+  Shared<internal::FilteredDifference<T>> derivative_{
+      this, "derivative", Uses(memory, ref, y, ref_weight, filter_time),
+      [this](const Memory& memory, const T& ref, const T& y, double ref_weight, double filter_time) {
+        return memory.derivative.Next(ref_weight * ref - y, filter_time, params.rate.period());
+      }};
+  Shared<T> unlimited_{this, "unlimited", Uses(memory, ref, y, derivative_, kp, kd),
+                       [](const Memory& memory, const T& ref, const T& y,
+                          const internal::FilteredDifference<T>& derivative, const T& kp, const T& kd) -> T {
+                         const auto sum = [](double integral, double ref, double y, double d, double kp,
+                                             double kd) { return kp * (ref - y) + integral + kd * d; };
+                         return internal::Elementwise(sum, memory.integral, ref, y, derivative.d, kp, kd);
+                       }};
+
+ public:
+  OutputPort<T> u{this,
+                  {"u", params.u_unit, params.elements},
+                  Sampled{params.rate},
+                  Uses(unlimited_, lower, upper),
+                  [](const T& v, const T& lower, const T& upper) -> T {
+                    const auto limit = [](double v, double low, double high) {
+                      return std::clamp(v, low, high);
+                    };
+                    return internal::Elementwise(limit, v, lower, upper);
+                  }};
+  Update<Memory> next{
+      memory, Sampled{params.rate}, Uses(memory, ref, y, derivative_, unlimited_, ki, lower, upper),
+      [this](const Memory& memory, const T& ref, const T& y,
+             const internal::FilteredDifference<T>& derivative, const T& unlimited, const T& ki,
+             const T& lower, const T& upper) -> Memory {
+        const auto integrate = [h = params.rate.period()](double integral, double ref, double y, double v,
+                                                          double ki, double low, double high) {
+          const double rise = ki * (ref - y);
+          const bool winds_up = (v > high && rise > 0) || (v < low && rise < 0);
+          return winds_up ? integral : integral + h * rise;
+        };
+        return {internal::Elementwise(integrate, memory.integral, ref, y, unlimited, ki, lower, upper),
+                derivative};
+      }};
+};
+
+}  // namespace tenon
