@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/per.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct RateLimiterParams {
+  T falling = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< [unit/s], 0 or less
+  T rising = internal::Filled<T>(std::numeric_limits<double>::infinity());    ///< [unit/s], 0 or more
+  T initial = internal::Filled<T>(0);  ///< y before the first tick [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
+  void Validate() const {
+    Demand(internal::Everywhere([](double falling, double rising) { return falling <= 0 && rising >= 0; },
+                                falling, rising),
+           "falling must not be positive and rising not negative, in any element");
+    Demand(internal::IsFinite(initial), "initial must be finite");
+  }
+};
+
+/// A sampled limit of the rate of change, element by element. With h the period:
+///
+///     y[n] = y[n - 1] + min(max(u[n] - y[n - 1], h falling), h rising),   y[-1] = initial
+///
+///     | port            | kind            | size   | unit   |
+///     | u               | input           | T      | unit   |
+///     | falling, rising | Parameter       | T each | unit/s |
+///     | y               | output, sampled | T      | unit   |
+///
+/// T is double or Vec<N>. Feedthrough at its ticks. Throws ParameterError if a limit has the wrong sign or is
+/// not a number, or if the initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class RateLimiter final : public LeafSystem<RateLimiterParams<T>> {
+ public:
+  using LeafSystem<RateLimiterParams<T>>::LeafSystem;
+  using LeafSystem<RateLimiterParams<T>>::params;
+  Parameter<T> falling{this, {"falling", internal::Per(params.unit, "s"), params.elements}, params.falling};
+  Parameter<T> rising{this, {"rising", internal::Per(params.unit, "s"), params.elements}, params.rising};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  DiscreteState<T> last{this, {"last", params.unit, params.elements}, params.initial};
+  OutputPort<T> y{
+      this,
+      {"y", params.unit, params.elements},
+      Sampled{params.rate},
+      Uses(last, u, falling, rising),
+      [this](const T& last, const T& u, const T& falling, const T& rising) -> T {
+        const auto limit = [h = params.rate.period()](double last, double u, double falling, double rising) {
+          const double step = u - last;
+          return step > h * rising ? last + h * rising : step < h * falling ? last + h * falling : u;
+        };
+        return internal::Elementwise(limit, last, u, falling, rising);
+      }};
+  Update<T> next{last, Sampled{params.rate}, Uses(y), [](const T& y) -> const T& { return y; }};
+};
+
+}  // namespace tenon

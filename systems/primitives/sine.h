@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/per.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct SineParams {
+  T amplitude = internal::Filled<T>(1);          ///< [unit]
+  T angular_frequency = internal::Filled<T>(1);  ///< [rad/s]
+  T phase = internal::Filled<T>(0);              ///< [rad]
+  T offset = internal::Filled<T>(0);             ///< [unit]
+  std::string unit = "";
+  std::string elements = "";  ///< names of the elements
+  void Validate() const {
+    Demand(internal::IsFinite(amplitude) && internal::IsFinite(angular_frequency) &&
+               internal::IsFinite(phase) && internal::IsFinite(offset),
+           "amplitude, angular_frequency, phase and offset must be finite");
+  }
+};
+
+/// A sine with its derivatives, element by element:
+///
+///     y = offset + a sin(w t + phase),   dy = a w cos(w t + phase),   ddy = -a w^2 sin(w t + phase)
+///
+///     | port              | kind      | size | unit     |
+///     | amplitude         | Parameter | T    | unit     |
+///     | angular_frequency | Parameter | T    | rad/s    |
+///     | phase             | Parameter | T    | rad      |
+///     | offset            | Parameter | T    | unit     |
+///     | y                 | output    | T    | unit     |
+///     | dy                | output    | T    | unit/s   |
+///     | ddy               | output    | T    | unit/s^2 |
+///
+/// T is double or Vec<N>: phases of 0 and pi/2 make a circle. When a frequency is set in a run, y jumps: its
+/// phase is counted from t = 0. Throws ParameterError if a number is not finite.
+template <internal::DoubleOrMatrix T = double>
+class Sine final : public LeafSystem<SineParams<T>> {
+ public:
+  using LeafSystem<SineParams<T>>::LeafSystem;
+  using LeafSystem<SineParams<T>>::params;
+  Parameter<T> amplitude{this, {"amplitude", params.unit, params.elements}, params.amplitude};
+  Parameter<T> angular_frequency{
+      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency};
+  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase};
+  Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Uses(this->time, amplitude, angular_frequency, phase, offset),
+                  [](double t, const T& a, const T& w, const T& phase, const T& offset) -> T {
+                    return offset + Derivative(t, a, w, phase, 0);
+                  }};
+  OutputPort<T> dy{
+      this,
+      {"dy", internal::Per(params.unit, "s"), params.elements},
+      Uses(this->time, amplitude, angular_frequency, phase),
+      [](double t, const T& a, const T& w, const T& phase) -> T { return Derivative(t, a, w, phase, 1); }};
+  OutputPort<T> ddy{
+      this,
+      {"ddy", internal::Per(params.unit, "s^2"), params.elements},
+      Uses(this->time, amplitude, angular_frequency, phase),
+      [](double t, const T& a, const T& w, const T& phase) -> T { return Derivative(t, a, w, phase, 2); }};
+
+ private:
+  static T Derivative(double t, const T& amplitude, const T& angular_frequency, const T& phase, int order) {
+    const auto value = [t, order](double a, double w, double phase) {
+      const double angle = w * t + phase;
+      return order == 0   ? a * std::sin(angle)
+             : order == 1 ? a * w * std::cos(angle)
+                          : -a * w * w * std::sin(angle);
+    };
+    return internal::Elementwise(value, amplitude, angular_frequency, phase);
+  }
+};
+
+}  // namespace tenon

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct TransportDelayParams {
+  double delay = 0.1;                  ///< [s], the period or more
+  T initial = internal::Filled<T>(0);  ///< y before the first sample arrives [unit]
+  Rate rate = Hz(1000);                ///< of the samples
+  std::string unit = "";               ///< of input and output
+  std::string elements = "";           ///< names of their elements
+  void Validate() const {
+    Demand(delay >= rate.period() && std::isfinite(delay),
+           "delay must be finite and not shorter than the period of rate: what lies between the last sample "
+           "and the present is not known; sample more often");
+    Demand(internal::IsFinite(initial), "initial must be finite");
+  }
+};
+
+/// What is on its way through a TransportDelay.
+template <class T>
+struct TransportDelayLine {
+  std::vector<T> samples = {};  ///< the newest first
+  std::size_t known = 0;        ///< how many of them have been taken
+  double newest = 0;            ///< when the first was taken [s]
+  static FieldList Fields() {
+    return {{"samples", &TransportDelayLine::samples},
+            {"known", &TransportDelayLine::known},
+            {"newest", &TransportDelayLine::newest, "s"}};
+  }
+};
+
+/// A delay by any time, whose output is continuous: samples of the input, and straight lines between them.
+///
+///     y(t) = u(t - delay),   y = initial until the first sample has arrived
+///
+///     | port | kind   | size | unit |
+///     | u    | input  | T    | unit |
+///     | y    | output | T    | unit |
+///
+/// T is double or Vec<N>. With h the period, y is off by at most h^2 / 8 max |d^2 u / dt^2|, and exact at the
+/// samples; a jump of u becomes a ramp of length h. Where y bends it does so at every tick if the delay is a
+/// multiple of h, else between ticks, which a step of the integrator may span: choose such an h where
+/// accuracy matters. SampleDelay is the block for signals that are sampled anyway.
+///
+/// The output does not depend on the present input, so the block breaks loops. A tick copies delay / h values
+/// and allocates nothing. Throws ParameterError if the delay is shorter than h or not finite, or if the
+/// initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class TransportDelay final : public LeafSystem<TransportDelayParams<T>> {
+ public:
+  using LeafSystem<TransportDelayParams<T>>::LeafSystem;
+  using LeafSystem<TransportDelayParams<T>>::params;
+  using Line = TransportDelayLine<T>;
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  DiscreteState<Line> line{this, "line", Line{.samples = std::vector<T>(Length(params), params.initial)}};
+  OutputPort<T> y{this, {"y", params.unit, params.elements}, Uses(this->time, line), &TransportDelay::CalcY};
+  Update<Line> next{line, Sampled{params.rate}, Uses(this->time, line, u),
+                    [](double time, const Line& line, const T& u, Line* next) {
+                      next->samples.resize(line.samples.size());
+                      next->samples.front() = u;
+                      std::copy(line.samples.begin(), line.samples.end() - 1, next->samples.begin() + 1);
+                      next->known = std::min(line.known + 1, line.samples.size());
+                      next->newest = time;
+                    }};
+
+ private:
+  static std::size_t Length(const TransportDelayParams<T>& params) {
+    return static_cast<std::size_t>(std::ceil(params.delay / params.rate.period())) + 1;
+  }
+  T CalcY(double time, const Line& line) const {
+    const double periods = std::max((line.newest - time + params.delay) / params.rate.period(), 0.0);
+    if (line.known == 0 || periods > static_cast<double>(line.known - 1)) return params.initial;
+    const auto i = static_cast<std::size_t>(periods);
+    const double w = periods - static_cast<double>(i);
+    return (1 - w) * line.samples[i] + w * line.samples[std::min(i + 1, line.known - 1)];
+  }
+};
+
+}  // namespace tenon

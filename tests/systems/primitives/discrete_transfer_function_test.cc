@@ -1,0 +1,76 @@
+#include <tenon/systems/primitives/discrete_transfer_function.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+using Params = DiscreteTransferFunctionParams;
+
+TEST(DiscreteTransferFunctionTest, FirstOrderStepResponse) {
+  TestRig<DiscreteTransferFunction> rig(
+      Params{.numerator = {0.4}, .denominator = {2, -1.6}});  // 0.2 / (z - 0.8)
+  rig.Fix(rig->u, 3);
+  for (int n = 0; n < 30; ++n) EXPECT_NEAR(rig.Tick()[rig->y], 3 * (1 - std::pow(0.8, n)), 1e-14) << n;
+}
+
+TEST(DiscreteTransferFunctionTest, ImpulseResponseIsThatOfTheRecursion) {
+  const std::vector<double> b = {1, -2, 0.5, 3}, a = {2, 0.4, -0.6, 0.2};
+  TestRig<DiscreteTransferFunction> rig(Params{.numerator = b, .denominator = a});
+  std::vector<double> y;
+  for (std::size_t n = 0; n < 20; ++n) {
+    double sum = n < b.size() ? b[n] : 0;
+    for (std::size_t i = 1; i < a.size() && i <= n; ++i) sum -= a[i] * y[n - i];
+    y.push_back(sum / a[0]);
+    EXPECT_NEAR(rig.Fix(rig->u, n == 0 ? 1 : 0).Tick()[rig->y], y[n], 1e-14) << n;
+  }
+}
+
+TEST(DiscreteTransferFunctionTest, HasFeedthroughOnlyIfNotStrictlyProper) {
+  const auto build = [](std::vector<double> numerator) {
+    DiagramBuilder builder;
+    auto& block =
+        builder.Add<DiscreteTransferFunction>("filter", {.numerator = numerator, .denominator = {1, 2, 1}});
+    builder.Connect(block.y, block.u);
+    builder.Build();
+  };
+  EXPECT_NO_THROW(build({1, 0}));
+  EXPECT_NO_THROW(build({0, 1, 0}));
+  EXPECT_TRUE(Throws<BuildError>([&] { build({1, 0, 0}); }, "algebraic loop", "filter.y"));
+}
+
+TEST(DiscreteTransferFunctionTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  TestRig<DiscreteTransferFunction> rig(Params{.numerator = {1, 2, 1}, .denominator = {4, 1, 0, 2}});
+  rig.Fix(rig->u, 1).Tick();
+  const AllocationGuard guard;
+  for (int i = 0; i < 10; ++i) rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(DiscreteTransferFunctionTest, RefusesBadCoefficients) {
+  const auto make = [](Params params) { DiscreteTransferFunction block(std::move(params)); };
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({}); }, "denominator"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({.denominator = {2}}); }, "two coefficients or more"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({.denominator = {0, 1}}); }, "other than 0"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        make({.numerator = {1, 2, 3}, .denominator = {1, 1}});
+      },
+      "proper"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({.denominator = {1, kNan}}); }, "finite"));
+}
+
+}  // namespace
+}  // namespace tenon
