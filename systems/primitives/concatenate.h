@@ -1,0 +1,143 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/state.h>
+
+namespace tenon {
+
+struct ConcatenateParams {
+  /// Names of the ports, one each, with units and element names of those that are no structs; u_0, u_1, … (of
+  /// Split y_0, y_1, …) if empty.
+  std::vector<Spec> ports = {};
+};
+
+namespace internal {
+
+/// How the i-th of several ports is called; throws ParameterError for one whose size is known at run time.
+template <class T>
+Spec PortOf(const std::vector<Spec>& ports, std::size_t count, const std::string& name, std::size_t i) {
+  Demand(ports.empty() || ports.size() == count, "ports has " + std::to_string(ports.size()) +
+                                                     " entries, but there are " + std::to_string(count) +
+                                                     " signals: give one for each, or none");
+  const Spec spec = ports.empty() ? Spec(name + "_" + std::to_string(i)) : ports[i];
+  Demand(TypeInfoOf<T>().fixed, "'" + spec.name +
+                                    "' has a size that is known at run time only: what is put into one "
+                                    "vector has a fixed size");
+  return spec;
+}
+
+/// How many numbers values of these types hold together.
+template <class... Ts>
+Eigen::Index TotalSize() {
+  return static_cast<Eigen::Index>((std::size_t{0} + ... + TypeInfoOf<Ts>().num_scalars));
+}
+
+/// The numbers of several ports as elements of one: "force.x, force.y, mass".
+inline Spec Joined(const std::string& name, const std::vector<const Source*>& ports) {
+  Spec joined(name);
+  for (const Source* port : ports) {
+    for (const Element& element : port->elements()) {
+      if (!joined.elements.empty()) joined.elements += ", ", joined.units += ", ";
+      joined.elements += port->name() + (element.name.empty() ? "" : "." + element.name);
+      joined.units += element.unit;
+    }
+  }
+  if (joined.units.find_first_not_of(", ") == std::string::npos) joined.units.clear();
+  return joined;
+}
+
+}  // namespace internal
+
+/// Makes one vector of all numbers of several signals, of whatever types:
+///
+///     y = (u_0, u_1, …)
+///
+///     | port                | kind   | size            | unit         |
+///     | u<0>(), u<1>(), …   | input  | Ts              | as `ports`   |
+///     | y                   | output | Eigen::VectorXd | of each part |
+///
+///     Concatenate<double, Vec<3>, TrunkState>({.ports = {{"height", "m"}, {"force", "N"}, "trunk"}})
+///
+/// The elements of y have the names of their ports before their own: "force.x". Ts are numbers, enumerations,
+/// matrices of fixed size and structs of them with Fields(). (What makes a struct of several signals is a
+/// function: DiagramBuilder::AddFunction.) Throws ParameterError if the number of names is wrong or a type
+/// has no fixed size.
+template <class... Ts>
+class Concatenate final : public LeafSystem<ConcatenateParams> {
+  using Ports = std::tuple<std::unique_ptr<InputPort<Ts>>...>;
+  template <std::size_t... I>
+  Ports MakePorts(std::index_sequence<I...>) {
+    return {
+        std::make_unique<InputPort<Ts>>(this, internal::PortOf<Ts>(params.ports, sizeof...(Ts), "u", I))...};
+  }
+
+ public:
+  using LeafSystem::LeafSystem;
+  template <std::size_t I>
+  auto& u() {
+    return *std::get<I>(ports_);
+  }
+
+ private:
+  const Ports ports_ = MakePorts(std::index_sequence_for<Ts...>());
+  const Spec joined_ =
+      std::apply([](const auto&... port) { return internal::Joined("y", {port.get()...}); }, ports_);
+
+ public:
+  OutputPort<Eigen::VectorXd> y{this, joined_, Eigen::VectorXd::Zero(internal::TotalSize<Ts...>()),
+                                std::apply([](const auto&... port) { return Uses(*port...); }, ports_),
+                                [](const Ts&... values, Eigen::VectorXd* y) {
+                                  double* out = y->data();
+                                  ((out = internal::ToDoubles(internal::TypeInfoOf<Ts>(), &values, out)),
+                                   ...);
+                                }};
+};
+
+/// Takes a vector apart into signals of whatever types, as Concatenate puts them together:
+///
+///     (y_0, y_1, …) = u
+///
+///     | port              | kind   | size            | unit       |
+///     | u                 | input  | Eigen::VectorXd |            |
+///     | y<0>(), y<1>(), … | output | Ts              | as `ports` |
+///
+/// Throws ParameterError as Concatenate does, and RunError if u has another size than its parts together.
+template <class... Ts>
+class Split final : public LeafSystem<ConcatenateParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Eigen::VectorXd> u{this, "u"};
+  template <std::size_t I>
+  auto& y() {
+    return *std::get<I>(ports_);
+  }
+
+ private:
+  template <class T>
+  std::unique_ptr<OutputPort<T>> MakePort(std::size_t i, Eigen::Index& begin) {
+    const auto take = [begin](const Eigen::VectorXd& u, T* part) {
+      if (u.size() != internal::TotalSize<Ts...>()) {
+        throw RunError("u has " + std::to_string(u.size()) + " elements, but its parts have " +
+                       std::to_string(internal::TotalSize<Ts...>()) + " together: make them equal");
+      }
+      internal::FromDoubles(internal::TypeInfoOf<T>(), part, u.data() + begin);
+    };
+    begin += internal::TotalSize<T>();
+    return std::make_unique<OutputPort<T>>(this, internal::PortOf<T>(params.ports, sizeof...(Ts), "y", i),
+                                           Uses(u), take);
+  }
+  using Ports = std::tuple<std::unique_ptr<OutputPort<Ts>>...>;
+  template <std::size_t... I>
+  Ports MakePorts(std::index_sequence<I...>) {
+    Eigen::Index begin = 0;
+    return {MakePort<Ts>(I, begin)...};
+  }
+  const Ports ports_ = MakePorts(std::index_sequence_for<Ts...>());
+};
+
+}  // namespace tenon
