@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct QuantizerParams {
+  T step = internal::Filled<T>(1);  ///< [unit]
+  std::string unit = "";            ///< of input and output
+  std::string elements = "";        ///< names of their elements
+  void Validate() const {
+    Demand(internal::IsFinite(step) && internal::Everywhere([](double step) { return step > 0; }, step),
+           "step must be positive and finite, in every element");
+  }
+};
+
+/// The nearest multiple of a step, as an encoder or a converter gives it, element by element:
+///
+///     y = step round(u / step)
+///
+///     | port | kind      | size | unit |
+///     | u    | input     | T    | unit |
+///     | step | Parameter | T    | unit |
+///     | y    | output    | T    | unit |
+///
+/// T is double or Vec<N>. Halves are rounded away from zero. Its jumps are no events: what is integrated
+/// should see it behind a ZeroOrderHold. Throws ParameterError if a step is not positive or not finite.
+template <internal::DoubleOrMatrix T = double>
+class Quantizer final : public LeafSystem<QuantizerParams<T>> {
+ public:
+  using LeafSystem<QuantizerParams<T>>::LeafSystem;
+  using LeafSystem<QuantizerParams<T>>::params;
+  Parameter<T> step{this, {"step", params.unit, params.elements}, params.step};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  OutputPort<T> y{
+      this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u, const T& step) -> T {
+        return internal::Elementwise([](double u, double step) { return step * std::round(u / step); }, u,
+                                     step);
+      }};
+};
+
+}  // namespace tenon

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
+namespace tenon {
+
+template <internal::DoubleOrMatrix T = double>
+struct UniformNoiseParams {
+  T lower = internal::Filled<T>(-1);  ///< [unit]
+  T upper = internal::Filled<T>(1);   ///< [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";
+  std::string elements = "";  ///< names of the elements
+  void Validate() const {
+    Demand(internal::IsFinite(lower) && internal::IsFinite(upper), "lower and upper must be finite");
+    Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
+           "lower must not exceed upper, in any element");
+  }
+};
+
+/// White noise between two limits: independent numbers, one per element and tick, held between.
+///
+///     y[n] ~ U[lower, upper)
+///
+///     | port         | kind            | size   | unit |
+///     | lower, upper | Parameter       | T each | unit |
+///     | y            | output, sampled | T      | unit |
+///
+/// T is double or Vec<N>. Its mean is (lower + upper) / 2 and its variance (upper - lower)^2 / 12. The
+/// numbers follow from the run's seed and the block's path. Throws ParameterError if a limit is not finite or
+/// a lower one exceeds its upper one.
+template <internal::DoubleOrMatrix T = double>
+class UniformNoise final : public LeafSystem<UniformNoiseParams<T>> {
+ public:
+  using LeafSystem<UniformNoiseParams<T>>::LeafSystem;
+  using LeafSystem<UniformNoiseParams<T>>::params;
+  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower};
+  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper};
+  Random random{this, "random"};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Sampled{params.rate},
+                  Uses(lower, upper, random),
+                  [](const T& lower, const T& upper, RandomStream& random) -> T {
+                    const auto draw = [&random](double low, double high) {
+                      return random.Uniform(low, high);
+                    };
+                    return internal::Elementwise(draw, lower, upper);
+                  }};
+};
+
+}  // namespace tenon

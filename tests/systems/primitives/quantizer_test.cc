@@ -1,0 +1,31 @@
+#include <tenon/systems/primitives/quantizer.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(QuantizerTest, RoundsToTheNearestStep) {
+  TestRig<Quantizer<Vec<3>>> rig({.step = {0.25, 2, 1}});
+  EXPECT_THAT(rig.Fix(rig->u, {0.6, 2.9, -1.5})[rig->y], IsNear(Vec<3>(0.5, 2, -2), 0));
+  rig.Set(rig->step, {1, 1, 1});
+  EXPECT_THAT(rig[rig->y], IsNear(Vec<3>(1, 3, -2), 0));
+}
+
+TEST(QuantizerTest, RefusesABadStep) {
+  for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_TRUE(Throws<ParameterError>([&] { Quantizer<> block({.step = bad}); }, "step must be positive"));
+  }
+}
+
+}  // namespace
+}  // namespace tenon
