@@ -7,19 +7,33 @@
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/primitives/concatenate.h>
 #include <tenon/systems/primitives/constant.h>
+#include <tenon/systems/primitives/discrete_derivative.h>
 #include <tenon/systems/primitives/discrete_low_pass.h>
+#include <tenon/systems/primitives/discrete_transfer_function.h>
 #include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/gauss_markov.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
+#include <tenon/systems/primitives/matrix_gain.h>
+#include <tenon/systems/primitives/multiport_switch.h>
 #include <tenon/systems/primitives/mux.h>
 #include <tenon/systems/primitives/noise.h>
+#include <tenon/systems/primitives/pid.h>
+#include <tenon/systems/primitives/quantizer.h>
+#include <tenon/systems/primitives/random_walk.h>
+#include <tenon/systems/primitives/rate_limiter.h>
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/systems/primitives/saturation.h>
+#include <tenon/systems/primitives/sine.h>
+#include <tenon/systems/primitives/state_space.h>
 #include <tenon/systems/primitives/switch.h>
 #include <tenon/systems/primitives/table.h>
 #include <tenon/systems/primitives/trajectory.h>
 #include <tenon/systems/primitives/transfer_function.h>
+#include <tenon/systems/primitives/transport_delay.h>
+#include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -70,26 +84,65 @@ Shelf Primitives() {
   Shelf shelf{"primitives", {}};
   auto& entries = shelf.entries;
   const auto put = [&](Entry entry) { entries.push_back(std::move(entry)); };
-  const std::string number = "`T` is a double or a `Vec<N>`.", any = "`T` is any copyable type.";
+  const std::string number = "`T` is a double or a `Vec<N>`.", any = "`T` is any copyable type.",
+                    numbers = "`T` is a double, a `Vec<N>` or a struct with `Fields()`.";
 
   put(WithNote(MakeOfType<Adder<T>>("Adder", AdderParams{.unit = "unit"}), number));
+  put({"Concatenate<Ts...>",
+       "Concatenate",
+       std::make_unique<Concatenate<double, double>>(),
+       {{"double", "Ts"}}});
+  put({"Split<Ts...>", "Split", std::make_unique<Split<double, double>>(), {{"double", "Ts"}}});
   put(WithNote(MakeOfType<ConstantSource<T>>("ConstantSource", ConstantParams<T>{.unit = "unit"}), any));
+  put(WithNote(MakeOfType<DiscreteDerivative<T>>(
+                   "DiscreteDerivative", DiscreteDerivativeParams{.u_unit = "u_unit", .y_unit = "y_unit"}),
+               number));
+  entries.back().placeholders.emplace_back("internal::FilteredDifference<Vec<7>>", "FilteredDifference<T>");
   put(WithNote(MakeOfType<DiscreteLowPass<T>>("DiscreteLowPass", DiscreteLowPassParams<T>{.unit = "unit"}),
                number));
+  put(WithNote(
+      Make<DiscreteTransferFunction>(
+          "DiscreteTransferFunction",
+          DiscreteTransferFunctionParams{.denominator = {1, 0}, .u_unit = "u_unit", .y_unit = "y_unit"}),
+      "The output follows u at once if the numerator has as many coefficients as the denominator."));
   put(WithNote(MakeOfType<Gain<T>>("Gain", GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number));
+  put(WithNote(MakeOfType<GaussMarkov<T>>("GaussMarkov", GaussMarkovParams<T>{.unit = "unit"}), number));
   put(WithNote(
       MakeOfType<Integrator<T>>("Integrator", IntegratorParams<T>{.u_unit = "u_unit", .y_unit = "y_unit"}),
       number));
   put(WithNote(MakeOfType<LowPassFilter<T>>("LowPassFilter", LowPassFilterParams<T>{.unit = "unit"}),
                number));
+  put({"MatrixGain<Rows, Cols>",
+       "MatrixGain",
+       std::make_unique<MatrixGain<7, 5>>(MatrixGainParams<7, 5>{.u_unit = "u_unit", .y_unit = "y_unit"}),
+       {{"Vec<7>", "Vec<Rows>"}, {"Vec<5>", "Vec<Cols>"}},
+       "The vectors of `MatrixGain<>` are `Eigen::VectorXd`, of the sizes of its matrix."});
+  put({"MultiportSwitch<T, Index>",
+       "MultiportSwitch",
+       std::make_unique<MultiportSwitch<T>>(MultiportSwitchParams{.unit = "unit"}),
+       {{"Vec<7>", "T"}, {"int", "Index"}},
+       any + " `Index` is an integer or an enumeration."});
   put({"Mux<N>", "Mux", std::make_unique<Mux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
   put({"Demux<N>", "Demux", std::make_unique<Demux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
-  put(WithNote(MakeOfType<WhiteNoise<T>>("WhiteNoise", NoiseParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<AddNoise<T>>("AddNoise", NoiseParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<WhiteNoise<T>>("WhiteNoise", NoiseParams<T>{.unit = "unit"}), numbers));
+  put(WithNote(MakeOfType<AddNoise<T>>("AddNoise", NoiseParams<T>{.unit = "unit"}), numbers));
+  put(WithNote(MakeOfType<Pid<T>>("Pid", PidParams<T>{.y_unit = "y_unit", .u_unit = "u_unit"}), number));
+  entries.back().placeholders.emplace_back("PidMemory<Vec<7>>", "PidMemory<T>");
+  put(WithNote(MakeOfType<Quantizer<T>>("Quantizer", QuantizerParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<RandomWalk<T>>("RandomWalk", RandomWalkParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<RateLimiter<T>>("RateLimiter", RateLimiterParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<SampleDelay<T>>("SampleDelay", SampleDelayParams<T>{.unit = "unit"}),
                "`T` is any copyable type but bool."));
   entries.back().placeholders.emplace_back("std::vector<Vec<7>>", "std::vector<T>");
   put(WithNote(MakeOfType<Saturation<T>>("Saturation", SaturationParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<Sine<T>>("Sine", SineParams<T>{.unit = "unit"}), number));
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  const StateSpaceParams model{
+      .A = one, .B = one, .C = one, .u_unit = "u_unit", .x_unit = "x_unit", .y_unit = "y_unit"};
+  const std::string with_d = "The output follows u at once if there is a D.";
+  put(WithNote(Make<StateSpace>("StateSpace", model), with_d));
+  put(WithNote(Make<DiscreteStateSpace>("DiscreteStateSpace", DiscreteStateSpaceParams{.model = model}),
+               with_d));
   put(WithNote(MakeOfType<Switch<T>>("Switch", SwitchParams{.unit = "unit"}), any));
   put(WithNote(MakeOfType<ThresholdSwitch<T>>(
                    "ThresholdSwitch", ThresholdSwitchParams{.control_unit = "control_unit", .unit = "unit"}),
@@ -108,6 +161,10 @@ Shelf Primitives() {
            .denominator = {1, 0, 0, 0, 0, 0, 0, 1}, .u_unit = "u_unit", .y_unit = "y_unit"}),
        {{"Vec<7>", "Vec<Order>"}},
        "The output follows u at once if the numerator has as many coefficients as the denominator."});
+  put(WithNote(MakeOfType<TransportDelay<T>>("TransportDelay", TransportDelayParams<T>{.unit = "unit"}),
+               number));
+  entries.back().placeholders.emplace_back("TransportDelayLine<Vec<7>>", "TransportDelayLine<T>");
+  put(WithNote(MakeOfType<UniformNoise<T>>("UniformNoise", UniformNoiseParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<UnitDelay<T>>("UnitDelay", UnitDelayParams<T>{.unit = "unit"}), any));
   put(WithNote(MakeOfType<ZeroOrderHold<T>>("ZeroOrderHold", ZeroOrderHoldParams{.unit = "unit"}), any));
   return shelf;

@@ -40,10 +40,10 @@ using Figure = std::function<double(std::unique_ptr<Context>)>;
 ///
 ///     dJ/dp = (J(p + h) - J(p - h)) / 2 h
 ///
-/// `sources` are what Context::SetDoubles can set: Parameters, open inputs, states, Scratch, held samples that the run
-/// has not computed again when it reads them. Random streams are equal in all runs (common random numbers: P.
-/// Glasserman, Monte Carlo Methods in Financial Engineering, 2004, sec. 7.1), so the derivative is that of
-/// one realisation. Let the simulator's tolerances be well below `step`.
+/// `sources` are what Context::SetDoubles can set: Parameters, open inputs, states, Scratch, held samples
+/// that the run has not computed again when it reads them. Random streams are equal in all runs (common
+/// random numbers: P. Glasserman, Monte Carlo Methods in Financial Engineering, 2004, sec. 7.1), so the
+/// derivative is that of one realisation. Let the simulator's tolerances be well below `step`.
 ///
 /// Throws ParameterError for a step or scale that is not positive; RunError if a source cannot be set or
 /// holds no real number, and, with the number that was moved, for a figure that is not finite or throws an

@@ -57,9 +57,9 @@ class Context {
   /// Names and units of those; sizes known at run time only are the present ones.
   std::vector<Element> Elements(const Source& source) const;
 
-  /// Sets a state, scratch or Parameter, fixes an open input, or overwrites a held sample. Throws RunError for
-  /// what is computed or connected, ParameterError for a Parameter's value that is not a number or that its
-  /// block does not accept; then nothing is changed.
+  /// Sets a state, scratch or Parameter, fixes an open input, or overwrites a held sample. Throws RunError
+  /// for what is computed or connected, ParameterError for a Parameter's value that is not a number or that
+  /// its block does not accept; then nothing is changed.
   template <class S>
   void Set(const S& source, const typename S::Value& value) {
     Assign({&source, &value});

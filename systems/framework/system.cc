@@ -21,8 +21,8 @@ std::string System::path() const {
 namespace internal {
 namespace {
 
-/// The members that exist, by their addresses: a table with open addressing, since a large diagram has tens of
-/// thousands, and each is looked up when it is made, used and destroyed.
+/// The members that exist, by their addresses: a table with open addressing, since a large diagram has tens
+/// of thousands, and each is looked up when it is made, used and destroyed.
 class Registry {
  public:
   void Insert(const Declared* member) {

@@ -7,24 +7,24 @@
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 
-#include <array>
 #include <tenon/systems/block.h>
+#include <array>
 
 struct ArcPlannerParams {
   tenon::QuadrupedDescription robot;
-  double height = 0.06;  ///< of the arc [m]
+  double height = 0.06;   ///< of the arc [m]
   double lowering = 0.4;  ///< speed of a foot that has not found the ground [m/s]
   tenon::Rate rate = tenon::Hz(1000);
   void Validate() const { tenon::Demand(height > 0, "height must be positive"); }
 };
 
-/// Over ground, a foot goes from where it lifts off (p_0) to its foothold (p_1), with s the part of the swing that is
-/// over,
+/// Over ground, a foot goes from where it lifts off (p_0) to its foothold (p_1), with s the part of the swing
+/// that is over,
 ///
 ///     p = p_0 + (p_1 - p_0) (3 s^2 - 2 s^3),   z = z_0 + 16 height s^2 (1 - s)^2,
 ///
-/// and the foothold is its nominal place below the path in the middle of its coming stance. A foot that is late
-/// is lowered.
+/// and the foothold is its nominal place below the path in the middle of its coming stance. A foot that is
+/// late is lowered.
 class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -35,7 +35,10 @@ class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
     bool swings = false;
     double late = 0;  ///< for how long [s]
     static tenon::FieldList Fields() {
-      return {{"from", &Leg::from, "m"}, {"to", &Leg::to, "m"}, {"swings", &Leg::swings}, {"late", &Leg::late, "s"}};
+      return {{"from", &Leg::from, "m"},
+              {"to", &Leg::to, "m"},
+              {"swings", &Leg::swings},
+              {"late", &Leg::late, "s"}};
     }
   };
   using Legs = std::array<Leg, tenon::kNumLegs>;
@@ -61,11 +64,13 @@ class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
     for (int i = 0; i < tenon::kNumLegs; ++i) {
       Leg& leg = legs[static_cast<std::size_t>(i)];
       const tenon::LegContact& contact = schedule.legs[static_cast<std::size_t>(i)];
-      if (contact.stance() || !leg.swings) leg.from = state.p_WB + state.R_WB() * robot.FootPosition(i, state.q);
+      if (contact.stance() || !leg.swings)
+        leg.from = state.p_WB + state.R_WB() * robot.FootPosition(i, state.q);
       leg.swings = !contact.stance();
       feet[i].p_W = leg.from;
       if (contact.stance()) continue;
-      const double T = schedule.timing.swing, s = contact.state == tenon::ContactState::kSwing ? contact.phase : 1;
+      const double T = schedule.timing.swing,
+                   s = contact.state == tenon::ContactState::kSwing ? contact.phase : 1;
       const tenon::PlanarPath then = path.At((1 - s) * T + schedule.timing.leg_stance() / 2);
       leg.to = then.position_W + then.Heading() * (robot.FootPosition(i, robot.stance).head<2>() - center_B);
       const tenon::Vec<2> way = leg.to - leg.from.head<2>();

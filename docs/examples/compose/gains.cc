@@ -1,4 +1,5 @@
-// Gains as values of a context: changed in the middle of a run, and 1000 variants of one diagram in two threads.
+// Gains as values of a context: changed in the middle of a run, and 1000 variants of one diagram in two
+// threads.
 
 #include <tenon/systems/simulation.h>
 
@@ -11,7 +12,9 @@ struct SpringParams {
   double stiffness = 100;  // N/m
   double damping = 1;      // N s/m
   double mass = 1;         // kg
-  void Validate() const { tenon::Demand(stiffness >= 0 && damping >= 0, "stiffness and damping must not be negative"); }
+  void Validate() const {
+    tenon::Demand(stiffness >= 0 && damping >= 0, "stiffness and damping must not be negative");
+  }
 };
 class Spring final : public tenon::LeafSystem<SpringParams> {
  public:
@@ -22,10 +25,10 @@ class Spring final : public tenon::LeafSystem<SpringParams> {
   tenon::OutputPort<tenon::Vec<2>> state{this, x};
 
  private:
-  tenon::TimeDerivative<tenon::Vec<2>> dx_{
-      x, tenon::Uses(x, stiffness, damping), [this](const tenon::Vec<2>& x, double k, double d) {
-        return tenon::Vec<2>(x[1], -(k * x[0] + d * x[1]) / params.mass);
-      }};
+  tenon::TimeDerivative<tenon::Vec<2>> dx_{x, tenon::Uses(x, stiffness, damping),
+                                           [this](const tenon::Vec<2>& x, double k, double d) {
+                                             return tenon::Vec<2>(x[1], -(k * x[0] + d * x[1]) / params.mass);
+                                           }};
 };
 
 /// Position after five seconds with this damping.
@@ -56,7 +59,8 @@ int main() {
   constexpr std::size_t kRuns = 1000;
   std::vector<double> ends(kRuns);
   const auto run = [&](std::size_t begin) {
-    for (std::size_t i = begin; i < kRuns; i += 2) ends[i] = End(*diagram, spring, 0.01 * static_cast<double>(i));
+    for (std::size_t i = begin; i < kRuns; i += 2)
+      ends[i] = End(*diagram, spring, 0.01 * static_cast<double>(i));
   };
   std::thread odd(run, 1);
   run(0);
@@ -65,5 +69,6 @@ int main() {
   for (std::size_t i = 0; i < kRuns; ++i) {
     if (std::abs(ends[i]) < std::abs(ends[best])) best = i;
   }
-  std::printf("of %zu dampings, %.2f N s/m leaves least: %.1e m\n", kRuns, 0.01 * static_cast<double>(best), ends[best]);
+  std::printf("of %zu dampings, %.2f N s/m leaves least: %.1e m\n", kRuns, 0.01 * static_cast<double>(best),
+              ends[best]);
 }

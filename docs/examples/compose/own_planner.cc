@@ -7,7 +7,8 @@ int main() {
   const tenon::QuadrupedWalkParams params = TrotParams();
   tenon::DiagramBuilder builder;
   auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", params);
-  auto& planner = builder.Replace<ArcPlanner>(loop.locomotion.swing_planner, {.robot = params.world.plant.robot});
+  auto& planner =
+      builder.Replace<ArcPlanner>(loop.locomotion.swing_planner, {.robot = params.world.plant.robot});
 
   tenon::Simulator simulator(builder.Build());
   const int code = WalkFor(3, simulator, loop);

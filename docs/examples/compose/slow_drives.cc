@@ -1,8 +1,8 @@
 // The walking robot that ships, whose drives answer 3 ms late and with a lag of 40 Hz.
 
-#include <numbers>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sample_delay.h>
+#include <numbers>
 
 #include "walk.h"
 

@@ -1,4 +1,5 @@
-// The walking robot that ships, whose inertial unit sticks at t = 2 s: its observer goes on with the last value.
+// The walking robot that ships, whose inertial unit sticks at t = 2 s: its observer goes on with the last
+// value.
 
 #include <tenon/systems/block.h>
 
@@ -15,8 +16,12 @@ class Stick final : public tenon::LeafSystem<StickParams> {
   using LeafSystem::LeafSystem;
   tenon::InputPort<T> u{this, {"u"}};
   tenon::Scratch<T> last{this, "last"};
-  tenon::OutputPort<T> y{this, {"y"}, tenon::Sampled{params.rate}, tenon::Uses(time, u, last),
-                         [this](double t, const T& u, T& last) -> T { return t < params.time ? last = u : last; }};
+  tenon::OutputPort<T> y{
+      this,
+      {"y"},
+      tenon::Sampled{params.rate},
+      tenon::Uses(time, u, last),
+      [this](double t, const T& u, T& last) -> T { return t < params.time ? last = u : last; }};
 };
 
 int main() {

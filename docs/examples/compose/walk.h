@@ -19,7 +19,7 @@ inline tenon::QuadrupedWalkParams TrotParams() {
 inline int WalkFor(double duration, tenon::Simulator& simulator, const tenon::QuadrupedWalk& loop) {
   const tenon::RunStatus status = simulator.AdvanceTo(duration);
   const auto& state = simulator.context().Eval(loop.world.state);
-  std::printf("t = %.2f s: the trunk is at x = %.3f m, z = %.3f m %s\n", status.time, state.p_WB[0], state.p_WB[2],
-              status.reason.c_str());
+  std::printf("t = %.2f s: the trunk is at x = %.3f m, z = %.3f m %s\n", status.time, state.p_WB[0],
+              state.p_WB[2], status.reason.c_str());
   return status.ended ? 1 : 0;
 }
