@@ -200,15 +200,16 @@ void Compiler::LayOut() {
           {source, static_cast<Offset>(state.offset + continuous_size), state.count});
     }
   }
-  // Everything else that is stored: first what is copied as bytes.
-  std::vector<Source*> stored;
+  // Everything else that is stored: first what is copied as bytes. Parameters come last, so that a block
+  // which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
+  std::vector<Source*> stored, parameters;
   for (Source* source : sources_) {
     const bool passes_on = source->kind() == SourceKind::kInput ||
                            (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
     const bool integrated =
         source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
     if ((integrated && source->type_->fixed) || passes_on) continue;
-    stored.push_back(source);
+    (source->kind() == SourceKind::kParameter ? parameters : stored).push_back(source);
   }
   for (const Source* input : default_inputs_) stored.push_back(const_cast<Source*>(input));
   for (const Source* input : program_.open_inputs) stored.push_back(const_cast<Source*>(input));
@@ -219,6 +220,10 @@ void Compiler::LayOut() {
       if (!bitwise) program_.objects.push_back(program_.cells.back());
     }
     if (bitwise) program_.bitwise_end = end;
+  }
+  for (Source* source : parameters) {
+    Place(*source, end);
+    program_.objects.push_back(program_.cells.back());
   }
   program_.memory_size = end;
   if (end > UINT32_MAX) throw BuildError("the diagram's signals take more than 4 GiB: split the diagram");
