@@ -49,10 +49,10 @@ const Sequence& Trot() {
   return sequence;
 }
 
-WholeBodyQp Maker(bool eliminate) {
+WholeBodyQpParams Params(bool eliminate) {
   WholeBodyQpParams params = Trot().params;
   params.eliminate = eliminate;
-  return {Trot().limit, params};
+  return params;
 }
 
 // A problem that owns its numbers, and its solution.
@@ -70,10 +70,11 @@ struct Stored {
 
 std::vector<Stored> MakeProblems(bool eliminate) {
   std::vector<Stored> problems;
-  WholeBodyQp maker = Maker(eliminate);
+  const WholeBodyQpParams params = Params(eliminate);
+  WholeBodyQp maker(Trot().limit);
   WholeBodySolution solution;
   for (const auto& [dynamics, task] : Trot().tasks) {
-    maker.Solve(dynamics, task, &solution);
+    maker.Solve(dynamics, task, params, &solution);
     problems.emplace_back(maker.problem());
     problems.back().x = maker.solver().x();
   }
@@ -128,13 +129,14 @@ void Solve(benchmark::State& state, bool eliminate) {
 }
 
 void MakeAndSolve(benchmark::State& state, bool eliminate) {
-  WholeBodyQp qp = Maker(eliminate);
+  const WholeBodyQpParams params = Params(eliminate);
+  WholeBodyQp qp(Trot().limit);
   WholeBodySolution solution;
   Times times;
   for (auto _ : state) {
     for (std::size_t k = 0; k < Trot().tasks.size(); ++k) {
       const auto& [dynamics, task] = Trot().tasks[k];
-      times.Measure(k, [&] { return qp.Solve(dynamics, task, &solution); });
+      times.Measure(k, [&] { return qp.Solve(dynamics, task, params, &solution); });
     }
   }
   times.Report(state);

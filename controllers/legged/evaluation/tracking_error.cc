@@ -1,8 +1,18 @@
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 
+#include <fmt/core.h>
+
+#include <cmath>
+
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 namespace tenon {
+
+void TrackingErrorParams::Validate() const {
+  Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
+         fmt::format("min_singular_value = {} m must be positive: a straight leg has no inverse",
+                     min_singular_value));
+}
 
 void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
   model_.Calc(state, dynamics);
@@ -25,8 +35,9 @@ WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const
 }
 
 FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynamics,
-                                                 const Vec<12>& external_torque) const {
-  return SolveFootForces(dynamics, external_torque, params.min_singular_value);
+                                                 const Vec<12>& external_torque,
+                                                 double min_singular_value) const {
+  return SolveFootForces(dynamics, external_torque, min_singular_value);
 }
 
 }  // namespace tenon

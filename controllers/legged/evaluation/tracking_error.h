@@ -5,6 +5,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -14,6 +15,8 @@ namespace tenon {
 struct TrackingErrorParams {
   QuadrupedDescription robot;        ///< the true one
   double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+
+  void Validate() const;  ///< throws ParameterError
 };
 
 struct WalkingErrors {
@@ -39,6 +42,7 @@ struct WalkingErrors {
 ///     ports out  errors
 ///                external_foot_forces            those disturbances as forces at the feet, which do the same
 ///                                                at the joints, as observers tell them: see SolveFootForces
+///     parameter  min_singular_value              [m]
 class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -49,6 +53,10 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WholeBodyPlan> plan{this, {"plan"}};
   InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
+  Parameter<double> min_singular_value{this,
+                                       {"min_singular_value", "m"},
+                                       params.min_singular_value,
+                                       "of a leg's Jacobian; below, its foot force is damped"};
 
  private:
   QuadrupedModel model_{params.robot};
@@ -59,7 +67,7 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
       this, {"errors"}, Uses(dynamics_, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
   OutputPort<FootForces> external_foot_forces{this,
                                               {"external_foot_forces"},
-                                              Uses(dynamics_, external_torque),
+                                              Uses(dynamics_, external_torque, min_singular_value),
                                               &TrackingError::CalcExternalFootForces};
 
  private:
@@ -67,7 +75,8 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                            const ContactSchedule& schedule, const BodyReference& body,
                            const FeetReference& feet, const WholeBodyPlan& plan) const;
-  FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque) const;
+  FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque,
+                                    double min_singular_value) const;
 };
 
 }  // namespace tenon

@@ -23,15 +23,17 @@ void ComObserverParams::Validate() const {
 }
 
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                         const Vec<3>& specific_force_W, Memory& memory) const {
+                                         const Vec<3>& specific_force_W, const ComObserverGains& gains,
+                                         Memory& memory) const {
   QuadrupedDynamics dynamics;
   model_.Calc(state, &dynamics);
-  const bool from_imu = params.gains.force_source == ForceSource::kImu;
+  const bool from_imu = gains.force_source == ForceSource::kImu;
   const double mass = model_.mass(), period = params.rate.period();
   const Vec<3> weight(0, 0, mass * model_.gravity());
 
   const Memory before = memory;
   memory.started = true;
+  memory.force_source = gains.force_source;
   memory.linear = mass * dynamics.com_velocity_W;
   if (from_imu) memory.linear -= mass * (state.v_W + state.w_W.cross(state.R_WB() * params.robot.imu_B));
   memory.angular = dynamics.angular_momentum_W;
@@ -42,7 +44,7 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
     memory.ground += foot_forces[leg];
     memory.moment += arm.cross(foot_forces[leg]);
   }
-  if (!before.started) return memory.estimate;
+  if (!before.started || before.force_source != gains.force_source) return memory.estimate;
 
   // The mean wrench of the interval that ends now.
   const Vec<3> change = (memory.linear - before.linear) / period;
@@ -50,8 +52,8 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
                                 : Vec<3>(change + weight - (before.ground + memory.ground) / 2);
   const Vec<3> torque = (memory.angular - before.angular) / period - (before.moment + memory.moment) / 2;
   WrenchEstimate& estimate = memory.estimate;
-  estimate.force_W += -std::expm1(-params.gains.force_bandwidth * period) * (force - estimate.force_W);
-  estimate.torque_W += -std::expm1(-params.gains.torque_bandwidth * period) * (torque - estimate.torque_W);
+  estimate.force_W += -std::expm1(-gains.force_bandwidth * period) * (force - estimate.force_W);
+  estimate.torque_W += -std::expm1(-gains.torque_bandwidth * period) * (torque - estimate.torque_W);
   return estimate;
 }
 

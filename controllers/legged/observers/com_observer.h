@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -78,9 +79,11 @@ struct ComObserverParams {
 ///     | foot_forces | input           | FootForces                                |
 ///     | imu         | input           | ImuMeasurement                            |
 ///     | estimate    | output, sampled | WrenchEstimate                            |
+///     | gains       | parameter       | ComObserverGains                          |
 ///
 /// The estimate depends on the present state and foot forces, and on the inertial unit one tick ago, so that
-/// a controller may use it for the torque of the same tick, which the unit feels at once.
+/// a controller may use it for the torque of the same tick, which the unit feels at once. Another source of
+/// the force that is set in a run goes on from the present estimate.
 class ComObserver final : public LeafSystem<ComObserverParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -88,6 +91,7 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   /// Of the last tick.
   struct Memory {
     bool started = false;
+    ForceSource force_source = ForceSource::kImu;
     Vec<3> linear = Vec<3>::Zero();   ///< m u, or m x' [kg m/s]
     Vec<3> angular = Vec<3>::Zero();  ///< L [kg m^2/s]
     Vec<3> ground = Vec<3>::Zero();   ///< force [N]
@@ -95,8 +99,10 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     WrenchEstimate estimate;
 
     static FieldList Fields() {
-      return {{"started", &Memory::started}, {"linear", &Memory::linear}, {"angular", &Memory::angular},
-              {"ground", &Memory::ground},   {"moment", &Memory::moment}, {"estimate", &Memory::estimate}};
+      return {{"started", &Memory::started},  {"force_source", &Memory::force_source},
+              {"linear", &Memory::linear},    {"angular", &Memory::angular},
+              {"ground", &Memory::ground},    {"moment", &Memory::moment},
+              {"estimate", &Memory::estimate}};
     }
   };
 
@@ -107,6 +113,7 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
+  Parameter<ComObserverGains> gains{this, {"gains"}, params.gains, "bandwidths, and the source of the force"};
 
   DiscreteState<Vec<3>> specific_force_W{this, {"specific_force_W", "m/s^2"}};  ///< when the interval began
   Update<Vec<3>> next_specific_force{specific_force_W, Sampled{params.rate}, Uses(state, imu),
@@ -117,12 +124,13 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   OutputPort<WrenchEstimate> estimate{this,
                                       {"estimate"},
                                       Sampled{params.rate},
-                                      Uses(state, foot_forces, specific_force_W, memory),
+                                      Uses(state, foot_forces, specific_force_W, gains, memory),
                                       &ComObserver::CalcEstimate};
 
  private:
   WrenchEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                              const Vec<3>& specific_force_W, Memory& memory) const;
+                              const Vec<3>& specific_force_W, const ComObserverGains& gains,
+                              Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -21,6 +21,16 @@ struct ContactAidedNoise {
   double foot = 5e-4;       ///< of a foot's place against the leg's kinematics, white, per sample [m]
   double foot_walk = 2e-3;  ///< what a standing foot wanders [m after 1 s, growing with sqrt(t)]
 
+  static FieldList Fields() {
+    using N = ContactAidedNoise;
+    return {{"specific_force", &N::specific_force, "m/s^2"},
+            {"angular_velocity", &N::angular_velocity, "rad/s"},
+            {"specific_force_bias_walk", &N::specific_force_bias_walk, "m/s^2/sqrt(s)"},
+            {"angular_velocity_bias_walk", &N::angular_velocity_bias_walk, "rad/s/sqrt(s)"},
+            {"encoder", &N::encoder, "rad"},
+            {"foot", &N::foot, "m"},
+            {"foot_walk", &N::foot_walk, "m/sqrt(s)"}};
+  }
   /// Throws ParameterError unless the deviations are finite and positive (a perfect sensor has a small one).
   void Validate() const;
 };

@@ -63,12 +63,21 @@ class DisturbanceFilter {
   template <int N>
   using Memory = Eigen::Matrix<double, N, Eigen::Dynamic, Eigen::DontAlign, N, kMaxEstimatorOrder>;
 
+  /// Not a filter yet: good to be assigned to.
+  DisturbanceFilter() = default;
   /// `period` in s. Throws what DemandHurwitz throws.
   DisturbanceFilter(const std::vector<double>& gains, double period);
 
   template <int N>
   Memory<N> Start() const {
     return Memory<N>::Zero(N, input_.size());
+  }
+  /// The memory of a filter of another order goes on in this one, at rest at its estimate.
+  template <int N>
+  void Fit(Memory<N>* memory) const {
+    if (memory->cols() == input_.size()) return;
+    const Vec<N> estimate = Estimate<N>(*memory);
+    *memory = estimate.replicate(1, input_.size());
   }
   /// Past an interval with the mean disturbance `mean`; no allocation.
   template <int N>

@@ -27,9 +27,14 @@ void LegMomentumObserverParams::Validate() const {
   gains.Validate();
 }
 
+DisturbanceFilter LegMomentumObserver::CalcFilter(const LegObserverGains& gains) const {
+  return {gains.Gains(), params.rate.period()};
+}
+
 LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                                   const Vec<12>& held_torque, Memory& memory) const {
-  const bool exact = params.gains.dynamics == LegDynamics::kExact;
+                                                   const Vec<12>& held_torque, const LegObserverGains& gains,
+                                                   const DisturbanceFilter& filter, Memory& memory) const {
+  const bool exact = gains.dynamics == LegDynamics::kExact;
   QuadrupedDynamics dynamics;
   DecoupledDynamics decoupled;
   model_.Calc(state, &dynamics);
@@ -45,20 +50,22 @@ LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, con
     known_rate =
         decoupled.momentum_rate + DecoupledGroundTorque(dynamics, foot_forces, params.robot.foot_radius);
   }
-  if (memory.started) {
+  filter.Fit<12>(&memory.estimator);
+  if (memory.started && memory.dynamics == gains.dynamics) {
     const Vec<12> mean = (momentum - memory.momentum) / params.rate.period() -
                          (known_rate + memory.known_rate) / 2 - held_torque;
-    filter_.Advance<12>(mean, &memory.estimator);
+    filter.Advance<12>(mean, &memory.estimator);
   }
   memory.started = true;
+  memory.dynamics = gains.dynamics;
   memory.momentum = momentum;
   memory.known_rate = known_rate;
 
   LegForceEstimate estimate;
   estimate.joint_torque = DisturbanceFilter::Estimate<12>(memory.estimator);
   estimate.foot_force =
-      exact ? SolveFootForces(dynamics, estimate.joint_torque, params.gains.min_singular_value)
-            : SolveFootForces(dynamics, decoupled, estimate.joint_torque, params.gains.min_singular_value);
+      exact ? SolveFootForces(dynamics, estimate.joint_torque, gains.min_singular_value)
+            : SolveFootForces(dynamics, decoupled, estimate.joint_torque, gains.min_singular_value);
   return estimate;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -74,9 +75,11 @@ struct LegMomentumObserverParams {
 ///     | torque      | input           | Vec<12> [N m]    |
 ///     | foot_forces | input           | FootForces       |
 ///     | estimate    | output, sampled | LegForceEstimate |
+///     | gains       | parameter       | LegObserverGains |
 ///
 /// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago,
-/// so that a controller may use it for the torque of the same tick.
+/// so that a controller may use it for the torque of the same tick. Gains of another order, or other
+/// dynamics, that are set in a run go on from the present estimate.
 class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -84,12 +87,14 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   /// The momentum, what is known of its rate without the torque, and the estimator.
   struct Memory {
     bool started = false;
+    LegDynamics dynamics = LegDynamics::kExact;  ///< that the momentum is of
     Vec<12> momentum = Vec<12>::Zero();
     Vec<12> known_rate = Vec<12>::Zero();
     DisturbanceFilter::Memory<12> estimator;
 
     static FieldList Fields() {
       return {{"started", &Memory::started},
+              {"dynamics", &Memory::dynamics},
               {"momentum", &Memory::momentum},
               {"known_rate", &Memory::known_rate},
               {"estimator", &Memory::estimator}};
@@ -98,26 +103,30 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
 
  private:
   const QuadrupedModel model_{params.robot};
-  const DisturbanceFilter filter_{params.gains.Gains(), params.rate.period()};
 
  public:
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  Parameter<LegObserverGains> gains{
+      this, {"gains"}, params.gains, "of the estimator, and the dynamics that it takes"};
+  Shared<DisturbanceFilter> filter{this, "filter", Uses(gains), &LegMomentumObserver::CalcFilter};
 
   DiscreteState<Vec<12>> held_torque{this, {"held_torque", "N m"}};  ///< of the interval that ends
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
-  Scratch<Memory> memory{this, "memory", Memory{.estimator = filter_.Start<12>()}};
+  Scratch<Memory> memory{this, "memory", Memory{.estimator = CalcFilter(params.gains).Start<12>()}};
   OutputPort<LegForceEstimate> estimate{this,
                                         {"estimate"},
                                         Sampled{params.rate},
-                                        Uses(state, foot_forces, held_torque, memory),
+                                        Uses(state, foot_forces, held_torque, gains, filter, memory),
                                         &LegMomentumObserver::CalcEstimate};
 
  private:
+  DisturbanceFilter CalcFilter(const LegObserverGains& gains) const;
   LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const Vec<12>& held_torque, Memory& memory) const;
+                                const Vec<12>& held_torque, const LegObserverGains& gains,
+                                const DisturbanceFilter& filter, Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -39,7 +39,7 @@ void LeggedStateEstimatorParams::Validate() const {
          "initial, where the robot starts, is not finite; give its pose and velocity");
 }
 
-void LeggedStateEstimator::Start(const JointMotion& joints, Memory& memory) const {
+void LeggedStateEstimator::Start(const JointMotion& joints, double settle_time, Memory& memory) const {
   const LeggedState& x = params.initial;
   const Vec<3> arm_W = x.R_WB() * params.robot.imu_B;
   ContactAidedMean mean;
@@ -50,7 +50,7 @@ void LeggedStateEstimator::Start(const JointMotion& joints, Memory& memory) cons
   memory.filter.Start(mean, (Vec<5>() << start.position, start.velocity, start.attitude,
                              start.specific_force_bias, start.angular_velocity_bias)
                                 .finished());
-  memory.stance_time.fill(params.settle_time);  // feet that stand at the start have settled
+  memory.stance_time.fill(settle_time);  // feet that stand at the start have settled
   memory.q = joints.q;
   memory.started = true;
 }
@@ -70,13 +70,15 @@ void LeggedStateEstimator::CalcLegs(const JointMotion& joints, QuadrupedDynamics
 
 LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu,
                                                   const QuadrupedDynamics& legs, const JointMotion& joints,
-                                                  const ContactSchedule& schedule, Memory& memory) const {
+                                                  const ContactSchedule& schedule,
+                                                  const ContactAidedNoise& noise, double settle_time,
+                                                  double outlier, Memory& memory) const {
   const double T = params.rate.period();
   ContactAidedFilter& filter = memory.filter;
   const bool first = !memory.started;
   ContactAidedInput input{last_imu, {}};
   if (first) {
-    Start(joints, memory);
+    Start(joints, settle_time, memory);
     input.inertial.angular_velocity_B = params.initial.R_WB().transpose() * params.initial.w_W;
   } else {
     for (int leg = 0; leg < kNumLegs; ++leg) {
@@ -86,7 +88,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
         turn += (joints.q[j] - memory.q[j]) * legs.axis_W[static_cast<std::size_t>(j)];
       }
     }
-    filter.Predict(input, params.noise, T, RollingRadius(filter.anchored), params.gravity);
+    filter.Predict(input, noise, T, RollingRadius(filter.anchored), params.gravity);
     memory.q = joints.q;
   }
 
@@ -94,8 +96,8 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const QuadrupedDynamics::Foot& foot = legs.feet[leg];
     feet[leg].p_IF_B = foot.p_W - params.robot.imu_B;
-    feet[leg].covariance = std::pow(params.noise.encoder, 2) * foot.J_leg * foot.J_leg.transpose();
-    feet[leg].covariance.diagonal().array() += std::pow(params.noise.foot, 2);
+    feet[leg].covariance = std::pow(noise.encoder, 2) * foot.J_leg * foot.J_leg.transpose();
+    feet[leg].covariance.diagonal().array() += std::pow(noise.foot, 2);
   }
   // First those leave that no longer stand, and last those come that stand from now on.
   std::array<bool, kNumLegs> counts{};
@@ -105,10 +107,10 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     const bool stance = schedule.legs[i].stance();
     if (!first) time += T;
     if (!stance) time = 0;
-    counts[i] = stance && time >= params.settle_time - kClockTolerance;
+    counts[i] = stance && time >= settle_time - kClockTolerance;
     if (!counts[i] && filter.anchored[i]) filter.Release(leg);
   }
-  memory.moved_feet += filter.Correct(feet, params.outlier);
+  memory.moved_feet += filter.Correct(feet, outlier);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     if (counts[i] && !filter.anchored[i]) filter.Anchor(leg, feet[i]);

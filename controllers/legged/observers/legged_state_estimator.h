@@ -8,6 +8,7 @@
 #include <array>
 
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -89,6 +90,9 @@ struct LeggedEstimate {
 ///     | estimate    | output, sampled | LeggedEstimate              |
 ///     | state       | output          | LeggedState, of estimate    |
 ///     | diagnostics | output          | LeggedEstimatorDiagnostics  |
+///     | noise       | parameter       | ContactAidedNoise           |
+///     | settle_time | parameter       | double [s]                  |
+///     | outlier     | parameter       | double                      |
 class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -113,6 +117,12 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  Parameter<ContactAidedNoise> noise{
+      this, {"noise"}, params.noise, "standard deviations that the filter believes in"};
+  Parameter<double> settle_time{
+      this, {"settle_time", "s"}, params.settle_time, "a foot counts once it has been in stance so long"};
+  Parameter<double> outlier{
+      this, {"outlier"}, params.outlier, "squared Mahalanobis distance above which a foot has moved"};
   Scratch<Memory> memory{this, "memory"};
 
  private:
@@ -123,11 +133,12 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   Shared<QuadrupedDynamics> legs_{this, "legs", Uses(joints), &LeggedStateEstimator::CalcLegs};
 
  public:
-  OutputPort<LeggedEstimate> estimate{this,
-                                      {"estimate"},
-                                      Sampled{params.rate},
-                                      Uses(last_imu_, legs_, joints, schedule, memory),
-                                      &LeggedStateEstimator::CalcEstimate};
+  OutputPort<LeggedEstimate> estimate{
+      this,
+      {"estimate"},
+      Sampled{params.rate},
+      Uses(last_imu_, legs_, joints, schedule, noise, settle_time, outlier, memory),
+      &LeggedStateEstimator::CalcEstimate};
   OutputPort<LeggedState> state{
       this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.state; }};
   OutputPort<LeggedEstimatorDiagnostics> diagnostics{
@@ -139,9 +150,10 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   void CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const;
   LeggedEstimate CalcEstimate(const ImuMeasurement& last_imu, const QuadrupedDynamics& legs,
                               const JointMotion& joints, const ContactSchedule& schedule,
+                              const ContactAidedNoise& noise, double settle_time, double outlier,
                               Memory& memory) const;
   double RollingRadius(const std::array<bool, kNumLegs>& anchored) const;
-  void Start(const JointMotion& joints, Memory& memory) const;
+  void Start(const JointMotion& joints, double settle_time, Memory& memory) const;
   LeggedEstimate Output(const ImuMeasurement& imu_B, const JointMotion& joints, const Memory& memory) const;
 };
 

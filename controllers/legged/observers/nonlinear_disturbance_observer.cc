@@ -18,8 +18,8 @@ void NonlinearDisturbanceObserverParams::Validate() const {
 
 LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,
                                                             const FootForces& foot_forces,
-                                                            const Vec<12>& held_torque,
-                                                            Memory& memory) const {
+                                                            const Vec<12>& held_torque, double gain,
+                                                            double min_singular_value, Memory& memory) const {
   QuadrupedDynamics dynamics;
   DecoupledDynamics decoupled;
   model_.Calc(state, &dynamics);
@@ -29,7 +29,7 @@ LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& s
       DecoupledGroundTorque(dynamics, foot_forces, params.robot.foot_radius) - decoupled.coriolis;
   if (memory.started) {
     const double period = params.rate.period();
-    const double x = params.reading == NdoReading::kM ? params.gain : 1 / params.gain;
+    const double x = params.reading == NdoReading::kM ? gain : 1 / gain;
     Eigen::Matrix<double, 12, 12> stiffened = decoupled.M_q;
     stiffened.diagonal().array() += x * period;
     const Vec<12> impulse =
@@ -40,7 +40,7 @@ LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& s
   memory.started = true;
   memory.qd = state.qd;
   memory.known_torque = known_torque;
-  return {memory.estimate, SolveFootForces(dynamics, decoupled, memory.estimate, params.min_singular_value)};
+  return {memory.estimate, SolveFootForces(dynamics, decoupled, memory.estimate, min_singular_value)};
 }
 
 }  // namespace tenon

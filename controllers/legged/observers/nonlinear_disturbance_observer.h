@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -51,6 +52,8 @@ struct NonlinearDisturbanceObserverParams {
 ///     | torque      | input           | Vec<12> [N m]    |
 ///     | foot_forces | input           | FootForces       |
 ///     | estimate    | output, sampled | LegForceEstimate |
+///
+/// `gain` and `min_singular_value` are Parameters: a run can change them.
 class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanceObserverParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -77,20 +80,27 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  Parameter<double> gain{this, {"gain"}, params.gain, "X, in N m s/rad, or its inverse"};
+  Parameter<double> min_singular_value{this,
+                                       {"min_singular_value", "m"},
+                                       params.min_singular_value,
+                                       "of a leg's Jacobian; below, its foot force is damped"};
 
   DiscreteState<Vec<12>> held_torque{this, {"held_torque", "N m"}};  ///< of the interval that ends
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory()};
-  OutputPort<LegForceEstimate> estimate{this,
-                                        {"estimate"},
-                                        Sampled{params.rate},
-                                        Uses(state, foot_forces, held_torque, memory),
-                                        &NonlinearDisturbanceObserver::CalcEstimate};
+  OutputPort<LegForceEstimate> estimate{
+      this,
+      {"estimate"},
+      Sampled{params.rate},
+      Uses(state, foot_forces, held_torque, gain, min_singular_value, memory),
+      &NonlinearDisturbanceObserver::CalcEstimate};
 
  private:
   LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const Vec<12>& held_torque, Memory& memory) const;
+                                const Vec<12>& held_torque, double gain, double min_singular_value,
+                                Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -63,25 +63,25 @@ void ComPlannerParams::Validate() const {
 }
 
 /// At rest where the robot stands in its nominal stance; its CoM need not be over the centre of its feet.
-ComPlan ComPlanner::FirstPlan(double time) const {
+ComPlan ComPlanner::FirstPlan(double time, double blend) const {
   ComPlan plan;
   plan.start = time;
   plan.path.yaw = params.start_yaw;
   const Eigen::Matrix2d R = plan.path.Heading();
   plan.path.position_W = params.start_position + R * stance.center_B;
   plan.pendulum.Begin(plan.path, 1);
-  plan.blend = params.blend;
+  plan.blend = blend;
   plan.remainder[0].head<2>() = R * (stance.com_B.head<2>() - stance.center_B);
   return plan;
 }
 
 void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
-                          const LeggedState& state, ComPlan& memory, ZmpSpline& optimizer,
-                          ComPlan* plan) const {
+                          const LeggedState& state, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
+                          ZmpSpline& optimizer, ComPlan* plan) const {
   *plan = memory;
   if (memory.footsteps == schedule.footsteps) return;
   if (memory.footsteps < 0) {
-    *plan = FirstPlan(time);
+    *plan = FirstPlan(time, blend);
     plan->ground = GroundHeight(schedule, state, 0);
   }
   const Pose old = PoseAt(*plan, stance.com_height, time);
@@ -96,10 +96,10 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   plan->spline.num_segments = 0;
   PlanPendulum(schedule, plan);
   const Pose next = PoseAt(*plan, stance.com_height, time);
-  Fade(old.position - next.position, old.velocity - next.velocity, params.blend, plan);
+  Fade(old.position - next.position, old.velocity - next.velocity, blend, plan);
   if (walks && params.reference == ComReference::kZmpSpline) {
     const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
-    if (PlanSpline(schedule, begin, command.height[0], optimizer, plan)) {
+    if (PlanSpline(schedule, begin, command.height[0], zmp, optimizer, plan)) {
       for (Vec<4>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
     } else {
       memory.diagnostics = plan->diagnostics;
@@ -123,18 +123,17 @@ void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) co
 }
 
 bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
-                            ZmpSpline& optimizer, ComPlan* plan) const {
+                            const ZmpPlanParams& zmp, ZmpSpline& optimizer, ComPlan* plan) const {
   std::array<SupportPhase, ZmpSpline::kMaxPhases> phases;
   std::size_t count = 0, visited = 0;
   double duration = 0;
-  ForEachPlannedPhase(
-      plan->path, schedule, stance, params.zmp.horizon + 1,
-      [&](double seconds, std::span<const Eigen::Vector2d> feet) {
-        if (++visited > 2 * static_cast<std::size_t>(params.zmp.horizon) + 1) return;
-        if (seconds <= 0) return;
-        phases[count++] = {seconds, SupportPolygon(feet, params.zmp.half_width, params.zmp.margin)};
-        duration += seconds;
-      });
+  ForEachPlannedPhase(plan->path, schedule, stance, zmp.horizon + 1,
+                      [&](double seconds, std::span<const Eigen::Vector2d> feet) {
+                        if (++visited > 2 * static_cast<std::size_t>(zmp.horizon) + 1) return;
+                        if (seconds <= 0) return;
+                        phases[count++] = {seconds, SupportPolygon(feet, zmp.half_width, zmp.margin)};
+                        duration += seconds;
+                      });
   HeightProfile height{.rest = stance.com_height + raised, .fade_duration = plan->blend};
   for (std::size_t i = 0; i < height.fade.size(); ++i) height.fade[i] = plan->remainder[i][2];
   const QpReport report = optimizer.Solve({.phases = {phases.data(), count},
@@ -143,7 +142,7 @@ bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& 
                                            .path = plan->path,
                                            .height = height,
                                            .gravity = params.gravity},
-                                          &plan->spline);
+                                          zmp.spline, &plan->spline);
   ComDiagnostics& diagnostics = plan->diagnostics;
   ++diagnostics.solves;
   diagnostics.failures += !report.ok();

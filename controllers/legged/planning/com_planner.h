@@ -9,6 +9,7 @@
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/motion_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
@@ -57,6 +58,8 @@ struct ComPlannerParams {
 ///     ports in   schedule     which feet stand and when they will swing
 ///                command      velocities; the gait is the scheduler's
 ///                state        for the height of the ground at the feet, nothing else
+///     parameters zmp          ZmpPlanParams, from the next plan on
+///                blend        [s], from the next plan on
 ///     ports out  plan         sampled
 ///                reference    CoM position, velocity, acceleration; attitude with its rates; sampled
 ///                path         the commanded path and its twist, for the footholds; sampled
@@ -88,12 +91,15 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<LeggedState> state{this, {"state"}};
+  Parameter<ZmpPlanParams> zmp{
+      this, {"zmp"}, params.zmp, "how a spline is planned, if that is the reference"};
+  Parameter<double> blend{this, {"blend", "s"}, params.blend, "time of going over to a new plan"};
   Scratch<ComPlan> memory{this, "memory", ComPlan()};
-  Workspace<ZmpSpline> optimizer{this, "optimizer", ZmpSpline(params.zmp.spline)};
+  Workspace<ZmpSpline> optimizer{this, "optimizer"};
   OutputPort<ComPlan> plan{this,
                            {"plan"},
                            Sampled{params.rate},
-                           Uses(time, schedule, command, state, memory, optimizer),
+                           Uses(time, schedule, command, state, zmp, blend, memory, optimizer),
                            &ComPlanner::CalcPlan};
   OutputPort<BodyReference> reference{
       this, {"reference"}, Sampled{params.rate}, Uses(time, plan, command), &ComPlanner::CalcReference};
@@ -103,14 +109,15 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
 
  private:
   void CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
-                const LeggedState& state, ComPlan& memory, ZmpSpline& optimizer, ComPlan* plan) const;
+                const LeggedState& state, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
+                ZmpSpline& optimizer, ComPlan* plan) const;
   BodyReference CalcReference(const double& time, const ComPlan& plan, const WalkCommand& command) const;
   PlanarPath CalcPath(const double& time, const ComPlan& plan) const;
 
-  ComPlan FirstPlan(double time) const;
+  ComPlan FirstPlan(double time, double blend) const;
   void PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const;
   bool PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
-                  ZmpSpline& optimizer, ComPlan* plan) const;
+                  const ZmpPlanParams& zmp, ZmpSpline& optimizer, ComPlan* plan) const;
   double GroundHeight(const ContactSchedule& schedule, const LeggedState& state, double otherwise) const;
 };
 

@@ -54,6 +54,21 @@ void PlanLegs(bool lifted, ContactSchedule* schedule) {
   }
 }
 
+void BeginStep(Gait gait, const GaitTable& gaits, FootScheduler::Memory* memory) {
+  ContactSchedule& schedule = memory->schedule;
+  ++schedule.footsteps;
+  schedule.step_time = 0;
+  memory->lifted = false;
+  memory->waited = 0;
+  if (gait == schedule.gait && gait != Gait::kStand) {
+    schedule.step = (schedule.step + 1) % schedule.timing.num_steps;
+    return;
+  }
+  schedule.gait = gait;
+  schedule.step = 0;
+  schedule.timing = gait == Gait::kStand ? GaitTiming{} : gaits[gait].Timing();
+}
+
 }  // namespace
 
 void GaitProperties::Validate() const {
@@ -129,14 +144,17 @@ ContactState NextContactState(ContactState state, const ContactEvents& events) {
 }
 
 ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const FootForces& forces,
-                                            Memory& memory) const {
+                                            const GaitTable& gaits, double touchdown_force,
+                                            double early_touchdown_phase, double late_wait,
+                                            double search_after, Memory& memory) const {
+  const double dt = params.rate.period();
+  const auto wait_is_over = [&] { return memory.waited >= late_wait - kClockTolerance; };
   ContactSchedule& schedule = memory.schedule;
   if (!memory.started) {
     memory.started = true;
-    BeginStep(command.gait, &memory);
+    BeginStep(command.gait, gaits, &memory);
     schedule.footsteps = 0;
   } else {
-    const double dt = params.rate.period();
     if (schedule.gait != Gait::kStand) {
       if (StepIsOver(schedule) || LiftsOff(memory)) {
         memory.waited += dt;
@@ -144,15 +162,26 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
         schedule.step_time += dt;
       }
     }
-    UpdateContacts(forces, &memory);
+    const double swing_time = schedule.step_time - schedule.timing.stance;
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      LegContact& leg = schedule.legs[i];
+      ContactEvents events;
+      events.loaded = forces[static_cast<int>(i)].norm() > touchdown_force;
+      double& unloaded = memory.unloaded[i];
+      unloaded = leg.stance() && !events.loaded ? unloaded + dt : 0;
+      events.unloaded = unloaded >= search_after - kClockTolerance;
+      events.may_land = swing_time >= early_touchdown_phase * schedule.timing.swing - kClockTolerance;
+      events.swing_over = StepIsOver(schedule);
+      events.wait_over = wait_is_over();
+      leg.state = NextContactState(leg.state, events);
+    }
     const bool late = std::any_of(schedule.legs.begin(), schedule.legs.end(),
                                   [](const LegContact& leg) { return leg.state == ContactState::kLate; });
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
-      BeginStep(command.gait, &memory);
+      BeginStep(command.gait, gaits, &memory);
     }
   }
-  const bool wait_over = memory.waited >= params.late_wait - kClockTolerance;
-  const bool lift_off = LiftsOff(memory) && (wait_over || !OthersSearch(schedule));
+  const bool lift_off = LiftsOff(memory) && (wait_is_over() || !OthersSearch(schedule));
   if (lift_off) {
     memory.lifted = true;
     memory.waited = 0;
@@ -163,38 +192,6 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
   }
   PlanLegs(memory.lifted, &schedule);
   return schedule;
-}
-
-void FootScheduler::UpdateContacts(const FootForces& forces, Memory* memory) const {
-  ContactSchedule& schedule = memory->schedule;
-  const double swing_time = schedule.step_time - schedule.timing.stance;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
-    LegContact& leg = schedule.legs[i];
-    ContactEvents events;
-    events.loaded = forces[static_cast<int>(i)].norm() > params.touchdown_force;
-    double& unloaded = memory->unloaded[i];
-    unloaded = leg.stance() && !events.loaded ? unloaded + params.rate.period() : 0;
-    events.unloaded = unloaded >= params.search_after - kClockTolerance;
-    events.may_land = swing_time >= params.early_touchdown_phase * schedule.timing.swing - kClockTolerance;
-    events.swing_over = StepIsOver(schedule);
-    events.wait_over = memory->waited >= params.late_wait - kClockTolerance;
-    leg.state = NextContactState(leg.state, events);
-  }
-}
-
-void FootScheduler::BeginStep(Gait gait, Memory* memory) const {
-  ContactSchedule& schedule = memory->schedule;
-  ++schedule.footsteps;
-  schedule.step_time = 0;
-  memory->lifted = false;
-  memory->waited = 0;
-  if (gait == schedule.gait && gait != Gait::kStand) {
-    schedule.step = (schedule.step + 1) % schedule.timing.num_steps;
-    return;
-  }
-  schedule.gait = gait;
-  schedule.step = 0;
-  schedule.timing = gait == Gait::kStand ? GaitTiming{} : params.gaits[gait].Timing();
 }
 
 }  // namespace tenon

@@ -6,6 +6,7 @@
 
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
@@ -86,6 +87,8 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 ///
 ///     ports in   command      gait; the velocities are the planners'
 ///                foot_forces  measured, of the ground on each foot [N]; their norm counts
+///     parameters gaits        GaitTable; a gait counts from where it begins
+///                touchdown_force, early_touchdown_phase, late_wait, search_after
 ///     ports out  schedule     sampled
 ///
 /// A step of the gait is a stance of all feet, then the swing of one group (GaitTiming). A foot that lands
@@ -118,17 +121,31 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
 
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timetables"};
+  Parameter<double> touchdown_force{
+      this, {"touchdown_force", "N"}, params.touchdown_force, "a foot with more touches the ground"};
+  Parameter<double> early_touchdown_phase{this,
+                                          {"early_touchdown_phase"},
+                                          params.early_touchdown_phase,
+                                          "part of the swing before which no touchdown counts"};
+  Parameter<double> late_wait{
+      this, {"late_wait", "s"}, params.late_wait, "how long the clock waits for a late or searching foot"};
+  Parameter<double> search_after{this,
+                                 {"search_after", "s"},
+                                 params.search_after,
+                                 "time without force after which a stance foot searches"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},
                                        Sampled{params.rate},
-                                       Uses(command, foot_forces, memory),
+                                       Uses(command, foot_forces, gaits, touchdown_force,
+                                            early_touchdown_phase, late_wait, search_after, memory),
                                        &FootScheduler::CalcSchedule};
 
  private:
-  ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, Memory& memory) const;
-  void UpdateContacts(const FootForces& forces, Memory* memory) const;
-  void BeginStep(Gait gait, Memory* memory) const;
+  ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, const GaitTable& gaits,
+                               double touchdown_force, double early_touchdown_phase, double late_wait,
+                               double search_after, Memory& memory) const;
 };
 
 }  // namespace tenon

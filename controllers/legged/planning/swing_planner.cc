@@ -44,6 +44,36 @@ bool Searches(ContactState state) {
   return state == ContactState::kLate || state == ContactState::kSearching;
 }
 
+FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& step, double phase,
+                    double duration) {
+  const double t = phase * duration, half = duration / 2;
+  const PlanarPoint course = Course(leg, duration, t);
+  const double z_begin = leg.lift_off_height, z_end = leg.foothold[2];
+  const double z_top = std::max(z_begin, z_end) + step.height;
+  // At the top, the mean of what cubics from rest to rest would have on its two sides.
+  const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
+  const double v = step.touchdown_speed;
+  const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
+  const MotionPoint height =
+      t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half);
+  FootReference foot;
+  foot.p_W << course.position, height.position;
+  foot.v_W << course.velocity, height.velocity;
+  foot.a_W << course.acceleration, height.acceleration;
+  return foot;
+}
+
+FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& step) {
+  const double v = step.touchdown_speed, depth = step.search_depth;
+  const double decay = std::exp(-v * leg.searching / depth);
+  FootReference foot;
+  foot.p_W = leg.foothold;
+  foot.p_W[2] -= depth * (1 - decay);
+  foot.v_W[2] = -v * decay;
+  foot.a_W[2] = v * v / depth * decay;
+  return foot;
+}
+
 }  // namespace
 
 void StepProperties::Validate() const {
@@ -71,7 +101,7 @@ void SwingPlannerParams::Validate() const {
 
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const WrenchEstimate& wrench,
-                            Memory& memory, Memory* plan) const {
+                            const StepProperties& step, Memory& memory, Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
   double ground = 0;
@@ -79,9 +109,9 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
     if (schedule.legs[i].stance()) ground += foot[i][2] / schedule.num_stance();
   }
-  if (params.step.wrench_shift) {
-    const double gain = 1 - std::exp(-params.step.shift_bandwidth * params.rate.period());
-    memory.shift += gain * (Shift(wrench) - memory.shift);
+  if (step.wrench_shift) {
+    const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
+    memory.shift += gain * (Shift(wrench, step) - memory.shift);
   }
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
@@ -94,7 +124,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
-      if (!lifts_off && schedule.legs[i].phase > params.step.retarget_phase) continue;
+      if (!lifts_off && schedule.legs[i].phase > step.retarget_phase) continue;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
       if (lifts_off) {
@@ -106,8 +136,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         leg.from = Course(leg, swing, t);
         leg.from_time = t;
       }
-      leg.foothold.head<2>() =
-          Foothold(i, schedule, path, params.step.velocity_feedback * v_error + memory.shift);
+      leg.foothold.head<2>() = Foothold(i, schedule, path, step.velocity_feedback * v_error + memory.shift);
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();
     } else {
@@ -119,14 +148,14 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   *plan = memory;
 }
 
-Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench) const {
+Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {
   const Vec<3>&f = wrench.force_W, &t = wrench.torque_W;
   const double weight = mass_ * params.gravity;
   const double load = std::max(weight - f[2], kLeastWeight * weight);
   const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
-  const double length = shift.norm() / load, free = params.step.free_shift;
+  const double length = shift.norm() / load, free = step.free_shift;
   if (length <= free) return Eigen::Vector2d::Zero();
-  return Shortened<2>(shift / load * (1 - free * free / (length * length)), params.step.largest_shift);
+  return Shortened<2>(shift / load * (1 - free * free / (length * length)), step.largest_shift);
 }
 
 Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,
@@ -141,15 +170,16 @@ Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& s
   return at_touchdown + Shortened<2>(wanted - at_touchdown, stance.reach[leg]);
 }
 
-FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan) const {
+FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan,
+                                     const StepProperties& step) const {
   FeetReference reference;
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const LegMemory& leg = plan.legs[i];
     FootReference& foot = reference.feet[i];
     if (leg.state == ContactState::kSwing) {
-      foot = Swing(leg, schedule.legs[i].phase, schedule.timing.swing);
+      foot = Swing(leg, step, schedule.legs[i].phase, schedule.timing.swing);
     } else if (Searches(leg.state)) {
-      foot = Search(leg);
+      foot = Search(leg, step);
     } else {
       foot.p_W = leg.foothold;
       continue;
@@ -157,36 +187,6 @@ FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memo
     KeepBent(leg.hip, stance.longest[i], &foot);
   }
   return reference;
-}
-
-FootReference SwingPlanner::Swing(const LegMemory& leg, double phase, double duration) const {
-  const StepProperties& step = params.step;
-  const double t = phase * duration, half = duration / 2;
-  const PlanarPoint course = Course(leg, duration, t);
-  const double z_begin = leg.lift_off_height, z_end = leg.foothold[2];
-  const double z_top = std::max(z_begin, z_end) + step.height;
-  // At the top, the mean of what cubics from rest to rest would have on its two sides.
-  const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
-  const double v = step.touchdown_speed;
-  const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
-  const MotionPoint height =
-      t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half);
-  FootReference foot;
-  foot.p_W << course.position, height.position;
-  foot.v_W << course.velocity, height.velocity;
-  foot.a_W << course.acceleration, height.acceleration;
-  return foot;
-}
-
-FootReference SwingPlanner::Search(const LegMemory& leg) const {
-  const double v = params.step.touchdown_speed, depth = params.step.search_depth;
-  const double decay = std::exp(-v * leg.searching / depth);
-  FootReference foot;
-  foot.p_W = leg.foothold;
-  foot.p_W[2] -= depth * (1 - decay);
-  foot.v_W[2] = -v * decay;
-  foot.a_W[2] = v * v / depth * decay;
-  return foot;
 }
 
 std::array<Vec<3>, kNumLegs> SwingPlanner::CalcFootholds(const Memory& plan) const {

@@ -8,6 +8,7 @@
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/motion_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
@@ -54,6 +55,7 @@ struct SwingPlannerParams {
 ///                body       the CoM planner's reference, for the velocity error
 ///                state      where the feet are
 ///                wrench     estimated disturbance, for the option wrench_shift; none if not connected
+///     parameter  step       StepProperties
 ///     ports out  feet       position, velocity, acceleration of all feet; sampled
 ///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
 ///
@@ -120,28 +122,29 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  Parameter<StepProperties> step{this, {"step"}, params.step, "shape of the steps, choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<Memory> plan{this,
                           {"plan"},
                           Sampled{params.rate},
-                          Uses(schedule, path, body, state, wrench, memory),
+                          Uses(schedule, path, body, state, wrench, step, memory),
                           &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
-      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan), &SwingPlanner::CalcFeet};
+      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
   OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
       this, {"footholds", "m"}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
 
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
-                const LeggedState& state, const WrenchEstimate& wrench, Memory& memory, Memory* plan) const;
-  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan) const;
+                const LeggedState& state, const WrenchEstimate& wrench, const StepProperties& step,
+                Memory& memory, Memory* plan) const;
+  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
+                         const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
 
-  Eigen::Vector2d Shift(const WrenchEstimate& wrench) const;
+  Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
                            const Eigen::Vector2d& correction) const;
-  FootReference Swing(const LegMemory& leg, double phase, double duration) const;
-  FootReference Search(const LegMemory& leg) const;
 
   const double mass_ = params.robot.mass();
 };

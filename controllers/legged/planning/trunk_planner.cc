@@ -41,9 +41,9 @@ Vec<3> TrunkPlanner::FreeAcceleration(const ContactSchedule& schedule, const Leg
 
 BodyReference TrunkPlanner::CalcReference(const BodyReference& body, const ContactSchedule& schedule,
                                           const LeggedState& state, const WrenchEstimate& wrench,
-                                          Memory& memory) const {
+                                          double bandwidth, double sway_limit, Memory& memory) const {
   const double S = schedule.timing.stance, T = schedule.timing.swing;
-  const double blend = -std::expm1(-params.bandwidth * params.rate.period());
+  const double blend = -std::expm1(-bandwidth * params.rate.period());
   memory.push.force_W += blend * (wrench.force_W - memory.push.force_W);
   memory.push.torque_W += blend * (wrench.torque_W - memory.push.torque_W);
   BodyReference out = body;
@@ -52,7 +52,7 @@ BodyReference TrunkPlanner::CalcReference(const BodyReference& body, const Conta
     return out;
   }
   const Eigen::Vector3d a =
-      Shortened<3>(FreeAcceleration(schedule, state, memory.push), params.sway_limit * S / (3 * T));
+      Shortened<3>(FreeAcceleration(schedule, state, memory.push), sway_limit * S / (3 * T));
   Eigen::Vector3d angle;
   if (schedule.step_time < S) {
     const double u = schedule.step_time / S;

@@ -6,6 +6,7 @@
 #include <tenon/plants/model/motion_signals.h>
 
 #include <tenon/controllers/legged/planning/nominal_stance.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -55,6 +56,8 @@ struct TrunkPlannerParams {
 ///     | state     | input           | LeggedState     |
 ///     | wrench    | input           | WrenchEstimate  |
 ///     | reference | output, sampled | BodyReference   |
+///
+/// `bandwidth` and `sway_limit` are Parameters: a run can change them.
 class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -72,16 +75,21 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  Parameter<double> bandwidth{
+      this, {"bandwidth", "rad/s"}, params.bandwidth, "of the filter through which the wrench goes"};
+  Parameter<double> sway_limit{
+      this, {"sway_limit", "rad/s^2"}, params.sway_limit, "of the angular acceleration in stance"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<BodyReference> reference{this,
                                       {"reference"},
                                       Sampled{params.rate},
-                                      Uses(body, schedule, state, wrench, memory),
+                                      Uses(body, schedule, state, wrench, bandwidth, sway_limit, memory),
                                       &TrunkPlanner::CalcReference};
 
  private:
   BodyReference CalcReference(const BodyReference& body, const ContactSchedule& schedule,
-                              const LeggedState& state, const WrenchEstimate& wrench, Memory& memory) const;
+                              const LeggedState& state, const WrenchEstimate& wrench, double bandwidth,
+                              double sway_limit, Memory& memory) const;
   Vec<3> FreeAcceleration(const ContactSchedule& schedule, const LeggedState& state,
                           const WrenchEstimate& wrench) const;
 };

@@ -32,20 +32,15 @@ double HeightProfile::Acceleration(double t) const {
   return t < fade_duration ? 2 * fade[2] + 6 * fade[3] * t : 0;
 }
 
-ZmpSpline::ZmpSpline(const ZmpSplineParams& params)
-    : params_(params),
-      segments_per_phase_(params.order == SplineOrder::kCubic ? 2 : 1),
-      free_(params.order == SplineOrder::kCubic ? 1 : 3),
-      maps_(kCoefficients * PlanarSpline::kMaxSegments, kMaxPerCoordinate + 2),
+ZmpSpline::ZmpSpline()
+    : maps_(kCoefficients * PlanarSpline::kMaxSegments, kMaxPerCoordinate + 2),
       H_(2 * kMaxPerCoordinate, 2 * kMaxPerCoordinate),
       g_(2 * kMaxPerCoordinate),
       b_eq_(4),
       b_in_(kMaxRows),
       A_eq_(4, 2 * kMaxPerCoordinate),
       A_in_(kMaxRows, 2 * kMaxPerCoordinate),
-      solver_(2 * kMaxPerCoordinate, 4 + kMaxRows) {
-  params.Validate();
-}
+      solver_(2 * kMaxPerCoordinate, 4 + kMaxRows) {}
 
 QuadraticProgram ZmpSpline::quadratic_program() const {
   const int n = 2 * n_;
@@ -53,14 +48,17 @@ QuadraticProgram ZmpSpline::quadratic_program() const {
           A_in_.topLeftCorner(rows_, n), b_in_.head(rows_)};
 }
 
-QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, PlanarSpline* spline) {
+QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams& params,
+                          PlanarSpline* spline) {
   const auto phases = problem.phases.size();
   if (phases == 0 || phases > kMaxPhases) {
     throw RunError(fmt::format("a spline over {} support phases: give one to {}", phases, kMaxPhases));
   }
+  segments_per_phase_ = params.order == SplineOrder::kCubic ? 2 : 1;
+  free_ = params.order == SplineOrder::kCubic ? 1 : 3;
   MakeSegments(problem);
-  AddCost(problem);
-  AddEnd(problem);
+  AddCost(problem, params.path_weight);
+  AddEnd(problem, params.end_weight);
   AddPolygons(problem);
   const QpReport report = solver_.Solve(quadratic_program());
   if (!report.ok()) return report;
@@ -136,7 +134,7 @@ void ZmpSpline::AddSquare(const Functional& f, const Eigen::Vector2d& target, do
   }
 }
 
-void ZmpSpline::AddCost(const ZmpSplineProblem& problem) {
+void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
   H_.setZero();
   g_.setZero();
   double begin = 0;
@@ -145,17 +143,17 @@ void ZmpSpline::AddCost(const ZmpSplineProblem& problem) {
     for (std::size_t i = 0; i < kGaussPoint.size(); ++i) {
       const double s = kGaussPoint[i], weight = kGaussWeight[i] * T;
       AddSquare(Derivative(2, k, s), Eigen::Vector2d::Zero(), weight);
-      if (params_.path_weight == 0) continue;
+      if (path_weight == 0) continue;
       const Eigen::Vector2d path = problem.path.At(begin + s * T).position_W - origin_;
-      AddSquare(Derivative(0, k, s), path, params_.path_weight * weight);
+      AddSquare(Derivative(0, k, s), path, path_weight * weight);
     }
     begin += T;
   }
 }
 
-void ZmpSpline::AddEnd(const ZmpSplineProblem& problem) {
+void ZmpSpline::AddEnd(const ZmpSplineProblem& problem, double end_weight) {
   const int last = num_segments_ - 1;
-  AddSquare(Derivative(2, last, 1), problem.end.acceleration, params_.end_weight);
+  AddSquare(Derivative(2, last, 1), problem.end.acceleration, end_weight);
   H_.block(n_, n_, n_, n_) = H_.topLeftCorner(n_, n_);  // x and y cost the same
   const Functional position = Derivative(0, last, 1), velocity = Derivative(1, last, 1);
   A_eq_.setZero();

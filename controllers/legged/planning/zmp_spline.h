@@ -81,11 +81,11 @@ class ZmpSpline {
   static constexpr int kMaxPhases = 9;
   static constexpr int kSamplesPerPhase = 6;
 
-  explicit ZmpSpline(const ZmpSplineParams& params);
+  ZmpSpline();
 
   /// Writes `spline` if a solution was found. No allocation. Throws RunError if there are no phases or more
   /// than kMaxPhases.
-  QpReport Solve(const ZmpSplineProblem& problem, PlanarSpline* spline);
+  QpReport Solve(const ZmpSplineProblem& problem, const ZmpSplineParams& params, PlanarSpline* spline);
 
   /// The last problem, in all u of x, then all of y; and its solution.
   QuadraticProgram quadratic_program() const;
@@ -98,16 +98,15 @@ class ZmpSpline {
   using Functional = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMaxPerCoordinate + 2>;
 
   void MakeSegments(const ZmpSplineProblem& problem);
-  void AddCost(const ZmpSplineProblem& problem);
+  void AddCost(const ZmpSplineProblem& problem, double path_weight);
   void AddSquare(const Functional& f, const Eigen::Vector2d& target, double weight);
-  void AddEnd(const ZmpSplineProblem& problem);
+  void AddEnd(const ZmpSplineProblem& problem, double end_weight);
   void AddPolygons(const ZmpSplineProblem& problem);
   Functional Derivative(int order, int segment, double s) const;
 
-  ZmpSplineParams params_;
-  int segments_per_phase_, free_;  // variables per segment and coordinate
-  int num_segments_ = 0, n_ = 0;   // variables per coordinate
-  int rows_ = 0;                   // inequalities
+  int segments_per_phase_ = 0, free_ = 0;  // variables per segment and coordinate
+  int num_segments_ = 0, n_ = 0;           // variables per coordinate
+  int rows_ = 0;                           // inequalities
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   std::array<double, PlanarSpline::kMaxSegments> duration_{};
   Eigen::MatrixXd maps_;  // six rows a segment: its coefficients, as Functionals

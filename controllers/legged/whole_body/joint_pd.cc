@@ -49,9 +49,9 @@ JointPd::JointPd(const JointPdParams& p) : LeafSystem(p) {
   for (int j = 0; j < kNumJoints; ++j) limit_[j] = params.robot.joint(j).torque_limit;
 }
 
-Vec<12> JointPd::CalcTorque(const JointMotion& joints, const Vec<12>& reference) const {
-  const Vec<12> torque =
-      params.stiffness * (reference - joints.q) - params.damping * joints.qd + feedforward_;
+Vec<12> JointPd::CalcTorque(const JointMotion& joints, const Vec<12>& reference, double stiffness,
+                            double damping) const {
+  const Vec<12> torque = stiffness * (reference - joints.q) - damping * joints.qd + feedforward_;
   return torque.cwiseMax(-limit_).cwiseMin(limit_);
 }
 

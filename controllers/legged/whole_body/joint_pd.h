@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/system.h>
 
@@ -34,17 +35,26 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
 ///     ports in  joints     measured angles and speeds
 ///               reference  q_ref [rad]; the nominal stance if not connected
 ///     port out  torque     [N m], sampled
+///
+/// `stiffness` and `damping` are Parameters: a run can change them.
 class JointPd final : public LeafSystem<JointPdParams> {
  public:
   explicit JointPd(const JointPdParams& params);
 
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<Vec<12>> reference{this, {"reference", "rad"}, params.robot.stance};
-  OutputPort<Vec<12>> torque{
-      this, {"torque", "N m"}, Sampled{params.rate}, Uses(joints, reference), &JointPd::CalcTorque};
+  Parameter<double> stiffness{
+      this, {"stiffness", "N m/rad"}, params.stiffness, "torque per error of the angle"};
+  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "torque against the speed"};
+  OutputPort<Vec<12>> torque{this,
+                             {"torque", "N m"},
+                             Sampled{params.rate},
+                             Uses(joints, reference, stiffness, damping),
+                             &JointPd::CalcTorque};
 
  private:
-  Vec<12> CalcTorque(const JointMotion& joints, const Vec<12>& reference) const;
+  Vec<12> CalcTorque(const JointMotion& joints, const Vec<12>& reference, double stiffness,
+                     double damping) const;
 
   Vec<12> feedforward_ = Vec<12>::Zero();
   Vec<12> limit_;

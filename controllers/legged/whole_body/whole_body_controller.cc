@@ -46,36 +46,45 @@ void WholeBodyGains::Validate() const {
   qp.Validate();
 }
 
+void WholeBodyParams::Validate() const {
+  gains.Validate();
+  Demand(max_failures_in_a_row >= 0,
+         fmt::format("max_failures_in_a_row = {} must not be negative: every solve would end the run",
+                     max_failures_in_a_row));
+}
+
 Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
   Vec<12> limit;
   for (int j = 0; j < kNumJoints; ++j) limit[j] = robot.joint(j).torque_limit;
   return limit;
 }
 
-void WholeBodyController::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
+void WholeBodyController::CalcDynamics(const LeggedState& state, const WholeBodyGains& gains,
+                                       QuadrupedDynamics* dynamics) const {
   model_.Calc(state, dynamics);
-  if (params.gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
+  if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
 }
 
 WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                             const ContactSchedule& schedule, const BodyReference& body,
                                             const FeetReference& feet, const WrenchEstimate& wrench,
-                                            const LegForceEstimate& leg_forces) const {
+                                            const LegForceEstimate& leg_forces,
+                                            const WholeBodyGains& gains) const {
   WholeBodyTask task;
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::Matrix3d R_WB = state.R_WB();
   const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * R_WB.transpose());
   const Eigen::Vector3d lean = turn.angle() * turn.axis();
-  task.wrench.head<3>() = params.gains.com_stiffness * (body.com_W - dynamics.com_W) +
-                          params.gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
+  task.wrench.head<3>() = gains.com_stiffness * (body.com_W - dynamics.com_W) +
+                          gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
                           model_.mass() * (body.com_acceleration_W + up);
   task.wrench.tail<3>() =
-      dynamics.centroidal_inertia_W * (params.gains.trunk_stiffness * lean +
-                                       params.gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+      dynamics.centroidal_inertia_W *
+      (gains.trunk_stiffness * lean + gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
   task.tilt = lean.head<2>().norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
-  if (params.gains.dynamics == BodyDynamics::kExact) {
+  if (gains.dynamics == BodyDynamics::kExact) {
     task.disturbance = disturbance;
   } else {
     task.wrench -= disturbance;
@@ -89,17 +98,16 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       const Eigen::Vector3d hip_W = state.p_WB + R_WB * params.robot.HipPosition(leg, state.q);
       const Eigen::Vector3d to_hip = hip_W - dynamics.feet[i].p_W;
       const double length = to_hip.norm();
-      const double excess = length - params.gains.stretch_limit * params.robot.LegLength(leg);
-      task.foot_acceleration[i] = -params.gains.stance_damping * v_W;
-      if (excess > 0) task.foot_acceleration[i] += params.gains.stretch_stiffness * excess / length * to_hip;
+      const double excess = length - gains.stretch_limit * params.robot.LegLength(leg);
+      task.foot_acceleration[i] = -gains.stance_damping * v_W;
+      if (excess > 0) task.foot_acceleration[i] += gains.stretch_stiffness * excess / length * to_hip;
     } else {
-      const Eigen::Vector3d correction =
-          params.gains.swing_damping * (reference.v_W - v_W) +
-          params.gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
-      task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, params.gains.swing_limit);
+      const Eigen::Vector3d correction = gains.swing_damping * (reference.v_W - v_W) +
+                                         gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+      task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, gains.swing_limit);
     }
   }
-  if (params.gains.compensation == LegCompensation::kExact) {
+  if (gains.compensation == LegCompensation::kExact) {
     task.joint_disturbance = leg_forces.joint_torque;
   } else {
     const auto pushed = SwingFootAcceleration(dynamics, task.stance, leg_forces.foot_force);
@@ -111,11 +119,11 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
 void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                    const ContactSchedule& schedule, const BodyReference& body,
                                    const FeetReference& feet, const WrenchEstimate& wrench,
-                                   const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
-                                   WholeBodyPlan* plan) const {
+                                   const LegForceEstimate& leg_forces, const WholeBodyGains& gains,
+                                   WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
-  const WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces);
-  const QpReport report = qp.Solve(dynamics, task, &last.solution);
+  const WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces, gains);
+  const QpReport report = qp.Solve(dynamics, task, gains.qp, &last.solution);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   WholeBodyDiagnostics& diagnostics = last.diagnostics;
   ++diagnostics.solves;
@@ -129,9 +137,9 @@ void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const Legg
   *plan = last;
 }
 
-Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan) const {
+Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const {
   const WholeBodyDiagnostics& last = plan.diagnostics;
-  if (last.failures_in_a_row <= params.max_failures_in_a_row) return {};
+  if (last.failures_in_a_row <= max_failures_in_a_row) return {};
   return fmt::format(
       "the whole-body optimisation failed {} times in a row, the last time as {}: the robot cannot do what "
       "is "
@@ -140,10 +148,11 @@ Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan) const {
 }
 
 Vec<12> WholeBodyController::CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
-                                        const LegForceEstimate& leg_forces, Vec<12>& last) const {
+                                        const LegForceEstimate& leg_forces, const WholeBodyGains& gains,
+                                        Vec<12>& last) const {
   if (plan.diagnostics.failures_in_a_row > 0) return last;
-  const Vec<12> disturbance = params.gains.compensation == LegCompensation::kExact ? leg_forces.joint_torque
-                                                                                   : Vec<12>(Vec<12>::Zero());
+  const Vec<12> disturbance =
+      gains.compensation == LegCompensation::kExact ? leg_forces.joint_torque : Vec<12>(Vec<12>::Zero());
   const Vec<12> limit = TorqueLimit(params.robot);
   last = JointTorque(dynamics, plan.solution, disturbance).cwiseMin(limit).cwiseMax(-limit);
   return last;

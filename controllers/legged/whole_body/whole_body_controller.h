@@ -8,6 +8,7 @@
 #include <array>
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -71,10 +72,10 @@ struct WholeBodyGains {
 struct WholeBodyParams {
   QuadrupedDescription robot;  ///< what the controller believes; gives the torque limits
   WholeBodyGains gains;
-  Rate qp_rate = Hz(1000);                     ///< of the optimisation
-  Rate rate = Hz(1000);                        ///< of the torques
-  long max_failures_in_a_row = 100;            ///< more end the run
-  void Validate() const { gains.Validate(); }  ///< throws ParameterError
+  Rate qp_rate = Hz(1000);           ///< of the optimisation
+  Rate rate = Hz(1000);              ///< of the torques
+  long max_failures_in_a_row = 100;  ///< more end the run
+  void Validate() const;             ///< throws ParameterError
 };
 
 /// How the solves of the whole-body controller went.
@@ -140,6 +141,8 @@ struct WholeBodyPlan {
 ///     | plan        | output, sampled | WholeBodyPlan        |
 ///     | torque      | output, sampled | Vec<12> [N m]        |
 ///     | diagnostics | output          | WholeBodyDiagnostics |
+///
+/// `gains` and `max_failures_in_a_row` are Parameters: a run can change them.
 class WholeBodyController final : public LeafSystem<WholeBodyParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -149,12 +152,17 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
+  Parameter<WholeBodyGains> gains{
+      this, {"gains"}, params.gains, "stiffness, damping and weights of what is asked for"};
+  Parameter<long> max_failures_in_a_row{
+      this, {"max_failures_in_a_row"}, params.max_failures_in_a_row, "failed solves, more end the run"};
 
  private:
   QuadrupedModel model_{params.robot};
-  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &WholeBodyController::CalcDynamics};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state, gains),
+                                      &WholeBodyController::CalcDynamics};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
-  Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot), params.gains.qp)};
+  Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot))};
   Scratch<Vec<12>> last_torque_{this, "last_torque", Vec<12>(Vec<12>::Zero())};
 
  public:
@@ -162,35 +170,36 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
       this,
       {"plan"},
       Sampled{params.qp_rate},
-      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, last_plan_, qp_),
+      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, gains, last_plan_, qp_),
       &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m"},
                              Sampled{params.rate},
-                             Uses(dynamics_, plan, leg_forces, last_torque_),
+                             Uses(dynamics_, plan, leg_forces, gains, last_torque_),
                              &WholeBodyController::CalcTorque};
   OutputPort<WholeBodyDiagnostics> diagnostics{
       this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan) { return plan.diagnostics; }};
 
-  Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan), &WholeBodyController::CheckSolves};
+  Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
+                 &WholeBodyController::CheckSolves};
 
   /// What the optimisation is asked for: (2.26), (2.40) and the compensation.
   WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                          const ContactSchedule& schedule, const BodyReference& body,
                          const FeetReference& feet, const WrenchEstimate& wrench,
-                         const LegForceEstimate& leg_forces) const;
+                         const LegForceEstimate& leg_forces, const WholeBodyGains& gains) const;
   /// The torque limits of the joints, in order [N m].
   static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
 
  private:
-  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
+  void CalcDynamics(const LeggedState& state, const WholeBodyGains& gains, QuadrupedDynamics* dynamics) const;
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
-                const LegForceEstimate& leg_forces, WholeBodyPlan& last, WholeBodyQp& qp,
-                WholeBodyPlan* plan) const;
-  Verdict CheckSolves(const WholeBodyPlan& plan) const;
+                const LegForceEstimate& leg_forces, const WholeBodyGains& gains, WholeBodyPlan& last,
+                WholeBodyQp& qp, WholeBodyPlan* plan) const;
+  Verdict CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const;
   Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
-                     const LegForceEstimate& leg_forces, Vec<12>& last) const;
+                     const LegForceEstimate& leg_forces, const WholeBodyGains& gains, Vec<12>& last) const;
 };
 
 }  // namespace tenon

@@ -61,9 +61,7 @@ WholeBodyQp::Problem::Problem(int variables, int equalities)
       A_in(ConstraintMatrix::Zero(kNumLegs * kRowsPerLeg, variables)),
       b_in(Eigen::VectorXd::Zero(kNumLegs * kRowsPerLeg)) {}
 
-WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit, const WholeBodyQpParams& params)
-    : torque_limit_(torque_limit), params_(params) {
-  params_.Validate();
+WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit) : torque_limit_(torque_limit) {
   Demand((torque_limit.array() > 0).all(), "the torque limits of all joints must be positive");
   map_.setZero();
   offset_.setZero();
@@ -75,33 +73,34 @@ QuadraticProgram WholeBodyQp::problem() const {
 }
 
 // The cost of f and gamma, and the pyramids; both stand in three columns per leg from `first` on.
-void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task, int first,
-                               Problem* qp) const {
+void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                               const WholeBodyQpParams& params, int first, Problem* qp) {
   Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
   Vec<12> weight;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
     const int row = kRowsPerLeg * leg, column = first + 3 * leg;
-    weight.segment<3>(3 * leg).setConstant(stance ? params_.force_weight : params_.slack_weight);
+    weight.segment<3>(3 * leg).setConstant(stance ? params.force_weight : params.slack_weight);
     qp->A_in.middleRows<4>(row).setZero();
     qp->b_in.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) continue;
     G.block<3, 3>(0, 3 * leg).setIdentity();
     G.block<3, 3>(3, 3 * leg) = Cross(FootOf(dynamics, leg).p_W - dynamics.com_W);
-    const double mu = params_.friction;
+    const double mu = params.friction;
     qp->A_in.block<4, 3>(row, column) << 1, 0, mu, -1, 0, mu, 0, 1, mu, 0, -1, mu;
   }
   auto H = qp->H.block<12, 12>(first, first);
-  Eigen::Matrix<double, 6, 12> QG = params_.wrench_weight * G;
-  QG.middleRows<2>(3) = params_.MomentWeight(task.tilt) * G.middleRows<2>(3);
-  QG.row(5) = params_.yaw_weight * G.row(5);
+  Eigen::Matrix<double, 6, 12> QG = params.wrench_weight * G;
+  QG.middleRows<2>(3) = params.MomentWeight(task.tilt) * G.middleRows<2>(3);
+  QG.row(5) = params.yaw_weight * G.row(5);
   H.noalias() += G.transpose() * QG;
   H.diagonal() += weight;
   qp->g.segment<12>(first).noalias() -= QG.transpose() * (task.wrench - task.disturbance);
 }
 
 // False if a leg is straight. See the header for the derivation.
-bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBodyTask& task) {
+bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                              const WholeBodyQpParams& params) {
   std::array<Eigen::Matrix3d, kNumLegs> inverse;
   std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> by_trunk;
   Matrix6 S = dynamics.M.topLeftCorner<6, 6>();
@@ -139,9 +138,9 @@ bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBody
     offset_.segment<3>(joint).noalias() += by_trunk[i] * offset_.head<6>();
     if (!task.stance[i]) map_.block<3, 3>(joint, 3 * leg) += inverse[i];
   }
-  qp.H.noalias() = params_.acceleration_weight * (map_.transpose() * map_);
-  qp.g.noalias() = params_.acceleration_weight * (map_.transpose() * offset_);
-  AddForceCost(dynamics, task, 0, &qp);
+  qp.H.noalias() = params.acceleration_weight * (map_.transpose() * map_);
+  qp.g.noalias() = params.acceleration_weight * (map_.transpose() * offset_);
+  AddForceCost(dynamics, task, params, 0, &qp);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const int joint = 6 + 3 * leg, row = kRowsPerLeg * leg + 4;
@@ -162,13 +161,14 @@ bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBody
   return true;
 }
 
-void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task) {
+void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                           const WholeBodyQpParams& params) {
   Problem& qp = full_;
   qp.H.setZero();
-  qp.H.diagonal().head<18>().setConstant(params_.acceleration_weight);
+  qp.H.diagonal().head<18>().setConstant(params.acceleration_weight);
   qp.g.setZero();
   qp.A_eq.setZero();
-  AddForceCost(dynamics, task, 18, &qp);
+  AddForceCost(dynamics, task, params, 18, &qp);
   // The feet's rows come first: they have few columns besides those of nu', which the solver makes use of.
   qp.A_eq.bottomLeftCorner<6, 18>() = dynamics.M.topRows<6>();
   qp.b_eq.tail<6>() = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
@@ -195,10 +195,10 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
 }
 
 QpReport WholeBodyQp::Solve(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
-                            WholeBodySolution* solution) {
+                            const WholeBodyQpParams& params, WholeBodySolution* solution) {
   const std::span<const int> guess(solution->active.data(), static_cast<std::size_t>(solution->num_active));
-  eliminated_ = params_.eliminate && MakeReduced(dynamics, task);
-  if (!eliminated_) MakeFull(dynamics, task);
+  eliminated_ = params.eliminate && MakeReduced(dynamics, task, params);
+  if (!eliminated_) MakeFull(dynamics, task, params);
   const QpReport report = solver_.Solve(problem(), guess);
   if (!report.ok()) return report;
   const Vec<12> y = solver_.x().tail<12>();

@@ -9,6 +9,7 @@
 
 namespace tenon {
 
+/// Weights, friction, and the way to the solution.
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force, per N^2
   double moment_weight = 100;         ///< Q of the torque about the CoM, its horizontal part, per (N m)^2
@@ -100,10 +101,11 @@ class WholeBodyQp {
  public:
   static constexpr int kRowsPerLeg = 10;
 
-  WholeBodyQp(const Vec<12>& torque_limit, const WholeBodyQpParams& params);
+  explicit WholeBodyQp(const Vec<12>& torque_limit);
 
   /// Starts at the active constraints of `*solution` and replaces it, if all goes well. No allocation.
-  QpReport Solve(const QuadrupedDynamics& dynamics, const WholeBodyTask& task, WholeBodySolution* solution);
+  QpReport Solve(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                 const WholeBodyQpParams& params, WholeBodySolution* solution);
 
   /// Whether the last Solve() eliminated.
   bool eliminated() const { return eliminated_; }
@@ -121,13 +123,14 @@ class WholeBodyQp {
     ConstraintMatrix A_in;
     Eigen::VectorXd b_in;
   };
-  bool MakeReduced(const QuadrupedDynamics& dynamics, const WholeBodyTask& task);
-  void MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task);
-  void AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task, int first,
-                    Problem* qp) const;
+  bool MakeReduced(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                   const WholeBodyQpParams& params);
+  void MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                const WholeBodyQpParams& params);
+  static void AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
+                           const WholeBodyQpParams& params, int first, Problem* qp);
 
   Vec<12> torque_limit_;
-  WholeBodyQpParams params_;
   Problem reduced_{12, 0}, full_{30, 18};
   DynamicsMatrix<18, 12> map_;  // nu' = offset_ + map_ y in the reduced problem
   Vec<18> offset_;

@@ -93,7 +93,8 @@ struct TrotTask {
 inline TrotTask MakeTask(const WholeBodyController& controller, const TrotTick& tick) {
   TrotTask made;
   QuadrupedModel(controller.params.robot).Calc(tick.state, &made.dynamics);
-  made.task = controller.MakeTask(made.dynamics, tick.state, tick.schedule, tick.body, tick.feet, {}, {});
+  made.task = controller.MakeTask(made.dynamics, tick.state, tick.schedule, tick.body, tick.feet, {}, {},
+                                  controller.params.gains);
   return made;
 }
 

@@ -20,14 +20,15 @@ TEST(WalkingQp, AgreesWithExactArithmetic) {
   reduced.friction = full.friction = 0.08;
   full.eliminate = false;
   const Vec<12> limit = WholeBodyController::TorqueLimit(controller.params.robot);
-  WholeBodyQp in_twelve(limit, reduced), in_thirty(limit, full);
+  WholeBodyQp in_twelve(limit), in_thirty(limit);
   WholeBodySolution solution;
   int solved = 0, swinging = 0, with_active = 0;
   const std::vector<test::TrotTick> ticks = test::RecordTrot(trot, 3);
   for (std::size_t n = 1000; n < ticks.size(); n += 39) {
     const auto [dynamics, task] = test::MakeTask(controller, ticks[n]);
     for (WholeBodyQp* qp : {&in_twelve, &in_thirty}) {
-      const QpReport report = qp->Solve(dynamics, task, &solution);
+      const WholeBodyQpParams& params = qp == &in_twelve ? reduced : full;
+      const QpReport report = qp->Solve(dynamics, task, params, &solution);
       const auto exact = test::SolveExactly(qp->problem());
       ASSERT_EQ(report.ok(), exact.has_value()) << "tick " << n << ": " << report.Message();
       if (!exact) continue;

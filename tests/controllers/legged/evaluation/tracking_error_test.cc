@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
@@ -55,6 +57,20 @@ TEST_F(TrackingErrorTest, TellsDisturbancesAsForcesAtTheFeet) {
   rig_.Fix(block.external_torque, torque);
   EXPECT_THAT(rig_[block.external_foot_forces][kFrontRight], IsNear(force, 1e-9));
   EXPECT_EQ(rig_[block.external_foot_forces][kRearLeft].norm(), 0);
+}
+
+TEST_F(TrackingErrorTest, TheLeastSingularValueIsSetInARun) {
+  auto& block = rig_.system();
+  const Vec<12> torque = Vec<12>::Constant(3);
+  TestRig<TrackingError> built(TrackingErrorParams{robot_, 0.5});
+  built.Fix(built->state, state_).Fix(built->external_torque, torque);
+  rig_.Fix(block.external_torque, torque);
+  const FootForces expected = built[built->external_foot_forces];
+  EXPECT_NE(rig_[block.external_foot_forces][kFrontLeft], expected[kFrontLeft]);
+  rig_.Set(block.min_singular_value, 0.5);
+  EXPECT_EQ(rig_[block.external_foot_forces][kFrontLeft], expected[kFrontLeft]);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig_.Set(block.min_singular_value, 0); }, "min_singular_value = 0 m"));
 }
 
 }  // namespace

@@ -212,5 +212,39 @@ TEST(ComObserverTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses(params, "torque_bandwidth_rad_per_s = nan must be positive"));
 }
 
+TEST(ComObserverTest, GainsAreSetInARun) {
+  ComObserverParams changed = Params(DogBot());
+  changed.gains.force_bandwidth = 40;
+  changed.gains.torque_bandwidth = 8;
+  QuadrupedBench bench = Standing(DogBot());
+  bench.external = OnTrunk({0.1, 0, 0}, {30, -20, -60}, {3, -2, 4});
+  Observed plain(bench, Params(DogBot())), set(bench, Params(DogBot())), built(bench, changed);
+  set.rig.Set(set.rig->gains, changed.gains);
+  const WrenchEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
+  EXPECT_EQ(found.force_W, expected.force_W);
+  EXPECT_EQ(found.torque_W, expected.torque_W);
+  EXPECT_NE(plain.RunTo(0.05).torque_W, expected.torque_W);
+  ComObserverGains wrong = changed.gains;
+  wrong.torque_bandwidth = 0;
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "torque_bandwidth_rad_per_s = 0"));
+}
+
+// The momenta of the two sources differ by the trunk's velocity, but the force is the same.
+TEST(ComObserverTest, AnotherSourceGoesOnFromTheEstimate) {
+  const Vec<3> force(30, -20, -60);
+  QuadrupedBench bench = Standing(DogBot());
+  bench.external = OnTrunk({0, 0, 0}, force, {0, 0, 0});
+  Observed run(bench, Params(DogBot()));
+  run.RunTo(0.4);
+  ASSERT_GT(run.bench.x.v_W.norm(), 0.02);
+  for (const ForceSource source : {ForceSource::kMomentum, ForceSource::kImu}) {
+    ComObserverGains gains;
+    gains.force_source = source;
+    run.rig.Set(run.rig->gains, gains);
+    for (int n = 0; n < 20; ++n) ASSERT_THAT(run.Tick().force_W, IsNear(force, 0.5)) << n;
+  }
+}
+
 }  // namespace
 }  // namespace tenon

@@ -252,5 +252,39 @@ TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
                       "in reverse order, K_1 first, have: -6.23, -5.63 ± 2.82i"));
 }
 
+TEST(LegMomentumObserverTest, GainsAreSetInARun) {
+  LegMomentumObserverParams changed = Params(DogBot(), {});
+  changed.gains.butterworth = ButterworthDesign{3, 60};
+  changed.gains.min_singular_value = 0.3;
+  QuadrupedBench bench = Flying(DogBot());
+  bench.external = AtJoints(Vec<12>::Constant(2));
+  Observed plain(bench, Params(DogBot())), set(bench, Params(DogBot())), built(bench, changed);
+  set.rig.Set(set.rig->gains, changed.gains);
+  const LegForceEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
+  EXPECT_EQ(found.joint_torque, expected.joint_torque);
+  EXPECT_EQ(found.foot_force[kRearLeft], expected.foot_force[kRearLeft]);
+  EXPECT_NE(plain.RunTo(0.05).joint_torque, expected.joint_torque);
+  LegObserverGains wrong = changed.gains;
+  wrong.butterworth = {};
+  wrong.gains = {100, -1};
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "the estimate diverges"));
+}
+
+// A disturbance that stays is estimated on, whatever order and dynamics before and after.
+TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
+  const Vec<12> torque = Vec<12>::Constant(2);
+  QuadrupedBench bench = Flying(DogBot());
+  bench.external = AtJoints(torque);
+  Observed run(bench, Params(DogBot()));
+  run.RunTo(0.2);
+  for (const int order : {3, 1, 5}) {
+    LegObserverGains gains;
+    gains.butterworth = ButterworthDesign{order, 80};
+    gains.dynamics = order == 1 ? LegDynamics::kThesis : LegDynamics::kExact;
+    run.rig.Set(run.rig->gains, gains);
+    for (int n = 0; n < 50; ++n) ASSERT_THAT(run.Tick().joint_torque, IsNear(torque, 0.02)) << order;
+  }
+}
+
 }  // namespace
 }  // namespace tenon

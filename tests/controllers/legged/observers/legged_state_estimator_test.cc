@@ -338,5 +338,33 @@ TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.gravity = NAN; }), "gravity = nan"));
 }
 
+TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
+  SwayingRobot robot(DogBot());
+  LeggedStateEstimatorParams changed = Params(robot, DogBot());
+  changed.noise.specific_force = 0.5;
+  changed.noise.foot = 1e-3;
+  changed.settle_time = 0.1;
+  changed.outlier = 1;
+  Rig plain(Params(robot, DogBot())), set(Params(robot, DogBot())), built(changed);
+  set.Set(set->noise, changed.noise).Set(set->settle_time, 0.1).Set(set->outlier, 1);
+  RandomStream random(4);
+  for (int k = 0; k < 300; ++k, robot.Advance()) {
+    ImuMeasurement imu = robot.Imu();
+    imu.specific_force_B += Normal(random, 0.2);
+    ContactSchedule schedule = AllStand();
+    if (k > 50 && k < 100) schedule.legs[kFrontLeft].state = ContactState::kSwing;
+    for (Rig* rig : {&plain, &set, &built}) Feed(*rig, imu, robot.State(), schedule);
+    ASSERT_EQ(set[set->state].p_WB, built[built->state].p_WB) << k;
+    ASSERT_EQ(set[set->diagnostics].feet, built[built->diagnostics].feet) << k;
+  }
+  EXPECT_EQ(set[set->state].v_W, built[built->state].v_W);
+  EXPECT_NE(plain[plain->state].v_W, built[built->state].v_W);
+  ContactAidedNoise wrong = changed.noise;
+  wrong.encoder = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, wrong); }, "noise.encoder = 0", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->outlier, 0); }, "outlier = 0"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time = -1 s"));
+}
+
 }  // namespace
 }  // namespace tenon

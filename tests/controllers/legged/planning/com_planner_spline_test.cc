@@ -59,6 +59,7 @@ class ScheduledWalk {
   ComDiagnostics diagnostics() { return planner_[planner_.system().diagnostics]; }
   const ComPlan& plan() { return planner_[planner_.system().plan]; }
   ComPlanner& system() { return planner_.system(); }
+  TestRig<ComPlanner>& rig() { return planner_; }
   LeggedState& state() { return state_; }
   Eigen::Vector2d Zmp() {
     const BodyReference r = reference();
@@ -244,6 +245,28 @@ TEST(ComPlannerSpline, RefusesNonsense) {
   EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.horizon = 5; }, "zmp.horizon_steps is 5"));
   EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.half_width = 0; }, "zmp.half_width_m is 0 m"));
   EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.margin = -1; }, "zmp.margin_m is -1 m"));
+}
+
+TEST(ComPlannerSplineTest, ThePlanIsSetInARun) {
+  ComPlannerParams changed = SplineParams(SplineOrder::kQuintic);
+  changed.zmp.horizon = 3;
+  changed.zmp.margin = 0.005;
+  changed.zmp.spline.path_weight = 40;
+  const auto walk_off = [](ScheduledWalk& walk) {
+    walk.Command(Gait::kTrot, 0.1);
+    for (int n = 0; n < 700; ++n) walk.Tick();
+    return walk.reference();
+  };
+  ScheduledWalk plain(SplineParams()), set(SplineParams()), built(changed);
+  set.rig().Set(set.rig()->zmp, changed.zmp);
+  const BodyReference expected = walk_off(built), found = walk_off(set);
+  EXPECT_EQ(found.com_W, expected.com_W);
+  EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
+  EXPECT_NE(walk_off(plain).com_acceleration_W, expected.com_acceleration_W);
+  ZmpPlanParams wrong = changed.zmp;
+  wrong.horizon = 5;
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, wrong); }, "zmp.horizon_steps is 5"));
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ class Walk {
   const ComPlan& plan() { return rig_[rig_.system().plan]; }
   const ContactSchedule& schedule() const { return schedule_; }
   const NominalStance& stance() { return rig_.system().stance; }
+  TestRig<ComPlanner>& rig() { return rig_; }
   /// (2.4) and (2.5) with L' = 0.
   Eigen::Vector2d Zmp() {
     const double height = stance().com_height;
@@ -282,6 +283,25 @@ TEST(ComPlannerTest, RefusesNonsense) {
   params = Params();
   params.gravity = 0;
   EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "gravity is 0", "positive"));
+}
+
+TEST(ComPlannerTest, TheBlendIsSetInARun) {
+  ComPlannerParams changed = Params();
+  changed.blend = 0.2;
+  const auto walk_off = [](Walk& walk) {
+    walk.Tick();
+    walk.Command(0.1, 0, 0);
+    walk.Change(Gait::kTrot, kTrot);
+    walk.Run(0.15);
+    return walk.reference();
+  };
+  Walk plain, set, built(changed);
+  set.rig().Set(set.rig()->blend, 0.2);
+  const BodyReference expected = walk_off(built), found = walk_off(set);
+  EXPECT_EQ(found.com_W, expected.com_W);
+  EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
+  EXPECT_NE(walk_off(plain).com_W, expected.com_W);
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "blended in within 0 s"));
 }
 
 }  // namespace

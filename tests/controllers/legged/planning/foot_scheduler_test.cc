@@ -57,6 +57,7 @@ class Walk {
   const ContactSchedule& schedule() const { return schedule_; }
   ContactState state(Leg leg) const { return schedule_.legs[leg].state; }
   double time() const { return rig_.time(); }
+  TestRig<FootScheduler>& rig() { return rig_; }
 
  private:
   TestRig<FootScheduler> rig_;
@@ -345,6 +346,51 @@ TEST(FootSchedulerTest, FileErrorsNameThePlace) {
   document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
   EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot",
                                      "'rear_right' stands there 0 times"));
+}
+
+TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
+  FootSchedulerParams changed = Standard();
+  changed.gaits.trot.swing *= 1.5;
+  changed.touchdown_force = 60;  // more than the feet carry
+  changed.early_touchdown_phase = 0.2;
+  changed.late_wait = 0.02;
+  changed.search_after = 0.2;
+  Walk plain(Gait::kTrot), set(Gait::kTrot), built(Gait::kTrot, changed);
+  auto& block = set.rig().system();
+  set.rig().Set(block.gaits, changed.gaits).Set(block.touchdown_force, changed.touchdown_force);
+  set.rig().Set(block.early_touchdown_phase, changed.early_touchdown_phase);
+  set.rig().Set(block.late_wait, changed.late_wait).Set(block.search_after, changed.search_after);
+  bool differs = false;
+  const auto numbers = [](Walk& walk) {
+    walk.Tick();
+    return walk.rig().context().EvalDoubles(walk.rig()->schedule);
+  };
+  for (int n = 0; n < 1500; ++n) {
+    const std::vector<double> expected = numbers(built);
+    ASSERT_EQ(numbers(set), expected) << n;
+    differs = differs || numbers(plain) != expected;
+  }
+  EXPECT_TRUE(differs);
+
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.touchdown_force, 0); }, "touchdown_force_N"));
+  GaitTable wrong = changed.gaits;
+  wrong.pace.swing = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing of 0"));
+}
+
+// A gait goes on as it began.
+TEST(FootSchedulerTest, AGaitThatIsSetCountsFromItsNextBeginning) {
+  Walk walk(Gait::kTrot);
+  const double swing = walk.Tick().timing.swing;
+  GaitTable gaits = Standard().gaits;
+  gaits.trot.swing = 2 * swing;
+  walk.rig().Set(walk.rig()->gaits, gaits);
+  for (int n = 0; n < 1000; ++n) EXPECT_EQ(walk.Tick().timing.swing, swing);
+  walk.Command(Gait::kStand);
+  walk.Until([](const ContactSchedule& schedule) { return schedule.gait == Gait::kStand; });
+  walk.Command(Gait::kTrot);
+  walk.Tick();
+  EXPECT_EQ(walk.Tick().timing.swing, 2 * swing);
 }
 
 }  // namespace

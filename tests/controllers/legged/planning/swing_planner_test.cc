@@ -74,6 +74,7 @@ class Trot {
   Eigen::Vector3d Foothold(Leg leg) { return rig_[rig_.system().footholds][leg]; }
   FootReference Reference(Leg leg) { return rig_[rig_.system().feet][leg]; }
   const NominalStance& stance() { return rig_.system().stance; }
+  TestRig<SwingPlanner>& rig() { return rig_; }
 
   ContactSchedule schedule;
   PlanarPath path;
@@ -360,6 +361,36 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
+}
+
+TEST(SwingPlannerTest, TheStepIsSetInARun) {
+  SwingPlannerParams changed = Params();
+  changed.step = {.height = 0.08,
+                  .touchdown_speed = 0.3,
+                  .search_depth = 0.07,
+                  .velocity_feedback = 0.1,
+                  .retarget_phase = 0.3,
+                  .free_shift = 0.01,
+                  .shift_bandwidth = 30,
+                  .largest_shift = 0.05};
+  const auto swing = [](Trot& trot) {
+    trot.path.velocity = {0.2, 0};
+    trot.wrench.force_W = {0, 40, 0};
+    std::vector<double> numbers;
+    for (const FootReference& foot : trot.Swing(40)) {
+      numbers.insert(numbers.end(), foot.p_W.begin(), foot.p_W.end());
+      numbers.insert(numbers.end(), foot.a_W.begin(), foot.a_W.end());
+    }
+    return numbers;
+  };
+  Trot plain, set, built(changed);
+  set.rig().Set(set.rig()->step, changed.step);
+  const std::vector<double> expected = swing(built);
+  EXPECT_EQ(swing(set), expected);
+  EXPECT_NE(swing(plain), expected);
+  StepProperties wrong = changed.step;
+  wrong.retarget_phase = 1;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->step, wrong); }, "retarget phase of 1"));
 }
 
 }  // namespace

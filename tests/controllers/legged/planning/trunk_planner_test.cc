@@ -25,8 +25,8 @@ constexpr GaitTiming kCrawl{.num_steps = 4, .step = {0, 1, 2, 3}, .stance = 0.15
 /// A robot in its nominal stance under a gait clock that the test drives.
 class Walk {
  public:
-  explicit Walk(double sway_limit = 80)
-      : rig_(TrunkPlannerParams{.robot = DogBot(), .sway_limit = sway_limit}) {
+  explicit Walk(double sway_limit = 80, double bandwidth = 20)
+      : rig_(TrunkPlannerParams{.robot = DogBot(), .bandwidth = bandwidth, .sway_limit = sway_limit}) {
     schedule.timing = kTrot;
     state = test::Standing(DogBot());
   }
@@ -200,6 +200,25 @@ TEST(TrunkPlannerTest, RefusesWhatMakesNoSense) {
                                      "sway_limit = -1 rad/s^2", "0 keeps the trunk level"));
   EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .bandwidth = 0}); },
                                      "bandwidth = 0 rad/s must be finite and positive"));
+}
+
+TEST(TrunkPlannerTest, BandwidthAndLimitAreSetInARun) {
+  const auto cycle = [](Walk& walk) {
+    walk.wrench.force_W = {5, 60, 0};
+    std::vector<double> numbers;
+    for (const BodyReference& reference : walk.Cycles(2)) {
+      numbers.insert(numbers.end(), reference.w_W.begin(), reference.w_W.end());
+      numbers.insert(numbers.end(), reference.q_WB.begin(), reference.q_WB.end());
+    }
+    return numbers;
+  };
+  Walk plain, set, built(30, 5);
+  set.rig().Set(set.rig()->sway_limit, 30).Set(set.rig()->bandwidth, 5);
+  const std::vector<double> expected = cycle(built);
+  EXPECT_EQ(cycle(set), expected);
+  EXPECT_NE(cycle(plain), expected);
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->sway_limit, -1); }, "sway_limit = -1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->bandwidth, 0); }, "bandwidth = 0"));
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ struct Pace {
 class ZmpSplineTest : public ::testing::TestWithParam<SplineOrder> {
  protected:
   const ZmpSplineParams params_{.order = GetParam()};
-  ZmpSpline optimizer_{params_};
+  ZmpSpline optimizer_;
   PlanarSpline spline_;
 };
 INSTANTIATE_TEST_SUITE_P(Order, ZmpSplineTest, ::testing::Values(SplineOrder::kCubic, SplineOrder::kQuintic),
@@ -82,7 +82,7 @@ TEST_P(ZmpSplineTest, BeginsAndEndsAsPrescribedWithoutJumps) {
   pace.begin = {{0.01, -0.02}, {0.1, 0.2}, {0.5, -0.3}};
   pace.path.velocity << 0.1, 0;
   pace.end = {{0.0665, 0.005}, {0.1, -0.05}, {0, 0}};
-  const QpReport report = optimizer_.Solve(pace.problem(), &spline_);
+  const QpReport report = optimizer_.Solve(pace.problem(), params_, &spline_);
   ASSERT_TRUE(report.ok()) << report.Message();
   EXPECT_NEAR(spline_.duration, pace.duration(), 1e-14);
   EXPECT_EQ(spline_.num_segments, GetParam() == SplineOrder::kCubic ? 10 : 5);
@@ -107,7 +107,7 @@ TEST_P(ZmpSplineTest, BeginsAndEndsAsPrescribedWithoutJumps) {
 
 TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   const Pace pace;
-  const QpReport report = optimizer_.Solve(pace.problem(), &spline_);
+  const QpReport report = optimizer_.Solve(pace.problem(), params_, &spline_);
   ASSERT_TRUE(report.ok()) << report.Message();
   EXPECT_TRUE(test::IsOptimal(optimizer_.quadratic_program(), optimizer_.solver()));
   EXPECT_FALSE(optimizer_.solver().active().empty());
@@ -126,7 +126,7 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   for (const SupportPhase& phase : pace.phases) free.push_back({phase.duration, SupportPolygon()});
   ZmpSplineProblem problem = pace.problem();
   problem.phases = free;
-  ASSERT_TRUE(optimizer_.Solve(problem, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
   EXPECT_LT(Cost(spline_, problem, params_), 1e-20);
 }
 
@@ -139,7 +139,7 @@ TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   pace.end = {{0.12, 0.03}, {-0.1, 0.2}, {0.4, -0.6}};
   pace.path.position_W << 0.02, 0.01;
   pace.path.velocity << 0.15, 0.05;
-  ASSERT_TRUE(optimizer_.Solve(pace.problem(), &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(pace.problem(), params_, &spline_).ok());
 
   const int degree = GetParam() == SplineOrder::kCubic ? 3 : 5, size = degree + 1;
   const int segments = spline_.num_segments, n = segments * size;
@@ -210,12 +210,12 @@ TEST(ZmpSpline, OfSmoothnessAloneIsTheSplineThatBeamsMake) {
   const Eigen::Vector2d way(0.3, -0.1);
   const std::vector<SupportPhase> phases(3, {T / 3, SupportPolygon()});
   for (const SplineOrder order : {SplineOrder::kCubic, SplineOrder::kQuintic}) {
-    ZmpSpline optimizer({.order = order, .path_weight = 0, .end_weight = 0});
+    ZmpSpline optimizer;
     PlanarSpline spline;
     ZmpSplineProblem problem{.phases = phases, .height = {.rest = kHeight}};
     problem.begin.acceleration = 6 / (T * T) * way;
     problem.end.position = way;
-    ASSERT_TRUE(optimizer.Solve(problem, &spline).ok());
+    ASSERT_TRUE(optimizer.Solve(problem, {.order = order, .path_weight = 0, .end_weight = 0}, &spline).ok());
     for (double s = 0; s <= 1; s += 0.1) {
       EXPECT_THAT(spline.At(s * T).position, IsNear(s * s * (3 - 2 * s) * way, 1e-12)) << s;
     }
@@ -230,7 +230,7 @@ TEST_P(ZmpSplineTest, CostIsWhatTheProgrammeMinimises) {
   pace.path.yaw_rate = 0.5;
   pace.end = {{0.1, 0.02}, {0.2, 0.05}, {0, 0}};
   const ZmpSplineProblem problem = pace.problem();
-  ASSERT_TRUE(optimizer_.Solve(problem, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
   const PlanarSpline bounded = spline_;
   const QuadraticProgram qp = optimizer_.quadratic_program();
   const auto value = [&] {
@@ -242,7 +242,7 @@ TEST_P(ZmpSplineTest, CostIsWhatTheProgrammeMinimises) {
   ZmpSplineProblem unbounded_problem = problem;
   for (SupportPhase& phase : pace.phases) phase.polygon = SupportPolygon();
   unbounded_problem.phases = pace.phases;
-  ASSERT_TRUE(optimizer_.Solve(unbounded_problem, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(unbounded_problem, params_, &spline_).ok());
   const double rise = programme - value();
   EXPECT_GT(rise, 0.01);
   EXPECT_NEAR(Cost(bounded, problem, params_) - Cost(spline_, problem, params_), rise, 1e-5 * (1 + rise));
@@ -258,7 +258,7 @@ TEST_P(ZmpSplineTest, APrescribedHeightCounts) {
   EXPECT_NEAR(problem.height.Acceleration(T / 4), -0.15 / (T * T), 1e-14);
   EXPECT_EQ(problem.height.At(T), kHeight);
   EXPECT_EQ(problem.height.Acceleration(T), 0);
-  ASSERT_TRUE(optimizer_.Solve(problem, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
   double begin = 0, least = 1, as_if_level = 1;
   for (const SupportPhase& phase : pace.phases) {
     for (double t = 1e-6; t < phase.duration; t += 1e-3) {
@@ -283,8 +283,8 @@ TEST_P(ZmpSplineTest, FarFromTheOriginNothingChanges) {
   }
   there.begin.position = there.end.position = there.path.position_W = far;
   PlanarSpline moved;
-  ASSERT_TRUE(optimizer_.Solve(here.problem(), &spline_).ok());
-  ASSERT_TRUE(optimizer_.Solve(there.problem(), &moved).ok());
+  ASSERT_TRUE(optimizer_.Solve(here.problem(), params_, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(there.problem(), params_, &moved).ok());
   for (double t = 0; t < spline_.duration; t += 0.01) {
     EXPECT_THAT(moved.At(t).position - far, IsNear(spline_.At(t).position, 1e-9)) << t;
   }
@@ -292,10 +292,10 @@ TEST_P(ZmpSplineTest, FarFromTheOriginNothingChanges) {
 
 TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
   Pace pace;
-  ASSERT_TRUE(optimizer_.Solve(pace.problem(), &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(pace.problem(), params_, &spline_).ok());
   const Eigen::Vector2d before = spline_.At(0.2).position;
   pace.begin.velocity << 0, 3;  // out of the feet's reach before it can be stopped
-  EXPECT_EQ(optimizer_.Solve(pace.problem(), &spline_).status, QpStatus::kInfeasible);
+  EXPECT_EQ(optimizer_.Solve(pace.problem(), params_, &spline_).status, QpStatus::kInfeasible);
   EXPECT_EQ(spline_.At(0.2).position, before);
 }
 
@@ -304,7 +304,7 @@ TEST_P(ZmpSplineTest, DoesNotAllocate) {
   const Pace pace;
   const ZmpSplineProblem problem = pace.problem();
   const AllocationGuard guard;
-  ASSERT_TRUE(optimizer_.Solve(problem, &spline_).ok());
+  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
   EXPECT_EQ(guard.count(), 0);
 }
 
@@ -329,13 +329,15 @@ TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
 }
 
 TEST(ZmpSpline, RefusesNonsense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSpline({.path_weight = -1}); }, "path_weight is -1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSpline({.end_weight = -2}); }, "end_weight is -2"));
-  ZmpSpline optimizer({});
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { ZmpSplineParams{.path_weight = -1}.Validate(); }, "path_weight is -1"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { ZmpSplineParams{.end_weight = -2}.Validate(); }, "end_weight is -2"));
+  ZmpSpline optimizer;
   PlanarSpline spline;
   const std::vector<SupportPhase> many(10, {0.1, SupportPolygon()});
-  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, &spline); }, "0 support phases", "one to 9"));
-  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({.phases = many}, &spline); }, "10 support phases"));
+  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, {}, &spline); }, "0 support phases", "one to 9"));
+  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({.phases = many}, {}, &spline); }, "10 support phases"));
 }
 
 }  // namespace

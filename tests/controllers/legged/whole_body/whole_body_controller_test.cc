@@ -426,5 +426,58 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "free_tilt = -0.1", "negative"));
 }
 
+TEST(WholeBodyController, GainsAreSetInARun) {
+  WholeBodyParams changed = Params();
+  changed.gains.com_stiffness = 1000;
+  changed.gains.swing_damping = 90;
+  changed.gains.stance_damping = 20;
+  changed.gains.qp.force_weight = 0.1;
+  changed.gains.qp.friction = 0.2;
+  changed.gains.dynamics = BodyDynamics::kDecoupled;
+  changed.gains.compensation = LegCompensation::kThesis;
+  Inputs inputs(changed.robot);
+  inputs.Swing({kFrontRight});
+  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
+  inputs.state.qd.segment<3>(3) << 1, -4, 3;
+  inputs.Follow();
+  inputs.body.com_W += Vec<3>(0.02, -0.01, 0.01);
+  inputs.feet[kFrontRight].p_W += Vec<3>(0.01, 0, 0.02);
+  inputs.leg_forces.joint_torque.setConstant(0.5);
+  TestRig<WholeBodyController> rig(Params()), built(changed);
+  inputs.Give(rig);
+  inputs.Give(built);
+  rig.Tick();
+  built.Tick();
+  EXPECT_NE(rig[rig->torque], built[built->torque]);
+  TestRig<WholeBodyController> set(Params());
+  inputs.Give(set);
+  set.Set(set->gains, changed.gains).Tick();
+  EXPECT_EQ(set[set->torque], built[built->torque]);
+  EXPECT_EQ(set[set->plan].solution.acceleration, built[built->plan].solution.acceleration);
+
+  WholeBodyGains wrong = changed.gains;
+  wrong.qp.friction = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, wrong); }, "block.gains", "friction = 0"));
+  wrong = changed.gains;
+  wrong.stretch_limit = 1.1;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, wrong); }, "stretch_limit = 1.1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->max_failures_in_a_row, -1); },
+                                     "max_failures_in_a_row = -1", "negative"));
+}
+
+TEST(WholeBodyController, MoreFailuresAreForgivenInARun) {
+  WholeBodyParams params = Params();
+  params.max_failures_in_a_row = 1;
+  Inputs impossible(params.robot);
+  impossible.leg_forces.joint_torque.setConstant(1e4);
+  TestRig<WholeBodyController> rig(params);
+  impossible.Give(rig);
+  rig.Tick();
+  rig.Set(rig->max_failures_in_a_row, 2).Tick();
+  EXPECT_FALSE(rig[rig->solves].has_value());
+  rig.Tick();
+  EXPECT_TRUE(rig[rig->solves].has_value());
+}
+
 }  // namespace
 }  // namespace tenon

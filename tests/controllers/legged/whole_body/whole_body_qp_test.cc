@@ -75,11 +75,11 @@ INSTANTIATE_TEST_SUITE_P(Stance, WholeBodyQpTest, ::testing::Values(kAll, kDiago
 
 TEST_F(WholeBodyQpTest, StandsOnItsFeet) {
   model_.Calc(test::Standing(robot_), &dynamics_);
-  WholeBodyQp qp(Limits(), {});
+  WholeBodyQp qp(Limits());
   WholeBodyTask task;
   task.wrench[2] = model_.mass() * model_.gravity();
   WholeBodySolution solution;
-  ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
   EXPECT_TRUE(qp.eliminated());
   // The weights of forces and accelerations cost 1e-5 of the wrench.
   EXPECT_THAT(WrenchOf(dynamics_, solution.force), IsNear(task.wrench, 5e-3));
@@ -111,9 +111,9 @@ TEST_F(WholeBodyQpTest, StandsOnFourAndOnThreeFeetAsStaticsSays) {
     WholeBodyTask task;
     task.stance = stance;
     task.wrench[2] = weight;
-    WholeBodyQp qp(Limits(), {});
+    WholeBodyQp qp(Limits());
     WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
     Vec<12> torque = dynamics_.gravity.tail<12>();
     for (int leg = 0, k = 0; leg < kNumLegs; ++leg) {
       const Vec<3> force(0, 0, stance[leg] ? expected[k++] : 0);
@@ -133,9 +133,9 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
   WholeBodyTask task;
   task.wrench << pull, 0, weight, 0, 0, 0;
   for (const bool eliminate : {true, false}) {
-    WholeBodyQp qp(Limits(), {.friction = mu, .eliminate = eliminate});
+    WholeBodyQp qp(Limits());
     WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu, .eliminate = eliminate}, &solution).ok());
     const Vec<6> wrench = WrenchOf(dynamics_, solution.force);
     const double normal = (weight + mu * pull) / (1 + mu * mu);
     Vec<6> expected;
@@ -156,7 +156,7 @@ TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   EXPECT_DOUBLE_EQ(params.MomentWeight(0.7), 30 + 500 * 0.16);
 
   model_.Calc(test::Standing(robot_), &dynamics_);
-  WholeBodyQp qp(Limits(), params);
+  WholeBodyQp qp(Limits());
   WholeBodyTask task;
   task.stance = kDiagonal;
   task.wrench << 0, 50, model_.mass() * model_.gravity(), 0, 0, 0;
@@ -164,7 +164,7 @@ TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   for (const double tilt : {0.0, 0.3, 0.8, 2.0}) {
     task.tilt = tilt;
     WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    ASSERT_TRUE(qp.Solve(dynamics_, task, params, &solution).ok());
     const Vec<6> error = WrenchOf(dynamics_, solution.force) - task.wrench;
     if (tilt == 0.3) {
       EXPECT_NEAR(error.tail<3>().norm(), torque_error, 1e-9);
@@ -183,9 +183,10 @@ TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
   WholeBodyTask task;
   task.wrench << 30, 20, model_.mass() * model_.gravity(), 10, 0, 30;
   const auto error = [&](double yaw_weight) {
-    WholeBodyQp qp(Limits(), {.moment_weight = 30, .yaw_weight = yaw_weight, .friction = 0.3});
+    const WholeBodyQpParams params{.moment_weight = 30, .yaw_weight = yaw_weight, .friction = 0.3};
+    WholeBodyQp qp(Limits());
     WholeBodySolution solution;
-    EXPECT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    EXPECT_TRUE(qp.Solve(dynamics_, task, params, &solution).ok());
     return Vec<6>(WrenchOf(dynamics_, solution.force) - task.wrench);
   };
   const Vec<6> heavy = error(30), light = error(0.3);
@@ -203,9 +204,9 @@ TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
     const double limit = i % 2 == 0 ? 60 : 22;
     WholeBodyQpParams params;
     params.eliminate = i % 3 != 0;
-    WholeBodyQp qp(Vec<12>::Constant(limit), params);
+    WholeBodyQp qp(Vec<12>::Constant(limit));
     WholeBodySolution solution;
-    const QpReport report = qp.Solve(dynamics_, task, &solution);
+    const QpReport report = qp.Solve(dynamics_, task, params, &solution);
     if (report.status == QpStatus::kInfeasible) continue;  // some need more torque than there is
     ASSERT_TRUE(report.ok()) << report.Message();
     EXPECT_TRUE(IsOptimal(qp.problem(), qp.solver())) << i;
@@ -241,9 +242,10 @@ TEST_P(WholeBodyQpTest, TwelveAndThirtyVariablesGiveTheSame) {
   for (int i = 0; i < 60; ++i) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     const WholeBodyTask task = RandomTask(model_, GetParam(), random);
-    WholeBodyQp reduced(Limits(), {.eliminate = true}), full(Limits(), {.eliminate = false});
+    WholeBodyQp reduced(Limits()), full(Limits());
     WholeBodySolution a, b;
-    const QpReport report_a = reduced.Solve(dynamics_, task, &a), report_b = full.Solve(dynamics_, task, &b);
+    const QpReport report_a = reduced.Solve(dynamics_, task, {.eliminate = true}, &a),
+                   report_b = full.Solve(dynamics_, task, {.eliminate = false}, &b);
     ASSERT_EQ(report_a.status, report_b.status);
     ASSERT_TRUE(reduced.eliminated());
     ASSERT_FALSE(full.eliminated());
@@ -262,9 +264,9 @@ TEST_F(WholeBodyQpTest, SwingFeetGetTheAccelerationsThatAreAskedFor) {
   for (const auto& stance : {kDiagonal, kThree}) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     WholeBodyTask task = RandomTask(model_, stance, random);
-    WholeBodyQp qp(Limits(), {});
+    WholeBodyQp qp(Limits());
     WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+    ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
     for (int leg = 0; leg < kNumLegs; ++leg) {
       if (stance[leg]) continue;
       const Vec<3> a = dynamics_.FootJacobian(leg) * solution.acceleration + dynamics_.feet[leg].bias;
@@ -278,9 +280,9 @@ TEST_F(WholeBodyQpTest, AFeasibleWrenchIsRealised) {
   model_.Calc(test::Standing(robot_), &dynamics_);
   WholeBodyTask task;
   task.wrench << 20, -15, model_.mass() * model_.gravity() + 30, 4, -5, 3;
-  WholeBodyQp qp(Limits(), {});
+  WholeBodyQp qp(Limits());
   WholeBodySolution solution;
-  ASSERT_TRUE(qp.Solve(dynamics_, task, &solution).ok());
+  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
   EXPECT_THAT(WrenchOf(dynamics_, solution.force), IsNear(task.wrench, 0.02));
   // Newton and Euler about the CoM, from the model's own centroidal quantities.
   const Vec<3> a = dynamics_.M.topRows<3>() * solution.acceleration / model_.mass() + dynamics_.com_bias_W;
@@ -307,9 +309,9 @@ TEST_F(WholeBodyQpTest, AStraightKneeIsSolvedInThirtyVariables) {
     WholeBodyTask task;
     task.stance = stance;
     task.wrench[2] = model_.mass() * model_.gravity();
-    WholeBodyQp qp(Limits(), {});
+    WholeBodyQp qp(Limits());
     WholeBodySolution solution;
-    const QpReport report = qp.Solve(dynamics_, task, &solution);
+    const QpReport report = qp.Solve(dynamics_, task, {}, &solution);
     ASSERT_TRUE(report.ok()) << report.Message();
     EXPECT_FALSE(qp.eliminated());
     EXPECT_TRUE(IsOptimal(qp.problem(), qp.solver()));
@@ -324,17 +326,17 @@ TEST_F(WholeBodyQpTest, TheLastSolutionStartsTheNextAndAFailureLeavesIt) {
   WholeBodyTask task;
   task.stance = kDiagonal;
   task.wrench << 250, 0, model_.mass() * model_.gravity(), 0, 0, 0;  // more than friction gives
-  WholeBodyQp qp(Limits(), {});
+  WholeBodyQp qp(Limits());
   WholeBodySolution solution;
-  const QpReport cold = qp.Solve(dynamics_, task, &solution);
+  const QpReport cold = qp.Solve(dynamics_, task, {}, &solution);
   ASSERT_TRUE(cold.ok()) << cold.Message();
   EXPECT_GT(cold.iterations, 0);
   EXPECT_GT(solution.num_active, 0);
-  EXPECT_EQ(qp.Solve(dynamics_, task, &solution).iterations, 0);
+  EXPECT_EQ(qp.Solve(dynamics_, task, {}, &solution).iterations, 0);
 
   const WholeBodySolution before = solution;
   task.joint_disturbance.setConstant(1e4);  // needs torques that nobody has
-  const QpReport report = qp.Solve(dynamics_, task, &solution);
+  const QpReport report = qp.Solve(dynamics_, task, {}, &solution);
   EXPECT_EQ(report.status, QpStatus::kInfeasible);
   EXPECT_EQ(solution.acceleration, before.acceleration);
   EXPECT_TRUE(solution.valid);
@@ -345,11 +347,11 @@ TEST_P(WholeBodyQpTest, DoesNotAllocate) {
   RandomStream random(6);
   model_.Calc(RandomWalking(robot_, random), &dynamics_);
   const WholeBodyTask task = RandomTask(model_, GetParam(), random);
-  WholeBodyQp reduced(Limits(), {.eliminate = true}), full(Limits(), {.eliminate = false});
+  WholeBodyQp reduced(Limits()), full(Limits());
   WholeBodySolution solution;
   const AllocationGuard guard;
-  reduced.Solve(dynamics_, task, &solution);
-  full.Solve(dynamics_, task, &solution);
+  reduced.Solve(dynamics_, task, {.eliminate = true}, &solution);
+  full.Solve(dynamics_, task, {.eliminate = false}, &solution);
   SwingFootAcceleration(dynamics_, task.stance, solution.force);
   EXPECT_EQ(guard.count(), 0);
 }
@@ -387,7 +389,7 @@ TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.slack_weight = 0}.Validate(); },
                                      "slack_weight = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.friction = -1}.Validate(); }, "friction = -1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp(Vec<12>::Zero(), {}); }, "torque limits"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp(Vec<12>::Zero()); }, "torque limits"));
 }
 
 }  // namespace
