@@ -41,8 +41,8 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.estimator = alone.estimator;
   params.observer = alone.observer;
   params.observer.kind = scenario.observer;
-  params.supervisor = scenario.supervisor;
-  params.admittance = scenario.admittance;
+  params.supervisor.gains = scenario.supervisor;
+  params.admittance.gains = scenario.admittance;
   params.obstacles = scenario.surroundings;
   params.person = scenario.person;
   params.leash = scenario.leash;

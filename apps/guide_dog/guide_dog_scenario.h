@@ -21,8 +21,8 @@ struct GuideDogScenario {
   WalkScenario walk;                 ///< of the robot if it were alone
   std::string profile = "standard";  ///< the tuning of the walking controller: a shipped one or a YAML file
   ObserverKind observer = ObserverKind::kHybrid;
-  SupervisorParams supervisor;
-  AdmittanceFilterParams admittance;
+  SupervisorGains supervisor;
+  AdmittanceGains admittance;
   PersonParams person;
   LeashParams leash;
   ObstacleDetectorParams surroundings;

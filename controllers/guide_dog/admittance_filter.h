@@ -5,13 +5,14 @@
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
 namespace tenon {
 
-/// Defaults: see docs/guide_dog.md.
-struct AdmittanceFilterParams {
+/// What is tuned of the filter. Defaults: see docs/guide_dog.md.
+struct AdmittanceGains {
   double desired_tension = 30;  ///< f_d [N]
   double mass = 8;              ///< M_a [kg]
   double damping = 40;          ///< D_a [N s/m]
@@ -20,16 +21,21 @@ struct AdmittanceFilterParams {
   double max_forward = 0.2;     ///< [m/s]
   double max_left = 0.05;       ///< to either side [m/s]
   double acceleration = 0.5;    ///< of each velocity, at most [m/s^2]
-  Rate rate = Hz(100);
 
   static FieldList Fields() {
-    using P = AdmittanceFilterParams;
-    return {{"desired_tension_N", &P::desired_tension}, {"mass_kg", &P::mass},
-            {"damping_N_s_per_m", &P::damping},         {"stiffness_N_per_m", &P::stiffness},
-            {"min_forward_m_per_s", &P::min_forward},   {"max_forward_m_per_s", &P::max_forward},
-            {"max_left_m_per_s", &P::max_left},         {"acceleration_m_per_s2", &P::acceleration}};
+    using G = AdmittanceGains;
+    return {{"desired_tension_N", &G::desired_tension}, {"mass_kg", &G::mass},
+            {"damping_N_s_per_m", &G::damping},         {"stiffness_N_per_m", &G::stiffness},
+            {"min_forward_m_per_s", &G::min_forward},   {"max_forward_m_per_s", &G::max_forward},
+            {"max_left_m_per_s", &G::max_left},         {"acceleration_m_per_s2", &G::acceleration}};
   }
   void Validate() const;  ///< throws ParameterError
+};
+
+struct AdmittanceFilterParams {
+  AdmittanceGains gains;
+  Rate rate = Hz(100);
+  void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
 /// What the filter makes of the leash.
@@ -69,6 +75,7 @@ struct AdmittanceMotion {
 ///     ports in   command  what the robot would do alone
 ///                wrench   estimated, without gravity and ground
 ///                state    for the yaw, nothing else
+///     parameter  gains    AdmittanceGains
 ///     ports out  motion   sampled
 ///                walk     the command with corrected velocities; sampled
 ///
@@ -84,24 +91,32 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LeggedState> state{this, {"state"}};
+  Parameter<AdmittanceGains> gains{
+      this, {"gains"}, params.gains, "the admittance, and limits of the velocity"};
+
+ private:
+  /// What becomes of (offset, velocity, force) over a tick.
+  struct Steps {
+    Eigen::Matrix3d along = Eigen::Matrix3d::Zero(), across = Eigen::Matrix3d::Zero();
+  };
+  Shared<Steps> steps_{this, "steps", Uses(gains), &AdmittanceFilter::CalcSteps};
+
+ public:
   Scratch<AdmittanceMotion> memory{this, "memory", AdmittanceMotion()};
   OutputPort<AdmittanceMotion> motion{this,
                                       {"motion"},
                                       Sampled{params.rate},
-                                      Uses(command, wrench, state, memory),
+                                      Uses(command, wrench, state, gains, steps_, memory),
                                       &AdmittanceFilter::CalcMotion};
   OutputPort<WalkCommand> walk{
       this, {"walk"}, Sampled{params.rate}, Uses(command, motion), &AdmittanceFilter::CalcWalk};
 
  private:
   AdmittanceMotion CalcMotion(const WalkCommand& command, const WrenchEstimate& wrench,
-                              const LeggedState& state, AdmittanceMotion& memory) const;
+                              const LeggedState& state, const AdmittanceGains& gains, const Steps& steps,
+                              AdmittanceMotion& memory) const;
   WalkCommand CalcWalk(const WalkCommand& command, const AdmittanceMotion& motion) const;
-
-  static Eigen::Matrix3d MakeStep(const AdmittanceFilterParams& params, double stiffness);
-
-  // What becomes of (offset, velocity, force) over a tick.
-  const Eigen::Matrix3d along_ = MakeStep(params, 0), across_ = MakeStep(params, params.stiffness);
+  Steps CalcSteps(const AdmittanceGains& gains) const;
 };
 
 }  // namespace tenon

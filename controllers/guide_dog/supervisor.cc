@@ -20,7 +20,7 @@ double HeadingError(double yaw, double heading) {
 
 }  // namespace
 
-void SupervisorParams::Validate() const {
+void SupervisorGains::Validate() const {
   const auto positive = [](const char* name, double value, const char* unit) {
     Demand(value > 0 && std::isfinite(value),
            fmt::format("the supervisor's {} of {} {} must be positive", name, value, unit));
@@ -53,22 +53,24 @@ GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events) {
 }
 
 /// Takes the force of one tick into account; whether it makes a command now.
-bool Supervisor::FeelsPull(const Eigen::Vector2d& force_W, GuideStatus* status) const {
+bool Supervisor::FeelsPull(const Eigen::Vector2d& force_W, const SupervisorGains& gains,
+                           GuideStatus* status) const {
   const double period = params.rate.period();
   const double force = force_W.norm();
   if (!status->released) {
-    status->calm_time = Evidence(status->calm_time, force < params.release, period);
-    status->released = status->calm_time > params.stop_time - period / 2;
+    status->calm_time = Evidence(status->calm_time, force < gains.release, period);
+    status->released = status->calm_time > gains.stop_time - period / 2;
     return false;
   }
-  status->pull_time = Evidence(status->pull_time, force > params.threshold, period);
+  status->pull_time = Evidence(status->pull_time, force > gains.threshold, period);
   status->pull_W = status->pull_time > 0 ? Vec<2>(status->pull_W + force_W) : Vec<2>(0, 0);
-  const double needed = status->mode == GuideMode::kStop ? params.start_time : params.stop_time;
-  return status->pull_time > needed - period / 2 && status->since > params.dwell - period / 2;
+  const double needed = status->mode == GuideMode::kStop ? gains.start_time : gains.stop_time;
+  return status->pull_time > needed - period / 2 && status->since > gains.dwell - period / 2;
 }
 
 GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedState& state,
-                                   const bool& obstacle, GuideStatus& memory) const {
+                                   const bool& obstacle, const SupervisorGains& gains,
+                                   GuideStatus& memory) const {
   GuideStatus next = memory;
   const Eigen::Matrix3d R = state.R_WB();
   const double heading = std::atan2(R(1, 0), R(0, 0));
@@ -76,13 +78,13 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   next.seen = next.seen && obstacle;
 
   GuideEvents events;
-  events.pulled = FeelsPull(wrench.force_W.head<2>(), &next);
+  events.pulled = FeelsPull(wrench.force_W.head<2>(), gains, &next);
   events.obstacle = obstacle;
   events.new_obstacle = obstacle && !next.seen;
-  const bool heads_there = std::abs(HeadingError(next.yaw, heading)) < params.heading_tolerance;
+  const bool heads_there = std::abs(HeadingError(next.yaw, heading)) < gains.heading_tolerance;
   next.aligned_time =
       memory.mode == GuideMode::kTurn ? Evidence(memory.aligned_time, heads_there, params.rate.period()) : 0;
-  events.aligned = next.aligned_time > params.align_time - params.rate.period() / 2;
+  events.aligned = next.aligned_time > gains.align_time - params.rate.period() / 2;
   next.mode = NextGuideMode(memory.mode, events);
 
   if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop) {
@@ -98,7 +100,7 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   next.yaw_rate = 0;
   if (next.mode == GuideMode::kTurn)
     next.yaw_rate =
-        std::clamp(params.turn_gain * HeadingError(next.yaw, heading), -params.turn_rate, params.turn_rate);
+        std::clamp(gains.turn_gain * HeadingError(next.yaw, heading), -gains.turn_rate, gains.turn_rate);
   return memory = next;
 }
 

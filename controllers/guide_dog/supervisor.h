@@ -6,6 +6,7 @@
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
 
@@ -21,8 +22,8 @@ constexpr auto EnumNames(GuideMode) {
                     Named{GuideMode::kStop, "stop"}};
 }
 
-/// Defaults: see docs/guide_dog.md.
-struct SupervisorParams {
+/// What is tuned of the supervisor. Defaults: see docs/guide_dog.md.
+struct SupervisorGains {
   double threshold = 50;            ///< sigma: a force above it is a pull [N]
   double release = 40;              ///< below it, a pull is over [N]
   double stop_time = 0.1;           ///< for which a pull must last to stop the robot [s]
@@ -32,21 +33,26 @@ struct SupervisorParams {
   double turn_gain = 1;             ///< turning rate over heading error [1/s]
   double heading_tolerance = 0.02;  ///< within which the robot has the new direction [rad]
   double align_time = 0.3;          ///< for which it must; in a stumble the trunk passes through [s]
-  Rate rate = Hz(100);
 
   static FieldList Fields() {
-    using P = SupervisorParams;
-    return {{"threshold_N", &P::threshold},
-            {"release_N", &P::release},
-            {"stop_time_s", &P::stop_time},
-            {"start_time_s", &P::start_time},
-            {"dwell_s", &P::dwell},
-            {"turn_rate_rad_per_s", &P::turn_rate},
-            {"turn_gain_per_s", &P::turn_gain},
-            {"heading_tolerance_rad", &P::heading_tolerance},
-            {"align_time_s", &P::align_time}};
+    using G = SupervisorGains;
+    return {{"threshold_N", &G::threshold},
+            {"release_N", &G::release},
+            {"stop_time_s", &G::stop_time},
+            {"start_time_s", &G::start_time},
+            {"dwell_s", &G::dwell},
+            {"turn_rate_rad_per_s", &G::turn_rate},
+            {"turn_gain_per_s", &G::turn_gain},
+            {"heading_tolerance_rad", &G::heading_tolerance},
+            {"align_time_s", &G::align_time}};
   }
   void Validate() const;  ///< throws ParameterError
+};
+
+struct SupervisorParams {
+  SupervisorGains gains;
+  Rate rate = Hz(100);
+  void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
 /// What decides about the mode at a tick.
@@ -104,6 +110,7 @@ struct GuideStatus {
 ///                wrench    estimated, without gravity and ground; its horizontal force counts
 ///                state     for the yaw, nothing else
 ///                obstacle  one is ahead, or another danger; none if not connected
+///     parameter  gains     SupervisorGains
 ///     ports out  status    sampled
 ///                walk      sampled
 ///
@@ -127,17 +134,22 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<bool> obstacle{this, {"obstacle"}, false};
+  Parameter<SupervisorGains> gains{
+      this, {"gains"}, params.gains, "what counts as a pull, and how the robot turns"};
   Scratch<GuideStatus> memory{this, "memory", GuideStatus()};
-  OutputPort<GuideStatus> status{
-      this, {"status"}, Sampled{params.rate}, Uses(wrench, state, obstacle, memory), &Supervisor::CalcStatus};
+  OutputPort<GuideStatus> status{this,
+                                 {"status"},
+                                 Sampled{params.rate},
+                                 Uses(wrench, state, obstacle, gains, memory),
+                                 &Supervisor::CalcStatus};
   OutputPort<WalkCommand> walk{
       this, {"walk"}, Sampled{params.rate}, Uses(command, status), &Supervisor::CalcWalk};
 
  private:
   GuideStatus CalcStatus(const WrenchEstimate& wrench, const LeggedState& state, const bool& obstacle,
-                         GuideStatus& memory) const;
+                         const SupervisorGains& gains, GuideStatus& memory) const;
   WalkCommand CalcWalk(const WalkCommand& command, const GuideStatus& status) const;
-  bool FeelsPull(const Eigen::Vector2d& force_W, GuideStatus* status) const;
+  bool FeelsPull(const Eigen::Vector2d& force_W, const SupervisorGains& gains, GuideStatus* status) const;
 };
 
 }  // namespace tenon

@@ -20,8 +20,8 @@ namespace {
 constexpr double kForward = 0.12;
 const WalkCommand kTrot{.gait = Gait::kTrot, .forward = kForward, .left = 0, .yaw_rate = 0.1};
 
-AdmittanceFilterParams Unlimited() {
-  AdmittanceFilterParams params;
+AdmittanceGains Unlimited() {
+  AdmittanceGains params;
   params.min_forward = 0;
   params.max_forward = params.max_left = params.acceleration = 1e9;
   return params;
@@ -29,7 +29,7 @@ AdmittanceFilterParams Unlimited() {
 
 class Filter {
  public:
-  explicit Filter(const AdmittanceFilterParams& params = {}) : rig_(params) {
+  explicit Filter(const AdmittanceGains& gains = {}) : rig_(AdmittanceFilterParams{gains}) {
     Command(kTrot);
     Force({-30, 0, 0});
   }
@@ -48,6 +48,7 @@ class Filter {
     return Tick();
   }
   const WalkCommand& walk() { return rig_[rig_.system().walk]; }
+  TestRig<AdmittanceFilter>& rig() { return rig_; }
 
  private:
   TestRig<AdmittanceFilter> rig_;
@@ -64,7 +65,7 @@ TEST(AdmittanceFilterTest, AtTheDesiredTensionTheCommandPasses) {
 
 // M v' + D v = f_d - T from rest: v = (f_d - T) / D (1 - exp(-D t / M)).
 TEST(AdmittanceFilterTest, AlongThePathIsAMassWithDamping) {
-  const AdmittanceFilterParams params = Unlimited();
+  const AdmittanceGains params = Unlimited();
   Filter filter(params);
   filter.Run(2);
   filter.Force({-32, 0, 0});
@@ -81,7 +82,7 @@ TEST(AdmittanceFilterTest, AlongThePathIsAMassWithDamping) {
 
 // M y'' + D y' + K y = F from rest, underdamped.
 TEST(AdmittanceFilterTest, AcrossThePathIsAMassWithDampingAndSpring) {
-  const AdmittanceFilterParams params = Unlimited();
+  const AdmittanceGains params = Unlimited();
   Filter filter(params);
   filter.Run(2);
   // The leash at the angle a behind the robot to the right: |f_d h - f| is the diagonal of a rhombus.
@@ -117,7 +118,7 @@ TEST(AdmittanceFilterTest, TurnsWithTheRobotAndLooksOverGroundOnly) {
 }
 
 TEST(AdmittanceFilterTest, KeepsTheLimits) {
-  const AdmittanceFilterParams params;
+  const AdmittanceGains params;
   Filter filter;
   double last = 0, last_left = 0;
   const auto check = [&](int ticks) {
@@ -225,11 +226,11 @@ TEST(AdmittanceFilterTest, DoesNotAllocate) {
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {
-  const auto refuses = [](const std::function<void(AdmittanceFilterParams&)>& change, const std::string& a,
+  const auto refuses = [](const std::function<void(AdmittanceGains&)>& change, const std::string& a,
                           const std::string& b) {
-    AdmittanceFilterParams params;
+    AdmittanceGains params;
     change(params);
-    return Throws<ParameterError>([&] { AdmittanceFilter block(params); }, a, b);
+    return Throws<ParameterError>([&] { AdmittanceFilter block({params}); }, a, b);
   };
   EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension of 0 N", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass of -1 kg", "positive"));
@@ -247,7 +248,7 @@ TEST(AdmittanceFilterTest, IsReadFromYaml) {
                           "min_forward_m_per_s: 0.01, max_forward_m_per_s: 0.3, max_left_m_per_s: 0.04, "
                           "acceleration_m_per_s2: 0.2}",
                           "filter.yaml")
-                          .Read<AdmittanceFilterParams>();
+                          .Read<AdmittanceGains>();
   EXPECT_EQ(params.desired_tension, 25);
   EXPECT_EQ(params.mass, 5);
   EXPECT_EQ(params.damping, 50);
@@ -256,6 +257,35 @@ TEST(AdmittanceFilterTest, IsReadFromYaml) {
   EXPECT_EQ(params.max_forward, 0.3);
   EXPECT_EQ(params.max_left, 0.04);
   EXPECT_EQ(params.acceleration, 0.2);
+}
+
+TEST(AdmittanceFilterTest, GainsAreSetInARun) {
+  const AdmittanceGains gains{.desired_tension = 25,
+                              .mass = 4,
+                              .damping = 60,
+                              .stiffness = 30,
+                              .min_forward = 0.01,
+                              .max_forward = 0.3,
+                              .max_left = 0.02,
+                              .acceleration = 1};
+  Filter plain, set, built(gains);
+  set.rig().Set(set.rig()->gains, gains);
+  for (Filter* filter : {&plain, &set, &built}) filter->Force({-40, 8, 0});
+  for (int n = 0; n < 100; ++n) {
+    const AdmittanceMotion expected = built.Tick(), found = set.Tick();
+    ASSERT_EQ(found.velocity, expected.velocity) << n;
+    ASSERT_EQ(found.offset, expected.offset) << n;
+    ASSERT_NE(plain.Tick().velocity, expected.velocity) << n;
+  }
+  // From one tick to the next, also what is computed from them.
+  set.rig().Set(set.rig()->gains, {});
+  set.Run(1000);
+  EXPECT_NEAR(set.Tick().velocity[0], plain.Run(2000).velocity[0], 1e-9);
+
+  AdmittanceGains wrong = gains;
+  wrong.mass = 0;
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "mass of 0 kg", "positive"));
 }
 
 }  // namespace

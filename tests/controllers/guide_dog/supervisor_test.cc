@@ -27,7 +27,7 @@ double Radians(double degrees) {
 
 class Dog {
  public:
-  explicit Dog(const SupervisorParams& params = {}) : rig_(params) {
+  explicit Dog(const SupervisorGains& gains = {}) : rig_(SupervisorParams{gains}) {
     Command(kTrot);
     Pull(30, Radians(180));
     Head(0);
@@ -71,6 +71,7 @@ class Dog {
   }
   const GuideStatus& status() { return rig_[rig_.system().status]; }
   const WalkCommand& walk() { return rig_[rig_.system().walk]; }
+  TestRig<Supervisor>& rig() { return rig_; }
 
  private:
   void Feel(const Vec<3>& force) { rig_.Fix(rig_.system().wrench, {force, Vec<3>::Zero()}); }
@@ -292,11 +293,11 @@ TEST(SupervisorTest, DoesNotAllocate) {
 }
 
 TEST(SupervisorTest, RefusesNonsense) {
-  const auto refuses = [](const std::function<void(SupervisorParams&)>& change, const std::string& a,
+  const auto refuses = [](const std::function<void(SupervisorGains&)>& change, const std::string& a,
                           const std::string& b) {
-    SupervisorParams params;
+    SupervisorGains params;
     change(params);
-    return Throws<ParameterError>([&] { Supervisor block(params); }, a, b);
+    return Throws<ParameterError>([&] { Supervisor block({params}); }, a, b);
   };
   EXPECT_TRUE(refuses([](auto& p) { p.threshold = 0; }, "threshold of 0 N", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.release = 51; }, "release of 51 N", "threshold of 50 N"));
@@ -316,7 +317,7 @@ TEST(SupervisorTest, IsReadFromYaml) {
                           "turn_rate_rad_per_s: 0.2, turn_gain_per_s: 0.5, heading_tolerance_rad: 0.03, "
                           "align_time_s: 0.2}",
                           "supervisor.yaml")
-                          .Read<SupervisorParams>();
+                          .Read<SupervisorGains>();
   EXPECT_EQ(params.threshold, 60);
   EXPECT_EQ(params.release, 45);
   EXPECT_EQ(params.stop_time, 0.2);
@@ -326,6 +327,38 @@ TEST(SupervisorTest, IsReadFromYaml) {
   EXPECT_EQ(params.turn_gain, 0.5);
   EXPECT_EQ(params.heading_tolerance, 0.03);
   EXPECT_EQ(params.align_time, 0.2);
+}
+
+TEST(SupervisorTest, GainsAreSetInARun) {
+  const SupervisorGains gains{.threshold = 80,
+                              .release = 20,
+                              .stop_time = 0.2,
+                              .start_time = 0.5,
+                              .dwell = 0.3,
+                              .turn_rate = 0.6,
+                              .turn_gain = 2,
+                              .heading_tolerance = 0.1,
+                              .align_time = 0.1};
+  Dog plain, set, built(gains);
+  set.rig().Set(set.rig()->gains, gains);
+  const auto run = [](Dog& dog) {
+    std::vector<double> numbers;
+    for (const double force : {70.0, 30.0, 90.0, 10.0, 90.0, 10.0}) {
+      dog.Pull(force, Radians(60));
+      for (int n = 0; n < 100; ++n) {
+        dog.Tick();
+        const std::vector<double> now = dog.rig().context().EvalDoubles(dog.rig()->status);
+        numbers.insert(numbers.end(), now.begin(), now.end());
+      }
+    }
+    return numbers;
+  };
+  const std::vector<double> expected = run(built);
+  EXPECT_EQ(run(set), expected);
+  EXPECT_NE(run(plain), expected);
+  SupervisorGains wrong = gains;
+  wrong.release = 81;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "release of 81 N"));
 }
 
 }  // namespace
