@@ -53,14 +53,12 @@ namespace {
 CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
                             const std::shared_ptr<const EquilibriumPath>& path) {
   const MpcScenario& mpc = *scenario.mpc;
-  const MpcWeightsScenario& weights = mpc.weights;
   CdprMpcParams params;
   params.path = path;
   params.equilibrium_input = scenario.controller == CdprController::kMpcEquilibrium;
   params.horizon = mpc.horizon_s;
   params.num_steps = mpc.num_steps;
-  params.weights = {weights.position, weights.velocity, weights.attitude, weights.angular_velocity,
-                    weights.tension};
+  params.weights = mpc.weights;
   params.slq.method = mpc.method;
   params.rate = Hz(mpc.rate_hz);
   params.command_rate = Hz(mpc.command_rate_hz);
@@ -97,10 +95,10 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.imu.specific_force_noise.setConstant(scenario.noise.acceleration_m_per_s2);
   // The filter knows its sensors, but takes none for perfect.
   params.estimator.rate = Hz(scenario.noise.pose_rate_hz);
-  params.estimator.position_noise = std::max(scenario.noise.position_m, 1e-4);
-  params.estimator.attitude_noise = std::max(scenario.noise.attitude_rad, 1e-4);
-  params.estimator.angular_velocity_noise = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
-  params.estimator.specific_force_noise = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
+  params.estimator.noise.position = std::max(scenario.noise.position_m, 1e-4);
+  params.estimator.noise.attitude = std::max(scenario.noise.attitude_rad, 1e-4);
+  params.estimator.noise.angular_velocity = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
+  params.estimator.noise.specific_force = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
   params.forbid_slack = scenario.forbid_slack;
   return params;
 }

@@ -54,29 +54,12 @@ struct PdScenario {
   }
 };
 
-/// The weights of the optimal control problem, see CdprMpcWeights.
-struct MpcWeightsScenario {
-  double position = 0;
-  double velocity = 0;
-  double attitude = 0;
-  double angular_velocity = 0;
-  double tension = 0;
-
-  static FieldList Fields() {
-    return {Required("position_per_m2", &MpcWeightsScenario::position),
-            Required("velocity_s2_per_m2", &MpcWeightsScenario::velocity),
-            Required("attitude_per_rad2", &MpcWeightsScenario::attitude),
-            Required("angular_velocity_s2_per_rad2", &MpcWeightsScenario::angular_velocity),
-            Required("tension_per_N2", &MpcWeightsScenario::tension)};
-  }
-};
-
 struct MpcScenario {
   double horizon_s = 1;
   int num_steps = 25;
   double rate_hz = 100;
   double command_rate_hz = 1000;
-  MpcWeightsScenario weights;
+  CdprMpcWeights weights;
   StepMethod method = StepMethod::kRungeKutta4;
   double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
   int max_fallbacks_in_a_row = 50;

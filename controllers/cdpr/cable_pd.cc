@@ -13,10 +13,10 @@ void CablePdParams::Validate() const {
                      damping_N_s_per_m));
 }
 
-CableVector CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference) const {
-  const CableVector tension = reference.tension +
-                              params.stiffness_N_per_m * (cables.length - reference.length) +
-                              params.damping_N_s_per_m * (cables.length_rate - reference.length_rate);
+CableVector CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
+                                 double damping) const {
+  const CableVector tension = reference.tension + stiffness * (cables.length - reference.length) +
+                              damping * (cables.length_rate - reference.length_rate);
   return tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
 }
 

@@ -3,6 +3,7 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/system.h>
 
@@ -24,21 +25,26 @@ struct CablePdParams {
 /// is too long would be slackened, which is unstable.)
 ///
 /// Ports: in `cables` (the plant's lengths and rates), `reference`; out `command` [N], one per cable,
-/// sampled.
+/// sampled. `stiffness` and `damping` are Parameters: a run can change them.
 class CablePd final : public LeafSystem<CablePdParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<CdprReference> reference{this, {"reference"}};
+  Parameter<double> stiffness{
+      this, {"stiffness", "N/m"}, params.stiffness_N_per_m, "tension per error of the length"};
+  Parameter<double> damping{
+      this, {"damping", "N s/m"}, params.damping_N_s_per_m, "tension per error of its rate"};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.robot.num_cables()),
                                   Sampled{params.rate},
-                                  Uses(cables, reference),
+                                  Uses(cables, reference, stiffness, damping),
                                   &CablePd::CalcCommand};
 
  private:
-  CableVector CalcCommand(const CableSignals& cables, const CdprReference& reference) const;
+  CableVector CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
+                          double damping) const;
 };
 
 }  // namespace tenon

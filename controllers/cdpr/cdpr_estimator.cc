@@ -29,32 +29,32 @@ void CdprEstimatorParams::Validate() const {
     Demand(std::isfinite(value) && value > 0,
            fmt::format("{} = {} must be positive: give a perfect sensor a small deviation", name, value));
   };
-  check("position_noise", position_noise);
-  check("attitude_noise", attitude_noise);
-  check("angular_velocity_noise", angular_velocity_noise);
-  check("specific_force_noise", specific_force_noise);
+  check("noise.position", noise.position);
+  check("noise.attitude", noise.attitude);
+  check("noise.angular_velocity", noise.angular_velocity);
+  check("noise.specific_force", noise.specific_force);
   check("initial_velocity", initial_velocity);
 }
 
 PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasurement& pose,
-                                             const ImuMeasurement& inertial, Memory& memory) const {
+                                             const ImuMeasurement& inertial, const CdprNoise& noise,
+                                             Memory& memory) const {
   if (memory.started) {
-    Predict(inertial, memory);
-    Correct(pose, memory);
+    Predict(inertial, noise, memory);
+    Correct(pose, noise, memory);
   } else {
     memory.started = true;
     memory.platform = {pose.p_WB, pose.q_WB, Vec<3>::Zero(), Vec<3>::Zero()};
     memory.covariance.setZero();
-    memory.covariance.diagonal() << Vec<3>::Constant(std::pow(params.position_noise, 2)),
-        Vec<3>::Constant(std::pow(params.initial_velocity, 2)),
-        Vec<3>::Constant(std::pow(params.attitude_noise, 2));
+    memory.covariance.diagonal() << Vec<3>::Constant(std::pow(noise.position, 2)),
+        Vec<3>::Constant(std::pow(params.initial_velocity, 2)), Vec<3>::Constant(std::pow(noise.attitude, 2));
   }
   memory.platform.w_W = memory.platform.R_WB() * inertial.angular_velocity_B;
   memory.inertial = inertial;
   return {time, memory.platform};
 }
 
-void CdprEstimator::Predict(const ImuMeasurement& inertial, Memory& memory) const {
+void CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const {
   const double T = params.rate.period();
   const Vec<3> w = (memory.inertial.angular_velocity_B + inertial.angular_velocity_B) / 2;
   const Vec<3> f = (memory.inertial.specific_force_B + inertial.specific_force_B) / 2;
@@ -73,11 +73,11 @@ void CdprEstimator::Predict(const ImuMeasurement& inertial, Memory& memory) cons
   F.block<3, 3>(6, 6) -= T * Skew(w);
   const Covariance FP = F.lazyProduct(memory.covariance);
   memory.covariance = FP.lazyProduct(F.transpose());
-  memory.covariance.diagonal().segment<3>(3).array() += std::pow(T * params.specific_force_noise, 2);
-  memory.covariance.diagonal().segment<3>(6).array() += std::pow(T * params.angular_velocity_noise, 2);
+  memory.covariance.diagonal().segment<3>(3).array() += std::pow(T * noise.specific_force, 2);
+  memory.covariance.diagonal().segment<3>(6).array() += std::pow(T * noise.angular_velocity, 2);
 }
 
-void CdprEstimator::Correct(const PoseMeasurement& pose, Memory& memory) const {
+void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const {
   PlatformState& platform = memory.platform;
   Eigen::Matrix<double, 6, 1> innovation;
   const Vec<4> inverse(platform.q_WB[0], -platform.q_WB[1], -platform.q_WB[2], -platform.q_WB[3]);
@@ -89,8 +89,8 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, Memory& memory) const {
   HP << P.topRows<3>(), P.bottomRows<3>();
   Eigen::Matrix<double, 6, 6> S;
   S << HP.leftCols<3>(), HP.rightCols<3>();
-  S.diagonal().head<3>().array() += std::pow(params.position_noise, 2);
-  S.diagonal().tail<3>().array() += std::pow(params.attitude_noise, 2);
+  S.diagonal().head<3>().array() += std::pow(noise.position, 2);
+  S.diagonal().tail<3>().array() += std::pow(noise.attitude, 2);
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(S);
   const Eigen::Matrix<double, 6, 9> gain_transposed = llt.solve(HP);
   const Eigen::Matrix<double, 9, 1> error = gain_transposed.transpose() * innovation;

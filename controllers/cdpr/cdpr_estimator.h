@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/cdpr_signals.h>
 #include <tenon/plants/model/imu_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -18,16 +19,26 @@ struct PlatformEstimate {
   }
 };
 
-/// What the filter believes of its sensors, as standard deviations per axis; of the pose sensor per sample,
-/// of the IMU per sample too.
+/// What the filter believes of its sensors, as standard deviations per axis and sample.
+struct CdprNoise {
+  double position = 0.005;          ///< [m]
+  double attitude = 0.01;           ///< [rad]
+  double angular_velocity = 0.005;  ///< [rad/s]
+  double specific_force = 0.05;     ///< [m/s^2]
+
+  static FieldList Fields() {
+    return {{"position", &CdprNoise::position, "m"},
+            {"attitude", &CdprNoise::attitude, "rad"},
+            {"angular_velocity", &CdprNoise::angular_velocity, "rad/s"},
+            {"specific_force", &CdprNoise::specific_force, "m/s^2"}};
+  }
+};
+
 struct CdprEstimatorParams {
-  Rate rate = Hz(200);                    ///< of pose, IMU and filter
-  double position_noise = 0.005;          ///< [m]
-  double attitude_noise = 0.01;           ///< [rad]
-  double angular_velocity_noise = 0.005;  ///< [rad/s]
-  double specific_force_noise = 0.05;     ///< [m/s^2]
-  double initial_velocity = 0.02;         ///< deviation of the velocity at the start from rest [m/s]
-  double gravity = 9.81;                  ///< [m/s^2]
+  Rate rate = Hz(200);  ///< of pose, IMU and filter
+  CdprNoise noise;
+  double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
+  double gravity = 9.81;           ///< [m/s^2]
 
   /// Throws ParameterError unless the deviations are positive (a perfect sensor has a small one).
   void Validate() const;
@@ -48,6 +59,7 @@ struct CdprEstimatorParams {
 ///
 ///     ports in  pose, inertial
 ///     port out  estimate        sampled
+///     parameter noise           CdprNoise
 class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -70,18 +82,20 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
 
   InputPort<PoseMeasurement> pose{this, {"pose"}};
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
+  Parameter<CdprNoise> noise{
+      this, {"noise"}, params.noise, "standard deviations that the filter believes in"};
   Scratch<Memory> memory{this, "memory"};
   OutputPort<PlatformEstimate> estimate{this,
                                         {"estimate"},
                                         Sampled{params.rate},
-                                        Uses(time, pose, inertial, memory),
+                                        Uses(time, pose, inertial, noise, memory),
                                         &CdprEstimator::CalcEstimate};
 
  private:
   PlatformEstimate CalcEstimate(const double& time, const PoseMeasurement& pose,
-                                const ImuMeasurement& inertial, Memory& memory) const;
-  void Predict(const ImuMeasurement& inertial, Memory& memory) const;
-  void Correct(const PoseMeasurement& pose, Memory& memory) const;
+                                const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const;
+  void Predict(const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const;
+  void Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -25,11 +25,11 @@ CableVector CdprPlan::Evaluate(double time, double estimated, const CentroidalSt
   return u;
 }
 
-void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, CdprPlan& warm_start,
-                       CdprMpcSolver& solver, CdprPlan* plan) const {
+void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
+                       CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
   const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform);
-  const SlqReport report = solver.Solve(time, x, warm_start);
+  const SlqReport report = solver.Solve(time, x, cost, warm_start);
   CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
   ++diagnostics.solves;
   if (report.ok()) {
@@ -52,9 +52,9 @@ CableVector CdprMpc::CalcCommand(const double& time, const PlatformEstimate& est
   return u.cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
 }
 
-Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan) const {
+Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const {
   const CdprMpcDiagnostics& diagnostics = plan.diagnostics;
-  if (diagnostics.fallbacks_in_a_row <= params.max_fallbacks_in_a_row) return {};
+  if (diagnostics.fallbacks_in_a_row <= max_fallbacks_in_a_row) return {};
   return fmt::format("the MPC found no better policy {} times in a row ({} of {} solves failed)",
                      diagnostics.fallbacks_in_a_row, diagnostics.fallbacks, diagnostics.solves);
 }

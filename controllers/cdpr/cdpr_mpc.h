@@ -5,6 +5,7 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_plan.h>
+#include <tenon/systems/framework/parameter.h>
 
 namespace tenon {
 
@@ -25,17 +26,28 @@ namespace tenon {
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
 ///               diagnostics
+///     parameters weights, terminal_weights   CdprMpcWeights
+///                max_fallbacks_in_a_row
 class CdprMpc final : public LeafSystem<CdprMpcParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
+  Parameter<CdprMpcWeights> weights{this, {"weights"}, params.weights, "of the squared errors, per second"};
+  Parameter<CdprMpcWeights> terminal_weights{
+      this,
+      {"terminal_weights"},
+      params.terminal_weights,
+      "of the errors at the horizon's end, if the terminal cost is given"};
+  Parameter<int> max_fallbacks_in_a_row{
+      this, {"max_fallbacks_in_a_row"}, params.max_fallbacks_in_a_row, "failed solves, more end the run"};
+  Shared<CdprMpcCost> cost{this, "cost", Uses(weights, terminal_weights), &CdprMpc::CalcCost};
   Scratch<CdprPlan> warm_start{this, "warm_start", CdprMpcSolver::FirstPlan(params)};
   Workspace<CdprMpcSolver> solver{this, "solver", CdprMpcSolver(params)};
   OutputPort<CdprPlan> plan{this,
                             {"plan"},
                             CdprMpcSolver::FirstPlan(params),
                             Sampled{params.rate},
-                            Uses(time, estimate, warm_start, solver),
+                            Uses(time, estimate, cost, warm_start, solver),
                             &CdprMpc::CalcPlan};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
@@ -44,14 +56,18 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                                   Uses(time, estimate, plan),
                                   &CdprMpc::CalcCommand};
   OutputPort<CdprMpcDiagnostics> diagnostics{this, {"diagnostics"}, Uses(plan), &CdprMpc::CalcDiagnostics};
-  Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan), &CdprMpc::CheckFallbacks};
+  Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan, max_fallbacks_in_a_row),
+                    &CdprMpc::CheckFallbacks};
 
  private:
-  void CalcPlan(const double& time, const PlatformEstimate& estimate, CdprPlan& warm_start,
-                CdprMpcSolver& solver, CdprPlan* plan) const;
+  CdprMpcCost CalcCost(const CdprMpcWeights& weights, const CdprMpcWeights& terminal_weights) const {
+    return CdprMpcSolver::Cost(params, weights, terminal_weights);
+  }
+  void CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
+                CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
   CableVector CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan) const;
   CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
-  Verdict CheckFallbacks(const CdprPlan& plan) const;
+  Verdict CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const;
 };
 
 }  // namespace tenon

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 namespace tenon {
 namespace {
@@ -58,12 +59,44 @@ Reference ReferenceAt(const EquilibriumPath& path, double time) {
   return reference;
 }
 
-/// Of the linear problem x' = [A B] [x ; u] at the costs Q and R per second, diagonals, for ever.
-Eigen::Matrix<double, 12, 12> CostToGo(const Eigen::Ref<const Eigen::MatrixXd>& AB, const CentroidalState& Q,
-                                       const Eigen::Ref<const Eigen::VectorXd>& R, double period) {
-  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(R.size()),
-                              Eigen::MatrixXd((period * Q).asDiagonal()),
-                              Eigen::MatrixXd((period * R).asDiagonal()));
+template <class From, class To>
+void CopyEntries(const From& from, To& to) {
+  std::copy_n(from.data(), to.size(), to.data());
+}
+
+/// What `make` gives for a number of cables that is known to the compiler.
+template <class Make>
+auto ForCables(int cables, const Make& make) {
+  switch (cables) {
+    case 4:
+      return make(std::integral_constant<int, 4>());
+    case 5:
+      return make(std::integral_constant<int, 5>());
+    case 6:
+      return make(std::integral_constant<int, 6>());
+    case 7:
+      return make(std::integral_constant<int, 7>());
+    default:
+      return make(std::integral_constant<int, 8>());
+  }
+}
+
+/// At rest at the start of the path, of the problem that is linear there: at these costs, for ever.
+template <int n>
+Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
+  using Problem = CdprTrackingProblem<n>;
+  const CdprReference rest = path.At(path.path().start_time());
+  CentroidalState x = CentroidalState::Zero(), next;
+  x.segment<3>(6) = rest.position;
+  x.tail<3>() = rest.euler;
+  typename Problem::Input u;
+  CopyEntries(rest.tension, u);
+  typename RungeKutta<Problem>::Tangent AB;
+  RungeKutta<Problem>(12, n).Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
+  const Eigen::VectorXd R = Eigen::VectorXd::Constant(n, period * cost.R);
+  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(n),
+                              Eigen::MatrixXd((period * cost.Q).asDiagonal()),
+                              Eigen::MatrixXd(R.asDiagonal()));
 }
 
 }  // namespace
@@ -80,8 +113,14 @@ void CdprMpcParams::Validate() const {
   Demand(weights.tension > 0,
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));
-  Demand(std::min({weights.position, weights.velocity, weights.attitude, weights.angular_velocity}) >= 0,
-         "a weight is negative: the optimal control problem would have no minimum");
+  for (const CdprMpcWeights& w : {weights, terminal_weights}) {
+    Demand(std::min({w.position, w.velocity, w.attitude, w.angular_velocity}) >= 0,
+           "a weight is negative: the optimal control problem would have no minimum");
+  }
+  Demand(max_fallbacks_in_a_row >= 0,
+         fmt::format("max_fallbacks_in_a_row = {} must not be negative: every solve would end the run",
+                     max_fallbacks_in_a_row));
+  static_cast<void>(CdprMpcSolver::Cost(*this, weights, terminal_weights));
 }
 
 std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
@@ -125,6 +164,21 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   return plan;
 }
 
+CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeights& weights,
+                                const CdprMpcWeights& terminal_weights) {
+  const CdprDescription& robot = params.path->robot();
+  CdprMpcCost cost;
+  cost.Q = Diagonal(robot, weights);
+  cost.R = weights.tension;
+  if (params.terminal == TerminalCost::kRiccati) {
+    cost.Q_f = ForCables(robot.num_cables(),
+                         [&](auto n) { return CostToGo<n()>(*params.path, params.rate.period(), cost); });
+  } else {
+    cost.Q_f.diagonal() = Diagonal(robot, terminal_weights);
+  }
+  return cost;
+}
+
 /// Everything that does not depend on the number of cables, which the solver for it must know when compiled.
 class CdprMpcSolver::Impl {
  public:
@@ -138,14 +192,14 @@ class CdprMpcSolver::Impl {
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
 
-  SlqReport Solve(double time, CentroidalState x, CdprPlan& plan) {
+  SlqReport Solve(double time, CentroidalState x, const CdprMpcCost& cost, CdprPlan& plan) {
     SetTargets(time);
     // The angles next to those of the reference.
     for (int i = 9; i < 12; ++i) {
       constexpr double kTurn = 2 * std::numbers::pi;
       x[i] -= kTurn * std::round((x[i] - targets_[0].x[i]) / kTurn);
     }
-    const SlqReport report = Improve(time - plan.start, x, targets_, plan);
+    const SlqReport report = Improve(time - plan.start, x, targets_, cost, plan);
     plan.start = time;
     return report;
   }
@@ -159,10 +213,7 @@ class CdprMpcSolver::Impl {
 
   /// `plan`, seen `elapsed` [s] later, becomes the one for a start at x.
   virtual SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
-                            CdprPlan& plan) = 0;
-
-  const EquilibriumPath& path() const { return *path_; }
-  double period() const { return period_; }
+                            const CdprMpcCost& cost, CdprPlan& plan) = 0;
 
  private:
   // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again.
@@ -212,11 +263,6 @@ std::vector<double> StepsInSeconds(const CdprMpcParams& params) {
   return seconds;
 }
 
-template <class From, class To>
-void CopyEntries(const From& from, To& to) {
-  std::copy_n(from.data(), to.size(), to.data());
-}
-
 /// The solver for a number of cables that is known to the compiler.
 template <int n>
 class SolverFor final : public CdprMpcSolver::Impl {
@@ -224,34 +270,13 @@ class SolverFor final : public CdprMpcSolver::Impl {
   using Problem = CdprTrackingProblem<n>;
 
   explicit SolverFor(const CdprMpcParams& params)
-      : Impl(params), slq_(MakeProblem(params), StepsInSeconds(params), params.slq) {
-    if (params.terminal == TerminalCost::kRiccati) SetCostToGo();
-  }
+      : Impl(params),
+        slq_(Problem(params.path->robot(), params.num_steps), StepsInSeconds(params), params.slq) {}
   std::unique_ptr<Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
 
  private:
-  static Problem MakeProblem(const CdprMpcParams& params) {
-    Problem problem(params.path->robot(), params.num_steps);
-    problem.Q = Diagonal(params.path->robot(), params.weights);
-    problem.R.setConstant(params.weights.tension);
-    problem.Q_f.diagonal() = Diagonal(params.path->robot(), params.terminal_weights);
-    return problem;
-  }
-  void SetCostToGo() {
-    const CdprReference rest = path().At(path().path().start_time());
-    CentroidalState x = CentroidalState::Zero(), next;
-    x.segment<3>(6) = rest.position;
-    x.tail<3>() = rest.euler;
-    typename Problem::Input u;
-    CopyEntries(rest.tension, u);
-    typename RungeKutta<Problem>::Tangent tangent;
-    Problem& problem = slq_.problem();
-    RungeKutta<Problem>(12, n).Step(problem, StepMethod::kRungeKutta4, period(), x, u, next, tangent);
-    problem.Q_f = CostToGo(tangent, problem.Q, problem.R, period());
-  }
-
   SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
-                    CdprPlan& plan) override {
+                    const CdprMpcCost& cost, CdprPlan& plan) override {
     auto& policy = slq_.policy();
     for (std::size_t k = 0; k < policy.size(); ++k) {
       policy[k].x = plan.nodes[k].x;
@@ -259,8 +284,12 @@ class SolverFor final : public CdprMpcSolver::Impl {
       CopyEntries(plan.nodes[k].K, policy[k].K);
     }
     if (elapsed > 0) slq_.Shift(elapsed);
+    Problem& problem = slq_.problem();
+    problem.Q = cost.Q;
+    problem.R.setConstant(cost.R);
+    problem.Q_f = cost.Q_f;
     for (std::size_t k = 0; k < targets.size(); ++k) {
-      auto& target = slq_.problem().targets[k];
+      auto& target = problem.targets[k];
       target.x = targets[k].x;
       CopyEntries(targets[k].u, target.u);
       CopyEntries(targets[k].lower, target.lower);
@@ -279,18 +308,9 @@ class SolverFor final : public CdprMpcSolver::Impl {
 };
 
 std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {
-  switch (params.path->robot().num_cables()) {
-    case 4:
-      return std::make_unique<SolverFor<4>>(params);
-    case 5:
-      return std::make_unique<SolverFor<5>>(params);
-    case 6:
-      return std::make_unique<SolverFor<6>>(params);
-    case 7:
-      return std::make_unique<SolverFor<7>>(params);
-    default:
-      return std::make_unique<SolverFor<8>>(params);
-  }
+  return ForCables(params.path->robot().num_cables(), [&](auto n) -> std::unique_ptr<CdprMpcSolver::Impl> {
+    return std::make_unique<SolverFor<n()>>(params);
+  });
 }
 
 }  // namespace
@@ -303,8 +323,9 @@ CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
 }
 CdprMpcSolver::~CdprMpcSolver() = default;
 
-SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, CdprPlan& plan) {
-  return impl_->Solve(time, x, plan);
+SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, const CdprMpcCost& cost,
+                               CdprPlan& plan) {
+  return impl_->Solve(time, x, cost, plan);
 }
 
 }  // namespace tenon

@@ -17,6 +17,21 @@ struct CdprMpcWeights {
   double attitude = 0;          ///< [1/rad^2]
   double angular_velocity = 0;  ///< [s^2/rad^2], about the principal axes of a level platform
   double tension = 0;           ///< [1/N^2]
+
+  static FieldList Fields() {
+    return {Required("position_per_m2", &CdprMpcWeights::position),
+            Required("velocity_s2_per_m2", &CdprMpcWeights::velocity),
+            Required("attitude_per_rad2", &CdprMpcWeights::attitude),
+            Required("angular_velocity_s2_per_rad2", &CdprMpcWeights::angular_velocity),
+            Required("tension_per_N2", &CdprMpcWeights::tension)};
+  }
+};
+
+/// What the weights are to the solver: L_k and phi of CdprTrackingProblem.
+struct CdprMpcCost {
+  CentroidalState Q = CentroidalState::Zero();  ///< diagonal, per second
+  double R = 0;                                 ///< of each tension, per second
+  Eigen::Matrix<double, 12, 12, Eigen::DontAlign> Q_f = Eigen::Matrix<double, 12, 12>::Zero();
 };
 
 enum class TerminalCost {
@@ -40,7 +55,7 @@ struct CdprMpcParams {
   Rate command_rate = Hz(1000);
   int max_fallbacks_in_a_row = 50;
 
-  void Validate() const;  ///< throws ParameterError
+  void Validate() const;  ///< throws ParameterError, also if the Riccati equation has no solution
 };
 
 /// What one solve of CdprMpc is: reference, warm start, Slq. Holds work space only.
@@ -55,7 +70,6 @@ struct CdprMpcParams {
 /// dl/dt.
 class CdprMpcSolver {
  public:
-  /// @throws ParameterError if the Riccati equation at the start of the path has no solution.
   explicit CdprMpcSolver(const CdprMpcParams& params);
   CdprMpcSolver(const CdprMpcSolver& other);
   CdprMpcSolver& operator=(const CdprMpcSolver& other);
@@ -66,8 +80,13 @@ class CdprMpcSolver {
   /// To rest at the start of the path, without feedback.
   static CdprPlan FirstPlan(const CdprMpcParams& params);
 
+  /// The cost by these weights in place of those of `params`.
+  /// @throws ParameterError if the Riccati equation at the start of the path has no solution.
+  static CdprMpcCost Cost(const CdprMpcParams& params, const CdprMpcWeights& weights,
+                          const CdprMpcWeights& terminal_weights);
+
   /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`.
-  SlqReport Solve(double time, const CentroidalState& x, CdprPlan& plan);
+  SlqReport Solve(double time, const CentroidalState& x, const CdprMpcCost& cost, CdprPlan& plan);
 
   class Impl;
 

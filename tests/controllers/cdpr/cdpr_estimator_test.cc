@@ -55,10 +55,8 @@ TEST(CdprEstimator, StartsAtThePoseMeasured) {
 }
 
 TEST(CdprEstimator, FollowsPerfectSensors) {
-  TestRig<CdprEstimator> rig(CdprEstimatorParams{.position_noise = 1e-4,
-                                                 .attitude_noise = 1e-4,
-                                                 .angular_velocity_noise = 1e-3,
-                                                 .specific_force_noise = 0.1});
+  TestRig<CdprEstimator> rig(CdprEstimatorParams{
+      .noise = {.position = 1e-4, .attitude = 1e-4, .angular_velocity = 1e-3, .specific_force = 0.1}});
   for (int k = 0; k <= 400; ++k) {
     const Motion motion = At(0.005 * k);
     rig.Fix(rig.system().pose, Pose(motion)).Fix(rig.system().inertial, Inertial(motion)).Tick();
@@ -116,8 +114,25 @@ TEST(CdprEstimator, DoesNotAllocate) {
 }
 
 TEST(CdprEstimator, RefusesSensorsWithoutNoise) {
-  EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.attitude_noise = 0}); }, "attitude_noise = 0",
+  EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.noise = {.attitude = 0}}); }, "noise.attitude = 0",
                                      "must be positive"));
+}
+
+TEST(CdprEstimator, NoiseIsSetInARun) {
+  const CdprNoise noise{.position = 0.02, .attitude = 0.001, .angular_velocity = 0.05, .specific_force = 0.2};
+  TestRig<CdprEstimator> plain, set, built(CdprEstimatorParams{.noise = noise});
+  set.Set(set->noise, noise);
+  for (int k = 0; k < 50; ++k) {
+    Motion motion = At(0.005 * k);
+    motion.platform.p_WB[1] += 0.001 * (k % 3);
+    for (auto* rig : {&plain, &set, &built})
+      rig->Fix(rig->system().pose, Pose(motion)).Fix(rig->system().inertial, Inertial(motion)).Tick();
+    EXPECT_EQ(set[set->estimate].platform.v_W, built[built->estimate].platform.v_W) << k;
+  }
+  EXPECT_NE(plain[plain->estimate].platform.v_W, built[built->estimate].platform.v_W);
+  CdprNoise wrong = noise;
+  wrong.attitude = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, wrong); }, "noise.attitude = 0", "positive"));
 }
 
 }  // namespace

@@ -135,11 +135,12 @@ TEST(CdprMpc, ReferenceAccelerates) {
   CdprMpcParams params = Holding(robot, {0, 0, 2});
   params.path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 1));
   CdprMpcSolver solver(params);
+  const CdprMpcCost cost = CdprMpcSolver::Cost(params, params.weights, params.terminal_weights);
   CdprPlan plan = CdprMpcSolver::FirstPlan(params);
   CentroidalState x = plan.nodes[0].x;
   for (int tick = 0; tick < 500; ++tick) {
     const double time = 0.01 * tick;
-    ASSERT_TRUE(solver.Solve(time, x, plan).ok()) << time;
+    ASSERT_TRUE(solver.Solve(time, x, cost, plan).ok()) << time;
     const Eigen::Vector3d p = x.segment<3>(6), from_center = p - Eigen::Vector3d(0, 0, 2);
     const CableKinematics cables = CalcCableKinematics(robot, p, RotationFromEuler(x.tail<3>()));
     const Vector6d wrench = cables.structure * plan.nodes[0].u + GravityWrench(robot);
@@ -197,6 +198,38 @@ TEST(CdprMpc, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "do not fit into horizon"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = 0; }, "weights.tension = 0"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "a weight is negative"));
+}
+
+TEST(CdprMpc, WeightsAreSetInARun) {
+  for (const TerminalCost terminal : {TerminalCost::kRiccati, TerminalCost::kGiven}) {
+    CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+    params.terminal = terminal;
+    params.terminal_weights = {.position = 100, .velocity = 10, .attitude = 10, .angular_velocity = 1};
+    CdprMpcParams changed = params;
+    changed.weights.position = 300;
+    changed.weights.tension = 1e-2;
+    changed.terminal_weights.position = 900;
+    TestRig<CdprMpc> plain(params), set(params), built(changed);
+    set.Set(set->weights, changed.weights).Set(set->terminal_weights, changed.terminal_weights);
+    for (auto* rig : {&plain, &set, &built})
+      rig->Fix(rig->system().estimate, At(params, 0, {0.1, -0.05, 0.02})).Tick().RunTo(0.03);
+    EXPECT_EQ(set[set->command], built[built->command]);
+    EXPECT_NE(plain[plain->command], built[built->command]);
+    CdprMpcWeights wrong = changed.weights;
+    wrong.tension = 0;
+    EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->weights, wrong); }, "weights.tension = 0"));
+    EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->max_fallbacks_in_a_row, -1); },
+                                       "max_fallbacks_in_a_row = -1"));
+  }
+}
+
+// The Riccati equation is solved when they are set, not at the next tick.
+TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
+  const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  TestRig<CdprMpc> rig(params);
+  CdprMpcWeights wrong = params.weights;
+  wrong.position = INFINITY;
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "Riccati"));
 }
 
 }  // namespace
