@@ -11,8 +11,8 @@ void PayloadScheduleParams::Validate() const {
                      release_s, attach_s));
 }
 
-Payload PayloadSchedule::CalcPayload(const double& time) const {
-  return time >= params.attach_s && time < params.release_s ? params.payload : Payload{};
+Payload PayloadSchedule::CalcPayload(double time, const Payload& load, double attach, double release) const {
+  return time >= attach && time < release ? load : Payload{};
 }
 
 }  // namespace tenon

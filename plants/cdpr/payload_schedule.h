@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/system.h>
 
@@ -19,14 +20,22 @@ struct PayloadScheduleParams {
 ///     payload(t) = the payload if attach <= t < release, else none
 ///
 ///     port out  payload  sampled
+///
+/// The payload and both times are Parameters: a run can change them.
 class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
-  OutputPort<Payload> payload{
-      this, {"payload"}, Sampled{params.rate}, Uses(time), &PayloadSchedule::CalcPayload};
+  Parameter<Payload> load{this, {"load"}, params.payload, "what hangs on the platform"};
+  Parameter<double> attach{this, {"attach", "s"}, params.attach_s, "when it is hung"};
+  Parameter<double> release{this, {"release", "s"}, params.release_s, "when it is let go"};
+  OutputPort<Payload> payload{this,
+                              {"payload"},
+                              Sampled{params.rate},
+                              Uses(time, load, attach, release),
+                              &PayloadSchedule::CalcPayload};
 
  private:
-  Payload CalcPayload(const double& time) const;
+  Payload CalcPayload(double time, const Payload& load, double attach, double release) const;
 };
 
 }  // namespace tenon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -14,15 +15,17 @@ struct SlackMonitorParams {
 
 /// Ends the run when a cable of a cable robot goes slack, for then it cannot pull where it should.
 ///
-///     port in  cables
+///     port in    cables
+///     parameter  forbid_slack
 class SlackMonitor final : public LeafSystem<SlackMonitorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
-  Monitor slack{this, "slack", Sampled{params.rate}, Uses(cables), &SlackMonitor::Check};
+  Parameter<bool> forbid_slack{this, {"forbid_slack"}, params.forbid_slack, "if not, the block does nothing"};
+  Monitor slack{this, "slack", Sampled{params.rate}, Uses(cables, forbid_slack), &SlackMonitor::Check};
 
  private:
-  Verdict Check(const CableSignals& cables) const;
+  Verdict Check(const CableSignals& cables, bool forbid_slack) const;
 };
 
 }  // namespace tenon

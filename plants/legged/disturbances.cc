@@ -42,10 +42,11 @@ void SineForceParams::Validate() const {
          fmt::format("the force ends at {} s but starts at {} s: exchange them", end, start));
 }
 
-ExternalForce SineForce::CalcForce(const double& time) const {
-  ExternalForce force = params.amplitude;
-  const bool on = time >= params.start && time < params.end;
-  const double wave = on ? std::sin(params.angular_frequency * (time - params.start)) : 0;
+ExternalForce SineForce::CalcForce(double time, const ExternalForce& amplitude, double angular_frequency,
+                                   double start, double end) const {
+  ExternalForce force = amplitude;
+  const bool on = time >= start && time < end;
+  const double wave = on ? std::sin(angular_frequency * (time - start)) : 0;
   force.force_W *= wave;
   force.torque_W *= wave;
   return force;
@@ -57,11 +58,12 @@ void PulseForceParams::Validate() const {
   Demand(duration >= 0, fmt::format("duration = {} must not be negative: give seconds", duration));
 }
 
-ExternalForce PulseForce::CalcForce(const double& time) const {
+ExternalForce PulseForce::CalcForce(double time, const ExternalForce& push, double start,
+                                    double duration) const {
   // Ticks are exact multiples of the period, the sum of two decimal numbers is not.
   const double rounding = 1e-6 * params.rate.period();
-  const double since = time - params.start + rounding;
-  return since >= 0 && since < params.duration ? params.push : ExternalForce{};
+  const double since = time - start + rounding;
+  return since >= 0 && since < duration ? push : ExternalForce{};
 }
 
 void RandomForceParams::Validate() const {
@@ -70,14 +72,14 @@ void RandomForceParams::Validate() const {
          fmt::format("magnitudes from {} to {} N make no sense: give 0 <= lower <= upper", lower, upper));
 }
 
-ExternalForce RandomForce::CalcForce(RandomStream& random) const {
+ExternalForce RandomForce::CalcForce(bool on_trunk, double lower, double upper, RandomStream& random) const {
   // As many numbers for the trunk as for a leg, so that the one change does not make another sequence.
   const int leg = static_cast<int>(random.Uniform(0, kNumLegs));
   const double height = random.Uniform();
-  const double magnitude = random.Uniform(params.lower, params.upper);
+  const double magnitude = random.Uniform(lower, upper);
   const double z = random.Uniform(-1, 1), angle = random.Uniform(0, 2 * std::numbers::pi);
   ExternalForce force;
-  if (!params.on_trunk) force = PointOnLeg(params.robot, leg, height);
+  if (!on_trunk) force = PointOnLeg(params.robot, leg, height);
   const double r = std::sqrt(1 - z * z);
   force.force_W = magnitude * Vec<3>(r * std::cos(angle), r * std::sin(angle), z);
   return force;

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -29,14 +30,22 @@ struct SineForceParams {
 
 /// f(t) = amplitude sin(w (t - start)) for start <= t < end, else none.
 ///
-///     port out  force
+///     port out    force
+///     parameters  amplitude, angular_frequency [rad/s], start, end [s]
 class SineForce final : public LeafSystem<SineForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  OutputPort<ExternalForce> force{this, {"force"}, Uses(time), &SineForce::CalcForce};
+  Parameter<ExternalForce> amplitude{this, {"amplitude"}, params.amplitude, "where, and how much"};
+  Parameter<double> angular_frequency{
+      this, {"angular_frequency", "rad/s"}, params.angular_frequency, "of the sine"};
+  Parameter<double> start{this, {"start", "s"}, params.start, "when it begins"};
+  Parameter<double> end{this, {"end", "s"}, params.end, "when it ends"};
+  OutputPort<ExternalForce> force{
+      this, {"force"}, Uses(time, amplitude, angular_frequency, start, end), &SineForce::CalcForce};
 
  private:
-  ExternalForce CalcForce(const double& time) const;
+  ExternalForce CalcForce(double time, const ExternalForce& amplitude, double angular_frequency, double start,
+                          double end) const;
 };
 
 struct PulseForceParams {
@@ -50,14 +59,19 @@ struct PulseForceParams {
 
 /// A constant force or torque on any body for part of the run: a push, or a wrench on the trunk.
 ///
-///     port out  force  sampled
+///     port out    force  sampled
+///     parameters  push, start, duration [s]
 class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  OutputPort<ExternalForce> force{this, {"force"}, Sampled{params.rate}, Uses(time), &PulseForce::CalcForce};
+  Parameter<ExternalForce> push{this, {"push"}, params.push, "where, and how much"};
+  Parameter<double> start{this, {"start", "s"}, params.start, "when it begins"};
+  Parameter<double> duration{this, {"duration", "s"}, params.duration, "infinity for a force that stays"};
+  OutputPort<ExternalForce> force{
+      this, {"force"}, Sampled{params.rate}, Uses(time, push, start, duration), &PulseForce::CalcForce};
 
  private:
-  ExternalForce CalcForce(const double& time) const;
+  ExternalForce CalcForce(double time, const ExternalForce& push, double start, double duration) const;
 };
 
 struct RandomForceParams {
@@ -73,16 +87,20 @@ struct RandomForceParams {
 /// A force that changes every period, and stays in between: on a random leg at a random height (or on the
 /// trunk), of random magnitude and direction, all uniformly distributed.
 ///
-///     port out  force  sampled
+///     port out    force  sampled
+///     parameters  on_trunk, lower, upper [N]
 class RandomForce final : public LeafSystem<RandomForceParams> {
  public:
   using LeafSystem::LeafSystem;
+  Parameter<bool> on_trunk{this, {"on_trunk"}, params.on_trunk, "at B's origin instead of a leg"};
+  Parameter<double> lower{this, {"lower", "N"}, params.lower, "magnitude, at least"};
+  Parameter<double> upper{this, {"upper", "N"}, params.upper, "magnitude, at most"};
   Random random{this, "random"};
   OutputPort<ExternalForce> force{
-      this, {"force"}, Sampled{params.period}, Uses(random), &RandomForce::CalcForce};
+      this, {"force"}, Sampled{params.period}, Uses(on_trunk, lower, upper, random), &RandomForce::CalcForce};
 
  private:
-  ExternalForce CalcForce(RandomStream& random) const;
+  ExternalForce CalcForce(bool on_trunk, double lower, double upper, RandomStream& random) const;
 };
 
 struct ForceBundleParams {

@@ -15,15 +15,15 @@ void FallMonitorParams::Validate() const {
          fmt::format("max_tilt = {} must be above 0 and at most pi: give radians", max_tilt));
 }
 
-Verdict FallMonitor::Check(const LeggedState& x) const {
+Verdict FallMonitor::Check(const LeggedState& x, double min_height, double max_tilt) const {
   const double height = x.p_WB[2] - terrain.At(x.p_WB[0], x.p_WB[1]).height;
-  if (height < params.min_height)
+  if (height < min_height)
     return fmt::format("the robot fell: its trunk is {:.3f} m above the ground, less than {:.3f} m", height,
-                       params.min_height);
+                       min_height);
   const double tilt = std::acos(std::clamp(x.R_WB()(2, 2), -1.0, 1.0));
-  if (tilt > params.max_tilt)
+  if (tilt > max_tilt)
     return fmt::format("the robot fell: its trunk is tilted by {:.3f} rad, more than {:.3f} rad", tilt,
-                       params.max_tilt);
+                       max_tilt);
   return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -20,16 +21,21 @@ struct FallMonitorParams {
 /// Ends the run when a quadruped has fallen: B's origin comes closer to the ground straight below it than
 /// min_height, or the trunk tilts by more than max_tilt. The reason tells which and by how much.
 ///
-///     port in  state
+///     port in     state
+///     parameters  min_height [m], max_tilt [rad]
 class FallMonitor final : public LeafSystem<FallMonitorParams> {
  public:
   using LeafSystem::LeafSystem;
   const Terrain terrain{params.terrain};
   InputPort<LeggedState> state{this, {"state"}};
-  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state), &FallMonitor::Check};
+  Parameter<double> min_height{
+      this, {"min_height", "m"}, params.min_height, "of B's origin above the ground"};
+  Parameter<double> max_tilt{
+      this, {"max_tilt", "rad"}, params.max_tilt, "of the trunk's z axis from the vertical"};
+  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt), &FallMonitor::Check};
 
  private:
-  Verdict Check(const LeggedState& x) const;
+  Verdict Check(const LeggedState& x, double min_height, double max_tilt) const;
 };
 
 }  // namespace tenon

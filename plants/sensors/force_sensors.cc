@@ -2,13 +2,15 @@
 
 namespace tenon {
 
-Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, RandomStream& noise) const {
-  return params.error.Measure(torque, noise);
+Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, const SensorError& error,
+                                        RandomStream& noise) const {
+  return error.Measure(torque, noise);
 }
 
-FootForces FootForceSensor::CalcMeasured(const FootForces& forces, RandomStream& noise) const {
+FootForces FootForceSensor::CalcMeasured(const FootForces& forces, const SensorError& error,
+                                         RandomStream& noise) const {
   FootForces measured;
-  for (int leg = 0; leg < kNumLegs; ++leg) measured[leg] = params.error.Measure(forces[leg], noise);
+  for (int leg = 0; leg < kNumLegs; ++leg) measured[leg] = error.Measure(forces[leg], noise);
   return measured;
 }
 

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -20,32 +21,39 @@ struct ForceSensorParams {
 ///
 ///     port in   torque    what the drives give [N m]
 ///     port out  measured  sampled [N m]
+///     parameter error     SensorError [N m]
 class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  Parameter<SensorError> error{this, {"error"}, params.error, "of each component; absolute and bias in N m"};
   Random noise{this, "noise"};
-  OutputPort<Vec<12>> measured{
-      this, {"measured", "N m"}, Sampled{params.rate}, Uses(torque, noise), &JointTorqueSensor::CalcMeasured};
+  OutputPort<Vec<12>> measured{this,
+                               {"measured", "N m"},
+                               Sampled{params.rate},
+                               Uses(torque, error, noise),
+                               &JointTorqueSensor::CalcMeasured};
 
  private:
-  Vec<12> CalcMeasured(const Vec<12>& torque, RandomStream& noise) const;
+  Vec<12> CalcMeasured(const Vec<12>& torque, const SensorError& error, RandomStream& noise) const;
 };
 
 /// Measures the forces on all feet at a rate, every component in W with an error (sensor_noise.h).
 ///
 ///     port in   forces    of the ground on the feet
 ///     port out  measured  sampled
+///     parameter error     SensorError [N]
 class FootForceSensor final : public LeafSystem<ForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<FootForces> forces{this, {"forces"}};
+  Parameter<SensorError> error{this, {"error"}, params.error, "of each component; absolute and bias in N"};
   Random noise{this, "noise"};
   OutputPort<FootForces> measured{
-      this, {"measured"}, Sampled{params.rate}, Uses(forces, noise), &FootForceSensor::CalcMeasured};
+      this, {"measured"}, Sampled{params.rate}, Uses(forces, error, noise), &FootForceSensor::CalcMeasured};
 
  private:
-  FootForces CalcMeasured(const FootForces& forces, RandomStream& noise) const;
+  FootForces CalcMeasured(const FootForces& forces, const SensorError& error, RandomStream& noise) const;
 };
 
 }  // namespace tenon

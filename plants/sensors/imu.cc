@@ -18,18 +18,18 @@ void ImuParams::Validate() const {
 }
 
 template <class State, class Acceleration>
-ImuMeasurement BasicImu<State, Acceleration>::CalcMeasurement(const State& body,
-                                                              const Acceleration& acceleration,
-                                                              RandomStream& noise) const {
+ImuMeasurement BasicImu<State, Acceleration>::CalcMeasurement(
+    const State& body, const Acceleration& acceleration, const Vec<3>& angular_velocity_noise,
+    const Vec<3>& specific_force_noise, const Vec<3>& angular_velocity_bias,
+    const Vec<3>& specific_force_bias, RandomStream& noise) const {
   const Eigen::Matrix3d R_WB = body.R_WB();
   const Vec<3> r_W = R_WB * params.p_B;
   const Vec<3> a_W = acceleration.a_W + acceleration.alpha_W.cross(r_W) + body.w_W.cross(body.w_W.cross(r_W));
   const Vec<3> w_B = R_WB.transpose() * body.w_W;
   const Vec<3> f_B = R_WB.transpose() * (a_W + Vec<3>(0, 0, params.gravity));
   ImuMeasurement out;
-  out.angular_velocity_B =
-      w_B + params.angular_velocity_bias + NormalVector(noise, params.angular_velocity_noise);
-  out.specific_force_B = f_B + params.specific_force_bias + NormalVector(noise, params.specific_force_noise);
+  out.angular_velocity_B = w_B + angular_velocity_bias + NormalVector(noise, angular_velocity_noise);
+  out.specific_force_B = f_B + specific_force_bias + NormalVector(noise, specific_force_noise);
   return out;
 }
 

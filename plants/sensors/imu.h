@@ -3,6 +3,7 @@
 #include <tenon/plants/model/cdpr_signals.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -34,6 +35,8 @@ struct ImuParams {
 ///               acceleration  the true acceleration
 ///     port out  measurement   sampled
 ///
+/// Noise and biases are Parameters: a run can change them.
+///
 /// Imu is for the platform of a cable robot, TrunkImu for the trunk of a quadruped.
 template <class State, class Acceleration>
 class BasicImu final : public LeafSystem<ImuParams> {
@@ -41,15 +44,29 @@ class BasicImu final : public LeafSystem<ImuParams> {
   using LeafSystem::LeafSystem;
   InputPort<State> body{this, {"body"}};
   InputPort<Acceleration> acceleration{this, {"acceleration"}};
+  Parameter<Vec<3>> angular_velocity_noise{this,
+                                           {"angular_velocity_noise", "rad/s"},
+                                           params.angular_velocity_noise,
+                                           "standard deviation per axis"};
+  Parameter<Vec<3>> specific_force_noise{
+      this, {"specific_force_noise", "m/s^2"}, params.specific_force_noise, "standard deviation per axis"};
+  Parameter<Vec<3>> angular_velocity_bias{
+      this, {"angular_velocity_bias", "rad/s"}, params.angular_velocity_bias, "added to all samples"};
+  Parameter<Vec<3>> specific_force_bias{
+      this, {"specific_force_bias", "m/s^2"}, params.specific_force_bias, "added to all samples"};
   Random noise{this, "noise"};
-  OutputPort<ImuMeasurement> measurement{this,
-                                         {"measurement"},
-                                         Sampled{params.rate},
-                                         Uses(body, acceleration, noise),
-                                         &BasicImu::CalcMeasurement};
+  OutputPort<ImuMeasurement> measurement{
+      this,
+      {"measurement"},
+      Sampled{params.rate},
+      Uses(body, acceleration, angular_velocity_noise, specific_force_noise, angular_velocity_bias,
+           specific_force_bias, noise),
+      &BasicImu::CalcMeasurement};
 
  private:
   ImuMeasurement CalcMeasurement(const State& body, const Acceleration& acceleration,
+                                 const Vec<3>& angular_velocity_noise, const Vec<3>& specific_force_noise,
+                                 const Vec<3>& angular_velocity_bias, const Vec<3>& specific_force_bias,
                                  RandomStream& noise) const;
 };
 

@@ -7,9 +7,10 @@ void JointEncodersParams::Validate() const {
   speed.Validate("the joint speeds");
 }
 
-JointMotion JointEncoders::CalcJoints(const LeggedState& x, RandomStream& angle_noise,
+JointMotion JointEncoders::CalcJoints(const LeggedState& x, const SensorError& angle,
+                                      const SensorError& speed, RandomStream& angle_noise,
                                       RandomStream& speed_noise) const {
-  return {params.angle.Measure(x.q, angle_noise), params.speed.Measure(x.qd, speed_noise)};
+  return {angle.Measure(x.q, angle_noise), speed.Measure(x.qd, speed_noise)};
 }
 
 }  // namespace tenon

@@ -9,9 +9,10 @@ void PoseSensorParams::Validate() const {
   CheckDeviation("attitude_noise", attitude_noise);
 }
 
-PoseMeasurement PoseSensor::CalcPose(const PlatformState& platform, RandomStream& noise) const {
-  const Vec<3> p_WB = platform.p_WB + NormalVector(noise, params.position_noise);
-  const Vec<3> turn = NormalVector(noise, params.attitude_noise);
+PoseMeasurement PoseSensor::CalcPose(const PlatformState& platform, const Vec<3>& position_noise,
+                                     const Vec<3>& attitude_noise, RandomStream& noise) const {
+  const Vec<3> p_WB = platform.p_WB + NormalVector(noise, position_noise);
+  const Vec<3> turn = NormalVector(noise, attitude_noise);
   return {p_WB, QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(turn))};
 }
 

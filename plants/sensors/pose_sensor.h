@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -25,16 +26,26 @@ struct PoseSensorParams {
 ///
 ///     port in   platform  the true state
 ///     port out  pose      sampled
+///
+/// `position_noise` and `attitude_noise` are Parameters: a run can change them.
 class PoseSensor final : public LeafSystem<PoseSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<PlatformState> platform{this, {"platform"}};
+  Parameter<Vec<3>> position_noise{
+      this, {"position_noise", "m"}, params.position_noise, "standard deviation along x, y, z of W"};
+  Parameter<Vec<3>> attitude_noise{
+      this, {"attitude_noise", "rad"}, params.attitude_noise, "standard deviation about x, y, z of B"};
   Random noise{this, "noise"};
-  OutputPort<PoseMeasurement> pose{
-      this, {"pose"}, Sampled{params.rate}, Uses(platform, noise), &PoseSensor::CalcPose};
+  OutputPort<PoseMeasurement> pose{this,
+                                   {"pose"},
+                                   Sampled{params.rate},
+                                   Uses(platform, position_noise, attitude_noise, noise),
+                                   &PoseSensor::CalcPose};
 
  private:
-  PoseMeasurement CalcPose(const PlatformState& platform, RandomStream& noise) const;
+  PoseMeasurement CalcPose(const PlatformState& platform, const Vec<3>& position_noise,
+                           const Vec<3>& attitude_noise, RandomStream& noise) const;
 };
 
 }  // namespace tenon

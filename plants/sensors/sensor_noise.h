@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/framework/signal.h>
 
@@ -24,6 +25,12 @@ struct SensorError {
   double absolute = 0;  ///< standard deviation [unit of the signal]
   double relative = 0;  ///< standard deviation over signal: 0.1 is 10 %
   double bias = 0;      ///< [unit of the signal]
+
+  static FieldList Fields() {
+    return {{"absolute", &SensorError::absolute},
+            {"relative", &SensorError::relative},
+            {"bias", &SensorError::bias}};
+  }
 
   double Measure(double x, RandomStream& noise) const {
     return x + bias + (absolute + relative * std::abs(x)) * noise.Normal();

@@ -23,17 +23,18 @@ void LeashParams::Validate() const {
   Demand(attachment_B.allFinite(), "the leash's attachment to the trunk must be finite: give metres");
 }
 
-LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person) const {
+LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person, double nominal_length,
+                            double stiffness, double dissipation) const {
   const Eigen::Vector3d arm = robot.R_WB() * params.attachment_B;
   const Eigen::Vector3d along = robot.p_WB + arm - person.hand_W;
   LeashState leash;
   leash.length = along.norm();
   if (leash.length > 0) leash.direction_W = along / leash.length;
-  const double elongation = leash.length - params.nominal_length;
+  const double elongation = leash.length - nominal_length;
   if (elongation > 0) {
     const Eigen::Vector3d velocity = robot.v_W + robot.w_W.cross(arm) - person.v_W;
     const double rate = leash.direction_W.dot(velocity);
-    leash.tension = params.stiffness * elongation * std::max(0.0, 1 + params.dissipation * rate);
+    leash.tension = stiffness * elongation * std::max(0.0, 1 + dissipation * rate);
   }
   return leash;
 }

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/leash_signals.h>
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/system.h>
 #include <tenon/systems/geometry.h>
@@ -38,18 +39,25 @@ struct LeashParams {
 ///     ports out  leash     length, tension, direction from the hand to the robot
 ///                force     on the trunk: -T direction at the attachment
 ///                geometry  a rod coloured by tension
+///     parameters nominal_length [m], stiffness [N/m], dissipation [s/m]
 class Leash final : public LeafSystem<LeashParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
   InputPort<PersonState> person{this, {"person"}};
-  OutputPort<LeashState> leash{this, {"leash"}, Uses(robot, person), &Leash::CalcLeash};
+  Parameter<double> nominal_length{
+      this, {"nominal_length", "m"}, params.nominal_length, "above it the leash pulls"};
+  Parameter<double> stiffness{this, {"stiffness", "N/m"}, params.stiffness, "of leash and arm in series"};
+  Parameter<double> dissipation{this, {"dissipation", "s/m"}, params.dissipation, "damping over tension"};
+  OutputPort<LeashState> leash{
+      this, {"leash"}, Uses(robot, person, nominal_length, stiffness, dissipation), &Leash::CalcLeash};
   OutputPort<ExternalForce> force{this, {"force"}, Uses(leash), &Leash::CalcForce};
   OutputPort<Geometry> geometry{
       this, {"geometry"}, MakeGeometry(), Uses(person, leash), &Leash::CalcGeometry};
 
  private:
-  LeashState CalcLeash(const LeggedState& robot, const PersonState& person) const;
+  LeashState CalcLeash(const LeggedState& robot, const PersonState& person, double nominal_length,
+                       double stiffness, double dissipation) const;
   ExternalForce CalcForce(const LeashState& leash) const;
   void CalcGeometry(const PersonState& person, const LeashState& leash, Geometry* geometry) const;
   static Geometry MakeGeometry();

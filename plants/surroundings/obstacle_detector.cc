@@ -25,13 +25,12 @@ void ObstacleDetectorParams::Validate() const {
   }
 }
 
-bool ObstacleDetector::CalcObstacle(const LeggedState& state) const {
+bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {
   const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
   for (const Obstacle& obstacle : params.obstacles) {
     const Eigen::Vector2d to = obstacle.centre - state.p_WB.head<2>();
     const double ahead = heading.dot(to), aside = heading[0] * to[1] - heading[1] * to[0];
-    if (ahead > 0 && ahead - obstacle.radius < params.range &&
-        std::abs(aside) < params.half_width + obstacle.radius)
+    if (ahead > 0 && ahead - obstacle.radius < range && std::abs(aside) < half_width + obstacle.radius)
       return true;
   }
   return false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/system.h>
 #include <tenon/systems/geometry.h>
@@ -39,15 +40,20 @@ struct ObstacleDetectorParams {
 ///     port in    state
 ///     ports out  obstacle
 ///                geometry  the pillars
+///     parameters range, half_width [m]
 class ObstacleDetector final : public LeafSystem<ObstacleDetectorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> state{this, {"state"}};
-  OutputPort<bool> obstacle{this, {"obstacle"}, Uses(state), &ObstacleDetector::CalcObstacle};
+  Parameter<double> range{this, {"range", "m"}, params.range, "ahead of B's origin"};
+  Parameter<double> half_width{
+      this, {"half_width", "m"}, params.half_width, "of the strip, to both sides of the heading"};
+  OutputPort<bool> obstacle{
+      this, {"obstacle"}, Uses(state, range, half_width), &ObstacleDetector::CalcObstacle};
   OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(params), Uses(), [](Geometry*) {}};
 
  private:
-  bool CalcObstacle(const LeggedState& state) const;
+  bool CalcObstacle(const LeggedState& state, double range, double half_width) const;
   static Geometry MakeGeometry(const ObstacleDetectorParams& params);
 };
 

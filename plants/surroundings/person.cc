@@ -50,10 +50,10 @@ void PersonParams::Validate() const {
   for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
 }
 
-PersonIntent Person::CalcIntent(const double& time) const {
+PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases) const {
   // Ticks are exact multiples of the period, sums of decimal numbers are not.
   double since = time + 1e-6 * params.rate.period();
-  for (const PersonPhase& phase : params.phases) {
+  for (const PersonPhase& phase : phases) {
     if (since < phase.duration) {
       PersonIntent intent;
       intent.activity = phase.activity;
@@ -69,23 +69,24 @@ PersonIntent Person::CalcIntent(const double& time) const {
 }
 
 PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,
-                                    const LeashState& leash) const {
+                                    const LeashState& leash, double mass, double damping, double stiffness,
+                                    double felt_tension) const {
   const Eigen::Vector2d led = leash.direction_W.head<2>();
   const Eigen::Vector2d lean = motion.wanted - motion.x;
-  Eigen::Vector2d force = leash.tension * led - params.damping * motion.v;
+  Eigen::Vector2d force = leash.tension * led - damping * motion.v;
   PersonMotion rate;
   rate.x = motion.v;
   if (intent.activity == Activity::kPull) {
     force += intent.force * intent.direction_W;
-    rate.wanted = motion.v - params.stiffness / params.damping * lean;
+    rate.wanted = motion.v - stiffness / damping * lean;
   } else {
     rate.wanted = intent.speed * intent.direction_W;
     const double length = led.norm();
     if (intent.activity == Activity::kFollow && length > 0)
-      rate.wanted = intent.speed * std::min(1.0, leash.tension / params.felt_tension) / length * led;
-    force += params.damping * rate.wanted + params.stiffness * lean;
+      rate.wanted = intent.speed * std::min(1.0, leash.tension / felt_tension) / length * led;
+    force += damping * rate.wanted + stiffness * lean;
   }
-  rate.v = force / params.mass;
+  rate.v = force / mass;
   return rate;
 }
 

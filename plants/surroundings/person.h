@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/leash_signals.h>
+#include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -113,6 +114,8 @@ struct PersonMotion {
 ///     ports out  person    position, velocity, hand
 ///                intent    sampled
 ///                geometry  a body, its path over ground
+///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N]
+///                phases    list of PersonPhase
 ///
 /// The person has no width and walks through the robot.
 class Person final : public LeafSystem<PersonParams> {
@@ -120,16 +123,28 @@ class Person final : public LeafSystem<PersonParams> {
   using LeafSystem::LeafSystem;
 
   InputPort<LeashState> leash{this, {"leash"}};
+  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "of the body, m"};
+  Parameter<double> damping{this, {"damping", "N s/m"}, params.damping, "of the motion over ground, C"};
+  Parameter<double> stiffness{
+      this, {"stiffness", "N/m"}, params.stiffness, "with which the person holds the wanted place, K"};
+  Parameter<double> felt_tension{this,
+                                 {"felt_tension", "N"},
+                                 params.felt_tension,
+                                 "of the leash, from which the person follows at full speed"};
+  Parameter<std::vector<PersonPhase>> phases{
+      this, {"phases"}, params.phases, "what the person does from t = 0 on, one after the other"};
   ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
-  OutputPort<PersonIntent> intent{this, {"intent"}, Sampled{params.rate}, Uses(time), &Person::CalcIntent};
-  TimeDerivative<PersonMotion> dmotion{motion, Uses(motion, intent, leash), &Person::CalcDerivative};
+  OutputPort<PersonIntent> intent{
+      this, {"intent"}, Sampled{params.rate}, Uses(time, phases), &Person::CalcIntent};
+  TimeDerivative<PersonMotion> dmotion{
+      motion, Uses(motion, intent, leash, mass, damping, stiffness, felt_tension), &Person::CalcDerivative};
   OutputPort<PersonState> person{this, {"person"}, Uses(motion), &Person::CalcPerson};
   OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(), Uses(motion), &Person::CalcGeometry};
 
  private:
-  PersonIntent CalcIntent(const double& time) const;
-  PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,
-                              const LeashState& leash) const;
+  PersonIntent CalcIntent(double time, const std::vector<PersonPhase>& phases) const;
+  PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent, const LeashState& leash,
+                              double mass, double damping, double stiffness, double felt_tension) const;
   PersonState CalcPerson(const PersonMotion& motion) const;
   void CalcGeometry(const PersonMotion& motion, Geometry* geometry) const;
   static Geometry MakeGeometry();

@@ -33,5 +33,17 @@ TEST(PayloadScheduleTest, RefusesNonsense) {
       Throws<ParameterError>([&] { PayloadSchedule block(params); }, "released at 0 s", "attached at 3 s"));
 }
 
+TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
+  TestRig<PayloadSchedule> rig;
+  EXPECT_EQ(rig.RunTo(1)[rig->payload].mass, 0);
+  rig.context().Set(rig->load, Payload{.mass = 3}, rig->attach, 1.5, rig->release, 2.0);
+  EXPECT_EQ(rig.RunTo(1.49)[rig->payload].mass, 0);
+  EXPECT_EQ(rig.RunTo(1.5)[rig->payload].mass, 3);
+  rig.Set(rig->release, 1.8);
+  EXPECT_EQ(rig.RunTo(1.8)[rig->payload].mass, 0);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->release, 1); }, "released at 1 s", "attached at 1.5 s"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -30,5 +30,13 @@ TEST(SlackMonitorTest, CanBeSwitchedOff) {
   EXPECT_FALSE(rig.simulator().AdvanceTo(1).ended);
 }
 
+TEST(SlackMonitorTest, IsSwitchedInARun) {
+  TestRig<SlackMonitor> rig;
+  rig.Fix(rig->cables, WithTension(0)).Set(rig->forbid_slack, false);
+  EXPECT_FALSE(rig.simulator().AdvanceTo(1).ended);
+  rig.Set(rig->forbid_slack, true);
+  EXPECT_TRUE(rig.simulator().AdvanceTo(2).ended);
+}
+
 }  // namespace
 }  // namespace tenon

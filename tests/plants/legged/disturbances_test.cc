@@ -175,5 +175,28 @@ TEST(DisturbancesTest, RefuseParametersThatMakeNoSense) {
   EXPECT_TRUE(refuses([] { ForceBundle bundle({9}); }, "9 forces are too many", "at most 8"));
 }
 
+TEST(DisturbancesTest, ForcesAreSetInARun) {
+  TestRig<SineForce> sine, built_sine(SineForceParams{OnKnee(), 2.0, 0.5, 4.0});
+  sine.Set(sine->amplitude, OnKnee()).Set(sine->angular_frequency, 2).Set(sine->start, 0.5).Set(sine->end, 4);
+  for (const double time : {0.2, 1.0, 5.0}) {
+    EXPECT_EQ(sine.RunTo(time)[sine->force].force_W, built_sine.RunTo(time)[built_sine->force].force_W);
+  }
+  EXPECT_TRUE(Throws<ParameterError>([&] { sine.Set(sine->end, 0); }, "ends at 0 s", "starts at 0.5 s"));
+
+  TestRig<PulseForce> pulse;
+  pulse.Set(pulse->push, OnKnee()).Set(pulse->start, 1).Set(pulse->duration, 0.5);
+  EXPECT_EQ(pulse.RunTo(0.999)[pulse->force].force_W, Vec<3>(0, 0, 0));
+  EXPECT_EQ(pulse.RunTo(1)[pulse->force].force_W, OnKnee().force_W);
+  EXPECT_EQ(pulse.RunTo(1.5)[pulse->force].force_W, Vec<3>(0, 0, 0));
+  EXPECT_TRUE(Throws<ParameterError>([&] { pulse.Set(pulse->duration, -1); }, "duration = -1"));
+
+  TestRig<RandomForce> random(RandomForceParams{.robot = DogBot(), .upper = 1});
+  random.context().Set(random->lower, 7.0, random->upper, 8.0, random->on_trunk, true);
+  random.Tick();
+  EXPECT_GT(random[random->force].force_W.norm(), 6.9);
+  EXPECT_EQ(random[random->force].body, 0);
+  EXPECT_TRUE(Throws<ParameterError>([&] { random.Set(random->lower, 9); }, "from 9 to 8 N"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -1,6 +1,6 @@
 #include <tenon/plants/legged/fall_monitor.h>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
@@ -53,6 +53,15 @@ TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
   EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 45}); }, "max_tilt = 45", "radians"));
   EXPECT_TRUE(
       Throws<ParameterError>([] { FallMonitor({.min_height = INFINITY}); }, "min_height = inf", "metres"));
+}
+
+TEST(FallMonitorTest, LimitsAreSetInARun) {
+  TestRig<FallMonitor> rig(FallMonitorParams{.min_height = 0.2, .max_tilt = 0.8});
+  rig.Fix(rig->state, At({0, 0, 0.15}, 0.9)).Set(rig->min_height, 0.1).Set(rig->max_tilt, 1);
+  EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
+  rig.Set(rig->max_tilt, 0.85);
+  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, ::testing::EndsWith("0.900 rad, more than 0.850 rad"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->max_tilt, 4); }, "max_tilt = 4", "radians"));
 }
 
 }  // namespace

@@ -63,5 +63,18 @@ TEST(ObstacleDetectorTest, RefusesNonsense) {
   EXPECT_TRUE(refuses({.obstacles = {{{NAN, 2}, 1}}}, "obstacle 0", "finite place"));
 }
 
+TEST(ObstacleDetectorTest, LooksFartherInARun) {
+  TestRig<ObstacleDetector> rig(kParams);
+  LeggedState state;
+  state.p_WB = {1, 0.7, 0.4};
+  rig.Fix(rig->state, state);
+  EXPECT_FALSE(rig[rig->obstacle]);
+  rig.Set(rig->range, 2);
+  EXPECT_FALSE(rig[rig->obstacle]);
+  rig.Set(rig->half_width, 0.6);
+  EXPECT_TRUE(rig[rig->obstacle]);
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->range, 0); }, "range of 0 m", "positive"));
+}
+
 }  // namespace
 }  // namespace tenon
