@@ -42,7 +42,7 @@ bool HasEntry(const TypeInfo& type) {
   return type.kind == Kind::kStruct || !type.names.empty();
 }
 
-/// The types that ports and states carry, and those of their fields.
+/// The types that ports, states and Parameters carry, and those of their fields.
 class Signals {
  public:
   explicit Signals(const std::map<std::string, Declaration>& declarations) : declarations_(declarations) {}
@@ -172,17 +172,23 @@ class BlockTable {
         if (source->kind() == kind) Add(*source);
       }
     }
+    for (const Source* source : entry.block->sources()) {
+      if (source->kind() != SourceKind::kParameter) continue;
+      if (parameters_.empty()) parameters_ = "\n| parameter | type | unit | |\n| --- | --- | --- | --- |\n";
+      parameters_ += Line({source->name(), TypeOf(*source), UnitOf(*source),
+                           static_cast<const internal::ParameterSource*>(source)->description()});
+    }
   }
 
   std::string Text() const {
-    if (rows_.empty()) return "It has no ports.\n";
+    if (rows_.empty()) return "It has no ports.\n" + parameters_;
     std::string text =
         "| | | type | unit | when | follows at once |\n| --- | --- | --- | --- | --- | --- |\n";
     for (const Row& row : rows_) {
       text += Line({row.optional ? "*" + row.name + "*" : row.name, row.kind, row.type, row.unit, row.when,
                     row.follows});
     }
-    return text;
+    return text + parameters_;
   }
 
  private:
@@ -257,6 +263,7 @@ class BlockTable {
   const Entry& entry_;
   Signals& signals_;
   std::vector<Row> rows_;
+  std::string parameters_;  ///< a table of their own, if there are any
 };
 
 std::string Section(const Entry& entry, const std::map<std::string, Declaration>& declarations,

@@ -54,6 +54,32 @@ TEST(BlocksTest, HeadersTellWhatBlocksAreFor) {
   }
 }
 
+TEST(BlocksTest, ParametersSayWhatTheyAre) {
+  // Ratios, counts, flags; and a gain whose unit depends on how it is read.
+  const std::set<std::string> no_unit{"early_touchdown_phase",
+                                      "outlier",
+                                      "max_failures_in_a_row",
+                                      "max_fallbacks_in_a_row",
+                                      "forbid_slack",
+                                      "on_trunk",
+                                      "gain"};
+  int count = 0;
+  for (const Shelf& shelf : MakeCatalogue()) {
+    for (const Entry& entry : shelf.entries) {
+      for (const Source* source : entry.block->sources()) {
+        if (source->kind() != SourceKind::kParameter) continue;
+        ++count;
+        const std::string name = entry.title + "." + source->name();
+        EXPECT_FALSE(static_cast<const internal::ParameterSource*>(source)->description().empty()) << name;
+        if (no_unit.contains(source->name())) continue;
+        for (const Element& element : source->elements())
+          EXPECT_TRUE(!element.unit.empty() || element.name.size() > 1) << name;
+      }
+    }
+  }
+  EXPECT_GT(count, 60);
+}
+
 TEST(BlocksTest, ThePageIsUpToDate) {
   const auto found = ReadLines(std::ifstream(kSource / "docs/blocks.md"));
   const auto wanted = ReadLines(std::istringstream(WriteBlocks(kSource)));

@@ -200,16 +200,17 @@ void Compiler::LayOut() {
           {source, static_cast<Offset>(state.offset + continuous_size), state.count});
     }
   }
-  // Everything else that is stored: first what is copied as bytes. Parameters come last, so that a block
-  // which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
-  std::vector<Source*> stored, parameters;
+  // Everything else that is stored: first what is copied as bytes. Parameters and Publishes come last, so that a
+  // block which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
+  std::vector<Source*> stored, last;
   for (Source* source : sources_) {
     const bool passes_on = source->kind() == SourceKind::kInput ||
                            (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
     const bool integrated =
         source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
     if ((integrated && source->type_->fixed) || passes_on) continue;
-    (source->kind() == SourceKind::kParameter ? parameters : stored).push_back(source);
+    const bool added = source->kind() == SourceKind::kParameter || source->kind() == SourceKind::kPublish;
+    (added ? last : stored).push_back(source);
   }
   for (const Source* input : default_inputs_) stored.push_back(const_cast<Source*>(input));
   for (const Source* input : program_.open_inputs) stored.push_back(const_cast<Source*>(input));
@@ -221,7 +222,7 @@ void Compiler::LayOut() {
     }
     if (bitwise) program_.bitwise_end = end;
   }
-  for (Source* source : parameters) {
+  for (Source* source : last) {
     Place(*source, end);
     program_.objects.push_back(program_.cells.back());
   }

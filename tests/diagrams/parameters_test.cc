@@ -1,0 +1,130 @@
+// What a run can change of the shipped diagrams.
+
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+
+namespace tenon {
+namespace {
+
+QuadrupedWalkParams Walk() {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  WalkSegment& segment = params.walk.segments.emplace_back();
+  segment.gait = Gait::kTrot;
+  segment.forward = 0.1;
+  segment.duration = 5;
+  params.world.pulses.push_back({});
+  params.world.sines.push_back({});
+  params.estimator.emplace();
+  params.estimator->robot = test::DogBot();
+  params.estimator->initial = params.world.plant.initial;
+  return params;
+}
+
+GuideDogParams Dog() {
+  const QuadrupedWalkParams walk = Walk();
+  GuideDogParams params;
+  params.world = walk.world;
+  params.walk = walk.walk;
+  params.locomotion = walk.locomotion;
+  params.observer = walk.observer;
+  params.person.phases = {{.activity = Activity::kFollow, .duration = 5, .speed = 0.1}};
+  return params;
+}
+
+CdprLoopParams Cables(bool mpc) {
+  CdprLoopParams params;
+  params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Hold({0, 0, 2}));
+  params.pd_stiffness_N_per_m = 1000;
+  params.pd_damping_N_s_per_m = 50;
+  if (!mpc) return params;
+  params.mpc.emplace();
+  params.mpc->path = params.path;
+  params.mpc->horizon = 1.2;
+  params.mpc->num_steps = 25;
+  params.mpc->weights = {
+      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  return params;
+}
+
+/// All can be listed, read and set by a program that knows nothing of the blocks.
+template <class Loop, class Params>
+std::set<std::string> CheckParameters(const Params& params) {
+  DiagramBuilder builder;
+  builder.Add<Loop>("loop", params);
+  const auto diagram = builder.Build();
+  const auto context = diagram->CreateContext();
+  std::set<std::string> paths;
+  for (const auto* parameter : diagram->parameters()) {
+    EXPECT_TRUE(paths.insert(parameter->path()).second) << parameter->path();
+    EXPECT_EQ(parameter->elements().size(), parameter->initial_numbers().size()) << parameter->path();
+    context->SetDoubles(*parameter, parameter->initial_numbers());
+    EXPECT_EQ(context->EvalDoubles(*parameter), parameter->initial_numbers()) << parameter->path();
+  }
+  return paths;
+}
+
+TEST(ParametersTest, OfTheWalkAreSetToWhatTheyAre) {
+  const auto paths = CheckParameters<QuadrupedWalk>(Walk());
+  for (const char* path : {"loop.locomotion.whole_body.gains", "loop.locomotion.swing_planner.step",
+                           "loop.locomotion.scheduler.gaits", "loop.observer.legs.gains",
+                           "loop.observer.com.gains", "loop.estimator.noise"})
+    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
+}
+
+TEST(ParametersTest, OfTheGuideDogAreSetToWhatTheyAre) {
+  const auto paths = CheckParameters<GuideDog>(Dog());
+  for (const char* path :
+       {"loop.supervisor.gains", "loop.admittance.gains", "loop.leash.stiffness", "loop.person.phases"})
+    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
+}
+
+TEST(ParametersTest, OfTheCableRobotAreSetToWhatTheyAre) {
+  EXPECT_TRUE(CheckParameters<CdprLoop>(Cables(false)).contains("loop.pd.stiffness"));
+  const auto paths = CheckParameters<CdprLoop>(Cables(true));
+  for (const char* path : {"loop.mpc.weights", "loop.estimator.noise", "loop.imu.specific_force_bias"})
+    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
+}
+
+// The trunk is to be held less stiffly from now on: the same torques until then, others after.
+TEST(ParametersTest, AWalkGoesOnWithOtherGains) {
+  const auto torque = [](bool changes) {
+    DiagramBuilder builder;
+    const auto& loop = builder.Add<QuadrupedWalk>("loop", Walk());
+    Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-2, .atol = 1e-3});
+    const WholeBodyController& controller = loop.locomotion.whole_body;
+    simulator.RunTo(0.3);
+    const Vec<12> before = simulator.context().Eval(controller.torque);
+    if (changes) {
+      WholeBodyGains gains = simulator.context().Eval(controller.gains);
+      gains.trunk_stiffness /= 2;
+      simulator.context().Set(controller.gains, gains);
+      EXPECT_EQ(simulator.context().Eval(controller.torque), before) << "held until its tick";
+    }
+    simulator.RunTo(0.4);
+    if (AllocationGuard::Available()) {
+      const AllocationGuard guard;
+      simulator.RunTo(0.45);
+      EXPECT_EQ(guard.count(), 0);
+    }
+    return std::pair(before, simulator.context().Eval(controller.torque));
+  };
+  const auto plain = torque(false), changed = torque(true);
+  EXPECT_EQ(changed.first, plain.first);
+  EXPECT_NE(changed.second, plain.second);
+}
+
+}  // namespace
+}  // namespace tenon
