@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <thread>
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/model/resources.h>
@@ -105,6 +106,24 @@ TEST(CdprMpcLoop, RestoredRunGoesOnBitForBit) {
   EXPECT_THAT(a.p_WB, IsNear(b.p_WB, 0));
   EXPECT_THAT(a.q_WB, IsNear(b.q_WB, 0));
   EXPECT_THAT(restored.context().Eval(run.loop.command), IsNear(fresh.context().Eval(run.loop.command), 0));
+}
+
+// One diagram, two threads with a context each: the numbers of one thread.
+TEST(CdprMpcLoop, ThreadsGiveTheNumbersOfOne) {
+  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  const Flight alone(
+      WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2))), 0.5);
+  const auto run = [&](Eigen::VectorXd* end) {
+    Simulator simulator(*alone.diagram, kOptions);
+    simulator.RunTo(0.5);
+    *end = simulator.context().continuous_state();
+  };
+  Eigen::VectorXd first, second;
+  std::thread one(run, &first), two(run, &second);
+  one.join();
+  two.join();
+  EXPECT_EQ(first, alone.simulator.context().continuous_state());
+  EXPECT_EQ(second, alone.simulator.context().continuous_state());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -38,17 +39,21 @@ struct Errors {
   LeggedEstimatorDiagnostics diagnostics;
 };
 
+SimulatorOptions Options() {
+  return {.order = 2,
+          .rtol = 1e-3,
+          .atol = 1e-5,
+          .state_atol = {{"loop.world.plant.motion.v_W", 1e-3},
+                         {"loop.world.plant.motion.w_W", 1e-3},
+                         {"loop.world.plant.motion.qd", 1e-3},
+                         {"loop.world.plant.bristles", 1e-6}}};
+}
+
 Errors Walk(const QuadrupedWalkParams& params, double duration) {
   DiagramBuilder builder;
   auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2,
-                                 .rtol = 1e-3,
-                                 .atol = 1e-5,
-                                 .state_atol = {{"loop.world.plant.motion.v_W", 1e-3},
-                                                {"loop.world.plant.motion.w_W", 1e-3},
-                                                {"loop.world.plant.motion.qd", 1e-3},
-                                                {"loop.world.plant.bristles", 1e-6}}});
+  Simulator simulator(*diagram, Options());
   Errors errors;
   const int ticks = static_cast<int>(std::lround(1000 * duration));
   for (int k = 1; k <= ticks && !errors.ended; ++k) {
@@ -99,6 +104,27 @@ TEST(QuadrupedWalkEstimatedTest, BiasedSensorsDoNotMakeItFall) {
   EXPECT_LT((errors.diagnostics.angular_velocity_bias_B - params.world.imu.angular_velocity_bias).norm(),
             1e-3);
   EXPECT_NEAR(errors.diagnostics.specific_force_bias_B[2], 0.04, 0.005);
+}
+
+// One diagram, two threads with a context each: the numbers of one thread.
+TEST(QuadrupedWalkEstimatedTest, ThreadsGiveTheNumbersOfOne) {
+  QuadrupedWalkParams params = Trot();
+  params.locomotion.com_planner.reference = ComReference::kZmpSpline;  // one solver more
+  DiagramBuilder builder;
+  builder.Add<QuadrupedWalk>("loop", params);
+  const auto diagram = builder.Build();
+  const auto run = [&](Eigen::VectorXd* end) {
+    Simulator simulator(*diagram, Options());
+    simulator.RunTo(0.6);
+    *end = simulator.context().continuous_state();
+  };
+  Eigen::VectorXd alone, first, second;
+  run(&alone);
+  std::thread one(run, &first), two(run, &second);
+  one.join();
+  two.join();
+  EXPECT_EQ(first, alone);
+  EXPECT_EQ(second, alone);
 }
 
 }  // namespace

@@ -56,13 +56,13 @@ using MuJoCoModel = std::unique_ptr<mjModel, FreeMuJoCo>;
 using MuJoCoData = std::unique_ptr<mjData, FreeMuJoCo>;
 
 inline MuJoCoModel LoadMuJoCo(const std::string& mjcf) {
-  mjVFS files;
-  mj_defaultVFS(&files);
-  mj_makeEmptyFileVFS(&files, "robot.xml", static_cast<int>(mjcf.size()));
-  std::memcpy(files.filedata[0], mjcf.data(), mjcf.size());
+  const auto files = std::make_unique<mjVFS>();  // 2 MB: not on the stack
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(mjcf.size()));
+  std::memcpy(files->filedata[0], mjcf.data(), mjcf.size());
   char error[1000] = "";
-  MuJoCoModel model(mj_loadXML("robot.xml", &files, error, sizeof(error)));
-  mj_deleteVFS(&files);
+  MuJoCoModel model(mj_loadXML("robot.xml", files.get(), error, sizeof(error)));
+  mj_deleteVFS(files.get());
   if (model == nullptr) throw std::runtime_error(error);
   return model;
 }
