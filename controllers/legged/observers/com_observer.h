@@ -99,9 +99,9 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     WrenchEstimate estimate;
 
     static FieldList Fields() {
-      return {{"started", &Memory::started},  {"force_source", &Memory::force_source},
-              {"linear", &Memory::linear},    {"angular", &Memory::angular},
-              {"ground", &Memory::ground},    {"moment", &Memory::moment},
+      return {{"started", &Memory::started},    {"force_source", &Memory::force_source},
+              {"linear", &Memory::linear},      {"angular", &Memory::angular},
+              {"ground", &Memory::ground, "N"}, {"moment", &Memory::moment, "N m"},
               {"estimate", &Memory::estimate}};
     }
   };

@@ -200,8 +200,8 @@ void Compiler::LayOut() {
           {source, static_cast<Offset>(state.offset + continuous_size), state.count});
     }
   }
-  // Everything else that is stored: first what is copied as bytes. Parameters and Publishes come last, so that a
-  // block which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
+  // Everything else that is stored: first what is copied as bytes. Parameters and Publishes come last, so
+  // that a block which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
   std::vector<Source*> stored, last;
   for (Source* source : sources_) {
     const bool passes_on = source->kind() == SourceKind::kInput ||
