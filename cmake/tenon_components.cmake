@@ -1,8 +1,10 @@
 # The components, in the order in which they need one another, and what each needs. Sets TENON_HAS_<component> for
 # those that are built: what TENON_COMPONENTS names, and what that needs.
-set(TENON_ALL_COMPONENTS systems report model plants controllers diagrams apps testing)
+set(TENON_ALL_COMPONENTS systems report network lcm model plants controllers diagrams apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
+set(TENON_network_NEEDS systems)
+set(TENON_lcm_NEEDS network)
 set(TENON_model_NEEDS systems)
 set(TENON_plants_NEEDS model)
 set(TENON_controllers_NEEDS model)
@@ -10,9 +12,20 @@ set(TENON_diagrams_NEEDS plants controllers)
 set(TENON_apps_NEEDS diagrams report)
 set(TENON_testing_NEEDS systems)
 
+# The one that all do without where its library is not installed.
+find_path(TENON_LCM_INCLUDE lcm/lcm.h)
+find_library(TENON_LCM_LIBRARY lcm)
+mark_as_advanced(TENON_LCM_INCLUDE TENON_LCM_LIBRARY)
+
 set(wanted ${TENON_COMPONENTS})
 if(wanted STREQUAL "all")
   set(wanted ${TENON_ALL_COMPONENTS})
+  if(NOT TENON_LCM_INCLUDE OR NOT TENON_LCM_LIBRARY)
+    list(REMOVE_ITEM wanted lcm)
+    message(STATUS "LCM is not installed: without the component lcm")
+  endif()
+elseif("lcm" IN_LIST wanted AND NOT (TENON_LCM_INCLUDE AND TENON_LCM_LIBRARY))
+  message(FATAL_ERROR "The component lcm needs LCM: install liblcm-dev")
 endif()
 foreach(component IN LISTS wanted)
   if(NOT component IN_LIST TENON_ALL_COMPONENTS)

@@ -1,4 +1,5 @@
-// tenon-gait-stability: the Floquet multipliers of a walking robot, and whether they foretell how a push decays.
+// tenon-gait-stability: the Floquet multipliers of a walking robot, and whether they foretell how a push
+// decays.
 
 #include <fmt/core.h>
 
@@ -64,7 +65,8 @@ void PrintMultipliers(const DiscreteLinearModel& map) {
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](auto a, auto b) { return std::abs(multipliers[a]) > std::abs(multipliers[b]); });
-  fmt::print("{} states, of which the gait moves {}; {} flips\n", map.A.rows(), alive.size(), map.flips.size());
+  fmt::print("{} states, of which the gait moves {}; {} flips\n", map.A.rows(), alive.size(),
+             map.flips.size());
   fmt::print("multipliers, the largest first, and the state that each shows in most\n");
   for (std::size_t i = 0; i < std::min(order.size(), kShown); ++i) {
     const std::complex<double> value = multipliers[order[i]];
@@ -97,11 +99,11 @@ int Run(const CommonArguments& common, const StabilityArguments& arguments) {
   options.period = period;
   options.steps = arguments.steps;
   options.simulator = simulation;
-  // Forces of stiff contacts move by parts of a newton with the least change of a step of the integrator: what is
-  // compared with them has to be larger.
+  // Forces of stiff contacts move by parts of a newton with the least change of a step of the integrator:
+  // what is compared with them has to be larger.
   options.scales = {{"N", kWeight}, {"N m", kWeight}};
-  fmt::print("{}: {} at {:.3g} m/s, period {:.3g} s, from t = {:.4g} s\n", common.scenario, EnumName(last.gait),
-             last.forward, period, begin);
+  fmt::print("{}: {} at {:.3g} m/s, period {:.3g} s, from t = {:.4g} s\n", common.scenario,
+             EnumName(last.gait), last.forward, period, begin);
   const DiscreteLinearModel map = LinearizeDiscrete(*at_begin, {}, {&loop.world.state}, options);
   PrintMultipliers(map);
 
@@ -116,8 +118,9 @@ int Run(const CommonArguments& common, const StabilityArguments& arguments) {
   motion.v_W[1] += arguments.push;
   other->Set(loop.world.plant.motion, motion);
   Simulator with(std::move(other), simulation), without(at_begin->Clone(), simulation);
-  fmt::print("a push of {} m/s: deviation of the robot after each stride\n  stride  simulated  foretold    error\n",
-             arguments.push);
+  fmt::print(
+      "a push of {} m/s: deviation of the robot after each stride\n  stride  simulated  foretold    error\n",
+      arguments.push);
   for (int k = 1; k <= arguments.strides; ++k) {
     const double t = begin + k * period;
     if (with.AdvanceToBefore(t).ended || without.AdvanceToBefore(t).ended) throw RunError("the robot fell");
@@ -151,8 +154,10 @@ int main(int argc, char** argv) {
   tenon::apps::CommonArguments arguments;
   tenon::apps::AddCommonArguments(app, arguments);
   tenon::apps::StabilityArguments stability;
-  app.add_option("--settle", stability.settle, "strides before the one that is linearised")->check(CLI::NonNegativeNumber);
-  app.add_option("--strides", stability.strides, "for which the decay of a push is compared")->check(CLI::PositiveNumber);
+  app.add_option("--settle", stability.settle, "strides before the one that is linearised")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--strides", stability.strides, "for which the decay of a push is compared")
+      ->check(CLI::PositiveNumber);
   app.add_option("--push", stability.push, "to the left [m/s]");
   app.add_option("--steps", stability.steps, "of the differences");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, stability); });

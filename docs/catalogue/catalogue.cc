@@ -6,6 +6,9 @@
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/systems/io/external_input.h>
+#include <tenon/systems/network/lcm.h>
+#include <tenon/systems/network/udp.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/concatenate.h>
 #include <tenon/systems/primitives/constant.h>
@@ -170,6 +173,28 @@ Shelf Primitives() {
   return shelf;
 }
 
+Shelf Doors() {
+  Shelf shelf{"doors", {}};
+  auto& entries = shelf.entries;
+  const std::string numbers = "`T` is a number, a matrix, or a struct with `Fields()`.";
+  entries.push_back(
+      WithNote(MakeOfType<ExternalInput<T>>("ExternalInput", ExternalInputParams<T>{.unit = "unit"}),
+               "`T` is any copyable type."));
+  entries.push_back(
+      WithNote(MakeOfType<UdpPublisher<T>>("UdpPublisher", UdpPublisherParams{.name = "signal"}), numbers));
+  entries.push_back(WithNote(
+      MakeOfType<UdpInput<T>>("UdpInput", UdpInputParams<T>{.name = "signal", .unit = "unit", .port = 0}),
+      numbers));
+  entries.push_back(WithNote(
+      MakeOfType<LcmPublisher<T>>("LcmPublisher", LcmPublisherParams{.channel = "SIGNAL", .url = "memq://"}),
+      numbers));
+  entries.push_back(
+      WithNote(MakeOfType<LcmInput<T>>(
+                   "LcmInput", LcmInputParams<T>{.channel = "SIGNAL", .url = "memq://", .unit = "unit"}),
+               numbers));
+  return shelf;
+}
+
 Shelf QuadrupedPlants(const Shipped& shipped) {
   const QuadrupedWorldParams& world = shipped.walk.world;
   Shelf shelf{"quadruped plants", {}};
@@ -270,6 +295,7 @@ std::vector<Shelf> MakeCatalogue() {
   const Shipped shipped;
   std::vector<Shelf> shelves;
   shelves.push_back(Primitives());
+  shelves.push_back(Doors());
   shelves.push_back(QuadrupedPlants(shipped));
   shelves.push_back(Surroundings(shipped));
   shelves.push_back(CdprPlants(shipped));

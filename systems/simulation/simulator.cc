@@ -53,6 +53,13 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   }
   if (options_.profile) profiler_ = std::make_unique<Profiler>(program_.calculations.size());
   context_->profiler_ = profiler_.get();
+  const auto demand = [](const char* name, double value) {
+    if (value >= 0 && std::isfinite(value)) return;
+    throw ParameterError(
+        fmt::format("SimulatorOptions: {} = {} must not be negative, and finite", name, value));
+  };
+  demand("real_time_rate", options_.real_time_rate);
+  demand("late_tolerance", options_.late_tolerance);
   for (const internal::CalculationInfo& info : program_.calculations) {
     if (info.source->kind() == SourceKind::kPublish) context_->Mute(*info.source, !options_.publish);
   }
@@ -184,7 +191,7 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
   try {
     Synchronize();
     steps_ = 0;
-    if (options_.real_time_rate > 0 && !pace_start_) {
+    if (options_.real_time_rate != 0 && !pace_start_) {
       pace_start_ =
           std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
       pace_start_time_ = context_->time();
@@ -201,8 +208,8 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       const bool tick = before_tick ? next < time - rounding : next <= time + rounding;
       if (!tick && context_->time() >= time - rounding) break;
       IntegrateTo(next <= time + rounding ? next : time);
+      KeepPace(tick);
       if (tick && !end_reason_) Tick();
-      KeepPace();
     }
     if (context_->progress_ == Progress::kTickDone && schedule_->next_time() <= context_->time())
       context_->progress_ = Progress::kTickDue;
@@ -425,13 +432,37 @@ void Simulator::HandleJumps() {
   }
 }
 
-void Simulator::KeepPace() {
-  if (options_.real_time_rate <= 0) return;
-  const std::chrono::duration<double> due((context_->time() - pace_start_time_) / options_.real_time_rate);
-  const std::chrono::nanoseconds start(*pace_start_);
-  const Profiled waiting(profiler_.get(), Profiler::kWaiting);
-  std::this_thread::sleep_until(
-      Clock::time_point(start + std::chrono::duration_cast<std::chrono::nanoseconds>(due)));
+/// Waits for the time on the clock: a tick takes what comes from outside, and sends, when it is due.
+void Simulator::KeepPace(bool tick) {
+  if (options_.real_time_rate == 0 || end_reason_) return;
+  using Duration = std::chrono::duration<double>;
+  const Duration since_start((context_->time() - pace_start_time_) / options_.real_time_rate);
+  const Clock::time_point due(std::chrono::nanoseconds(*pace_start_) +
+                              std::chrono::duration_cast<std::chrono::nanoseconds>(since_start));
+  {
+    const Profiled waiting(profiler_.get(), Profiler::kWaiting);
+    std::this_thread::sleep_until(due);
+  }
+  if (!tick) return;
+  const auto late = Clock::now() - due;
+  ++real_time_.ticks;
+  const double lateness = Duration(late).count();
+  if (lateness > real_time_.worst_lateness) {
+    real_time_.worst_lateness = lateness;
+    real_time_.worst_time = context_->time();
+  }
+  if (lateness <= options_.late_tolerance) return;
+  ++real_time_.missed;
+  real_time_.missed_lateness = lateness;
+  real_time_.missed_time = context_->time();
+  if (options_.late_policy == LatePolicy::kShift) {
+    *pace_start_ += std::chrono::duration_cast<std::chrono::nanoseconds>(late).count();
+  } else if (options_.late_policy == LatePolicy::kStop) {
+    throw RunError(fmt::format(
+        "the tick at t = {} s begins {:.3g} s late, allowed are {} s: make the blocks faster, lower "
+        "real_time_rate = {}, or choose another late_policy",
+        context_->time(), lateness, options_.late_tolerance, options_.real_time_rate));
+  }
 }
 
 void Simulator::FlushLogs() {

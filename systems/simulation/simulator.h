@@ -63,8 +63,9 @@ class Simulator {
   /// However a run is divided into advances, it is the same run: where `time` lies inside a step of the
   /// integrator, which steps past it by max_step at most, the states are read from there, with about its
   /// accuracy. Throws RunError: what a block threw (std::rethrow_if_nested gives it as it was), the first
-  /// value that is not finite, the integrator's failure with its worst state, or events without end. After
-  /// that the run refuses to go on until a snapshot is restored: half of a tick may have happened.
+  /// value that is not finite, the integrator's failure with its worst state, events without end, or a tick
+  /// that is missed under LatePolicy::kStop. After that the run refuses to go on until a snapshot is
+  /// restored: half of a tick may have happened.
   [[nodiscard]] RunStatus AdvanceTo(double time);
   /// The same up to and without the tick at `time`, which happens when the run goes on: so what that tick
   /// reads can be set. With the tick where the run stands already, nothing happens.
@@ -75,6 +76,8 @@ class Simulator {
   double next_tick_time() const;
 
   IntegratorStatistics statistics() const;
+  /// How the run keeps to the clock; zeros without real_time_rate.
+  const RealTimeStatistics& real_time() const { return real_time_; }
   /// Where the time of the run went, since the simulator was made. Throws RunError unless `.profile` is set.
   RunProfile Profile() const;
 
@@ -102,7 +105,7 @@ class Simulator {
   void AskMonitors();
   void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
   void CheckSamples(const internal::TickPlan& plan) const;
-  void KeepPace();
+  void KeepPace(bool tick);
   void FlushLogs();
 
   std::unique_ptr<Context> context_;
@@ -137,6 +140,7 @@ class Simulator {
   std::optional<std::string> end_reason_;
   std::optional<std::int64_t> pace_start_;  ///< on the clock [ns]
   double pace_start_time_ = 0;
+  RealTimeStatistics real_time_;
 };
 
 }  // namespace tenon

@@ -629,6 +629,78 @@ TEST(SimulatorTest, PacesToRealTime) {
   EXPECT_GE(elapsed.count(), 0.1 / 4);
 }
 
+/// Ticks every 0.01 s; the one at 0.05 s takes 50 ms on the clock.
+class Stalls final : public LeafSystem<void> {
+ public:
+  Publish stall{this, "stall", Sampled{Hz(100)}, Uses(time), [](double time) {
+                  if (time != 0.05) return;
+                  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+                  while (std::chrono::steady_clock::now() < end) continue;
+                }};
+};
+
+TEST(SimulatorTest, ATickOnTimeIsNotMissed) {
+  DiagramBuilder builder;
+  builder.Add<Counter>("counter", Sampled{Hz(100)});
+  Simulator simulator(builder.Build(), {.real_time_rate = 10, .late_tolerance = 1e6});
+  simulator.RunTo(0.1);
+  simulator.RunTo(0.105);
+  EXPECT_EQ(simulator.real_time().ticks, 10);
+  EXPECT_EQ(simulator.real_time().missed, 0);
+  EXPECT_EQ(simulator.real_time().missed_lateness, 0);
+}
+
+TEST(SimulatorTest, ATickAfterAStallIsMissed) {
+  DiagramBuilder builder;
+  builder.Add<Stalls>("stalls");
+  Simulator simulator(builder.Build(), {.real_time_rate = 10, .late_tolerance = 0.02});
+  simulator.RunTo(0.1);
+  // The five ticks behind it are due within 5 ms of the clock.
+  const RealTimeStatistics& statistics = simulator.real_time();
+  EXPECT_EQ(statistics.ticks, 10);
+  EXPECT_GE(statistics.missed, 5);
+  EXPECT_GE(statistics.worst_lateness, 0.049 - 1e-6);
+  EXPECT_GT(statistics.worst_time, 0);
+  EXPECT_EQ(statistics.missed_time, 0.1);
+  EXPECT_GE(statistics.missed_lateness, 0.045 - 1e-6);
+}
+
+TEST(SimulatorTest, TheClockCanBeShiftedByAStall) {
+  DiagramBuilder builder;
+  builder.Add<Stalls>("stalls");
+  Simulator simulator(builder.Build(),
+                      {.real_time_rate = 1, .late_policy = LatePolicy::kShift, .late_tolerance = 0.03});
+  const auto begin = std::chrono::steady_clock::now();
+  simulator.RunTo(0.1);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(elapsed.count(), 0.1 + 0.04 - 1e-6) << "nothing is caught up";
+  EXPECT_GE(simulator.real_time().missed, 1);
+  EXPECT_GE(simulator.real_time().worst_lateness, 0.04 - 1e-6);
+}
+
+TEST(SimulatorTest, AStallCanEndTheRun) {
+  DiagramBuilder builder;
+  builder.Add<Stalls>("stalls");
+  Simulator simulator(builder.Build(),
+                      {.real_time_rate = 1, .late_policy = LatePolicy::kStop, .late_tolerance = 0.03});
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "the tick at t = 0.0",
+                               "s late, allowed are 0.03 s", "real_time_rate = 1", "late_policy"));
+  EXPECT_EQ(simulator.real_time().missed, 1);
+  EXPECT_EQ(simulator.real_time().missed_time, simulator.context().time());
+}
+
+TEST(SimulatorTest, TheClockDoesNotRunBackwards) {
+  DiagramBuilder builder;
+  builder.Add<Counter>("counter", Sampled{Hz(100)});
+  const auto diagram = builder.Build();
+  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.real_time_rate = -1}); },
+                                     "real_time_rate = -1 must not be negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.late_tolerance = -0.1}); },
+                                     "late_tolerance = -0.1 must not be negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.real_time_rate = std::nan("")}); },
+                                     "real_time_rate = nan", "finite"));
+}
+
 // ---- Errors ----
 
 TEST(SimulatorTest, OpenInputMustBeFixed) {

@@ -1,0 +1,90 @@
+#include <tenon/systems/network/inbox.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+namespace internal {
+namespace {
+
+/// A sender that never pauses does not keep a tick for ever.
+constexpr int kMostAtATick = 4096;
+
+/// Both sides count the same ticks; only rounding tells their times apart.
+double Rounding(double time) {
+  return 1e-9 * (1 + std::abs(time));
+}
+
+}  // namespace
+
+Inbox::Inbox(Reception reception) : reception_(reception) {
+  Demand(reception.timeout_s > 0 && std::isfinite(reception.timeout_s),
+         fmt::format("timeout_s = {} must be positive and finite", reception.timeout_s));
+}
+
+bool Inbox::Take(double time, void* value, RefusedMessages& refused) {
+  const std::lock_guard lock(mutex_);
+  if (!reception_.lock_step) return TakeNewest(value, refused);
+  TakeThatOf(time, value, refused);
+  return true;
+}
+
+bool Inbox::ReadOrRefuse(std::span<const char> message, double* timestamp, void* value,
+                         RefusedMessages& refused) {
+  std::string reason = Read(message, timestamp, value);
+  if (reason.empty()) return true;
+  ++refused.count;
+  refused.reason = std::move(reason);
+  return false;
+}
+
+/// The last that came, whatever its time: a sender that starts anew begins at 0 again.
+bool Inbox::TakeNewest(void* value, RefusedMessages& refused) {
+  bool taken = false;
+  double timestamp = 0;
+  for (int i = 0; i < kMostAtATick; ++i) {
+    const auto message = Receive(0);
+    if (!message) break;
+    if (ReadOrRefuse(*message, &timestamp, value, refused)) taken = true;
+  }
+  return taken;
+}
+
+void Inbox::TakeThatOf(double time, void* value, RefusedMessages& refused) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(reception_.timeout_s);
+  const std::uint64_t refused_before = refused.count;
+  std::string last = "none came";
+  for (;;) {
+    const std::chrono::duration<double> left = end - Clock::now();
+    const auto message = Receive(std::max(0.0, left.count()));
+    if (!message) break;
+    double timestamp = 0;
+    if (!ReadOrRefuse(*message, &timestamp, value, refused)) continue;
+    if (std::abs(timestamp - time) <= Rounding(time)) return;
+    if (timestamp > time) {
+      throw RunError(
+          fmt::format("{}: the message of t = {} s is lost, the next one is of t = {} s: start the sender "
+                      "after this one, and give both the same rate",
+                      Description(), time, timestamp));
+    }
+    last = fmt::format("the last one is of t = {} s", timestamp);
+  }
+  if (refused.count > refused_before) {
+    last += fmt::format("; {} were refused: {}", refused.count - refused_before, refused.reason);
+  }
+  throw RunError(fmt::format(
+      "{}: no message of t = {} s within {} s ({}): start the sender after this one, look at its address "
+      "and its rate, or raise timeout_s",
+      Description(), time, reception_.timeout_s, last));
+}
+
+}  // namespace internal
+}  // namespace tenon

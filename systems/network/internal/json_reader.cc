@@ -1,0 +1,162 @@
+#include <tenon/systems/network/internal/json_reader.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+#include <utility>
+
+#include <tenon/systems/network/internal/json_writer.h>
+
+namespace tenon::internal {
+namespace {
+
+class KindVisitor final : public ValueVisitor {
+ public:
+  explicit KindVisitor(std::vector<ScalarKind>& kinds) : kinds_(kinds) {}
+  void Numbers(void*, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    kinds_.insert(kinds_.end(), rows * cols, kind);
+  }
+
+ private:
+  std::vector<ScalarKind>& kinds_;
+};
+
+template <class Element>
+Element To(const JsonNumber& number) {
+  return std::visit([](auto value) { return static_cast<Element>(value); }, number);
+}
+
+class NumberStore final : public ValueVisitor {
+ public:
+  explicit NumberStore(const JsonNumber* next) : next_(next) {}
+  void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    WithKind(kind, data, [&]<class Element>(Element* elements) {
+      for (std::size_t i = 0; i < rows * cols; ++i) elements[i] = To<Element>(*next_++);
+    });
+  }
+
+ private:
+  const JsonNumber* next_;
+};
+
+}  // namespace
+
+/// What nlohmann_json calls as it goes through a message; false stops it.
+class JsonReader::Handler {
+ public:
+  explicit Handler(JsonReader& reader) : reader_(reader) {}
+
+  bool null() { return Refuse("'{}' is null", path_); }
+  bool boolean(bool value) { return Take(value); }
+  bool number_integer(std::int64_t value) { return Take(value); }
+  bool number_unsigned(std::uint64_t value) { return Take(value); }
+  bool number_float(double value, const std::string&) { return Take(value); }
+  bool string(std::string& text) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (text == "NaN") return Take(std::numeric_limits<double>::quiet_NaN());
+    if (text == "Infinity") return Take(kInfinity);
+    if (text == "-Infinity") return Take(-kInfinity);
+    return Refuse("'{}' is a text, no number", path_);
+  }
+  bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has none
+  bool start_object(std::size_t) {
+    lengths_.push_back(path_.size());
+    return true;
+  }
+  bool key(std::string& name) {
+    path_.resize(lengths_.back());
+    if (!path_.empty()) path_ += '.';
+    path_ += name;
+    return true;
+  }
+  bool end_object() {
+    path_.resize(lengths_.back());
+    lengths_.pop_back();
+    return true;
+  }
+  bool start_array(std::size_t) { return Refuse("'{}' is a list, no number", path_); }
+  bool end_array() { return true; }
+  bool parse_error(std::size_t place, const std::string&, const nlohmann::json::exception&) {
+    return Refuse("it is no JSON: something is wrong before byte {}", place);
+  }
+  std::string reason;
+
+ private:
+  template <class... Args>
+  bool Refuse(fmt::format_string<Args...> format, Args&&... args) {
+    reason = fmt::format(format, std::forward<Args>(args)...);
+    return false;
+  }
+
+  template <class T>
+  bool Take(T number) {
+    if (lengths_.empty()) return Refuse("it is no object");
+    // Most messages have their keys in our order.
+    if (next_ == reader_.names_.size() || reader_.names_[next_] != path_) {
+      const auto found = reader_.places_.find(path_);
+      if (found == reader_.places_.end()) return Refuse("'{}' is no element of the signal", path_);
+      next_ = found->second;
+    }
+    const std::size_t i = next_++;
+    if (reader_.given_[i]) return Refuse("'{}' is there twice", path_);
+    if (!Fits(number, reader_.kinds_[i])) return Refuse("'{}' = {} does not fit its element", path_, number);
+    reader_.given_[i] = true;
+    reader_.numbers_[i] = number;
+    return true;
+  }
+
+  /// Whether an element of that kind can hold the number as it is.
+  template <class T>
+  static bool Fits(T number, ScalarKind kind) {
+    bool fits = false;
+    WithKind(kind, nullptr, [&]<class Element>(Element*) {
+      if constexpr (std::is_same_v<Element, double> || std::is_same_v<T, bool>) {
+        fits = true;
+      } else if constexpr (std::is_same_v<Element, float>) {
+        const auto size = std::abs(static_cast<double>(number));
+        fits = !(size > std::numeric_limits<float>::max()) || std::isinf(size);
+      } else if constexpr (std::is_same_v<Element, bool>) {
+        fits = number == 0 || number == 1;
+      } else if constexpr (std::is_same_v<T, double>) {
+        fits = number == std::floor(number) && std::abs(number) <= 9007199254740992.0 &&
+               std::in_range<Element>(static_cast<std::int64_t>(number));
+      } else {
+        fits = std::in_range<Element>(number);
+      }
+    });
+    return fits;
+  }
+
+  JsonReader& reader_;
+  std::string path_;
+  std::vector<std::size_t> lengths_;  ///< of the path, outside of the objects
+  std::size_t next_ = 0;
+};
+
+JsonReader::JsonReader(std::string name, const TypeInfo& type, const void* model, const Spec& spec)
+    : type_(type), names_(JsonKeys(name, type, model, spec)) {
+  KindVisitor kinds(kinds_);
+  Walk(type, const_cast<void*>(model), kinds);
+  names_.emplace_back(kJsonTimestamp);
+  kinds_.push_back(ScalarKind::kDouble);
+  for (std::size_t i = 0; i < names_.size(); ++i) places_.emplace(names_[i], i);
+  numbers_.resize(names_.size());
+}
+
+std::string JsonReader::Read(std::span<const char> message, double* timestamp, void* value) {
+  given_.assign(names_.size(), false);
+  Handler handler(*this);
+  if (!nlohmann::json::sax_parse(message.begin(), message.end(), &handler)) return handler.reason;
+  for (std::size_t i = 0; i < given_.size(); ++i) {
+    if (!given_[i]) return fmt::format("'{}' is missing", names_[i]);
+  }
+  NumberStore store(numbers_.data());
+  Walk(type_, value, store);
+  *timestamp = To<double>(numbers_.back());
+  return "";
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/network/inbox.h>
+#include <tenon/systems/network/internal/lcm_type.h>
+
+namespace tenon::internal {
+
+class LcmBus;
+
+/// What an LcmPublisher of any type sends through.
+class LcmSender {
+ public:
+  LcmSender(const std::string& channel, const std::string& url, const TypeInfo& type);
+  ~LcmSender();
+  /// False if LCM does not take it. `message` is memory.
+  bool Send(double time, const void* value, std::vector<char>& message) const;
+
+ private:
+  const std::string channel_;
+  const LcmType type_;
+  std::shared_ptr<LcmBus> bus_;
+};
+
+/// Where the messages of an LcmInput of any type arrive.
+std::unique_ptr<Inbox> MakeLcmInbox(const std::string& channel, const std::string& url, Reception reception,
+                                    const TypeInfo& type);
+void CheckChannel(const std::string& channel);
+
+}  // namespace tenon::internal

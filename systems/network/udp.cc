@@ -1,0 +1,85 @@
+#include <tenon/systems/network/udp.h>
+
+#include <fmt/core.h>
+
+#include <tenon/systems/network/internal/json_reader.h>
+#include <tenon/systems/network/internal/udp_socket.h>
+
+namespace tenon::internal {
+namespace {
+
+void CheckHasNumbers(const TypeInfo& type) {
+  using Kind = TypeInfo::Kind;
+  const bool none = type.kind == Kind::kOpaque || type.kind == Kind::kMap || type.kind == Kind::kText ||
+                    (type.fixed && type.num_scalars == 0);
+  Demand(!none,
+         fmt::format("{} holds no numbers that could be sent: give it a static Fields()", TypeName(type)));
+}
+
+/// The nearest source up the connections that says what its elements are called; else the port itself.
+const Spec& NamingSpec(const Source& port) {
+  for (const Source* source = &port; source != nullptr; source = source->driver()) {
+    if (!source->spec().elements.empty()) return source->spec();
+  }
+  return port.spec();
+}
+
+class UdpInbox final : public Inbox {
+ public:
+  UdpInbox(const UdpReception& reception, const TypeInfo& type, const void* model)
+      : Inbox(reception.reception),
+        name_(reception.name),
+        reader_(reception.name, type, model, reception.spec),
+        socket_(UdpSocket::Use::kReceive, reception.address, reception.port) {}
+  int port() const { return socket_.port(); }
+
+ private:
+  std::optional<std::span<const char>> Receive(double timeout_s) override {
+    return socket_.Receive(timeout_s);
+  }
+  std::string Read(std::span<const char> message, double* timestamp, void* value) override {
+    return reader_.Read(message, timestamp, value);
+  }
+  std::string Description() const override {
+    return fmt::format("signal '{}' at UDP {}", name_, socket_.name());
+  }
+
+  const std::string name_;
+  JsonReader reader_;
+  UdpSocket socket_;
+};
+
+}  // namespace
+
+void CheckSignalName(const std::string& name) {
+  Demand(!name.empty(), "name is empty: say what the signal is called in the messages");
+  Demand(name != kJsonTimestamp, fmt::format("name = '{}' is what the time is called: choose another", name));
+}
+
+UdpSender::UdpSender(const std::string& name, const std::string& address, int port, const TypeInfo& type)
+    : name_(name), socket_(std::make_unique<UdpSocket>(UdpSocket::Use::kSend, address, port)) {
+  CheckHasNumbers(type);
+}
+
+UdpSender::~UdpSender() = default;
+
+bool UdpSender::Send(double time, const Source& port, const void* value, JsonWriter& writer) const {
+  const std::span<const char> message = writer.Write(time, name_, port.type(), value, NamingSpec(port));
+  if (message.size() > UdpSocket::kLargestDatagram) {
+    throw RunError(
+        fmt::format("a message of signal '{}' has {} bytes, a datagram holds {}: send it in parts, by blocks "
+                    "that pick them",
+                    name_, message.size(), UdpSocket::kLargestDatagram));
+  }
+  return socket_->Send(message);
+}
+
+std::unique_ptr<Inbox> MakeUdpInbox(const UdpReception& reception, const TypeInfo& type, const void* model,
+                                    int* port) {
+  CheckHasNumbers(type);
+  auto inbox = std::make_unique<UdpInbox>(reception, type, model);
+  *port = inbox->port();
+  return inbox;
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,330 @@
+#include <tenon/systems/network/lcm.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <tenon_test/EverythingSample.hpp>
+#include <tenon_test/Vec_2Sample.hpp>
+#include <tenon_test_cloud/CloudSample.hpp>
+#include <thread>
+
+#include <tenon/systems/network/internal/lcm_bus.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/systems/network/signals.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using internal::LcmBus;
+using internal::LcmType;
+using internal::TypeInfoOf;
+using test::Cloud;
+using test::Everything;
+
+/// Inside of this program alone.
+const std::string kUrl = "memq://";
+
+template <class T>
+std::vector<char> Encoded(const T& value, double timestamp) {
+  std::vector<char> message;
+  LcmType(TypeInfoOf<T>()).Encode(timestamp, &value, message);
+  return message;
+}
+
+/// By the code that lcm-gen has made.
+template <class Message>
+std::vector<char> EncodedByLcm(const Message& message) {
+  std::vector<char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  EXPECT_EQ(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), bytes.size());
+  return bytes;
+}
+
+std::string Described(const std::string& file) {
+  std::ifstream in(TENON_LCM_TYPES + ("/" + file));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// ---- The type ----
+
+// The files that lcm-gen has made code of.
+TEST(LcmTypeTest, IsDescribedAsLcmGenReadsIt) {
+  EXPECT_EQ(LcmTypeOf<Everything>("tenon_test"), Described("everything.lcm"));
+  EXPECT_EQ(LcmTypeOf<Cloud>("tenon_test_cloud"), Described("cloud.lcm"));
+  EXPECT_EQ(LcmTypeOf<Vec<2>>("tenon_test"), Described("vec_2.lcm"));
+}
+
+TEST(LcmTypeTest, HasTheFingerprintThatLcmGenComputes) {
+  const auto fingerprint = []<class T>(const T&) {
+    return static_cast<std::int64_t>(LcmType(TypeInfoOf<T>()).fingerprint());
+  };
+  EXPECT_EQ(fingerprint(Everything()), tenon_test::EverythingSample::getHash());
+  EXPECT_EQ(fingerprint(Cloud()), tenon_test_cloud::CloudSample::getHash());
+  EXPECT_EQ(fingerprint(Vec<2>()), tenon_test::Vec_2Sample::getHash());
+}
+
+TEST(LcmTypeTest, NamesAreIdentifiers) {
+  EXPECT_THAT(LcmTypeOf<double>("p"), testing::StartsWith("package p;\n\nstruct doubleSample {"));
+  EXPECT_THAT(LcmTypeOf<Recorded<Vec<3>>>("p"), testing::HasSubstr("struct Recorded_Vec_3 {"));
+  struct Odd {
+    double first = 0, second = 0;
+    static FieldList Fields() { return {{"2nd value [m]", &Odd::second, "m"}, {"a b", &Odd::first}}; }
+  };
+  EXPECT_THAT(LcmTypeOf<Odd>("p"), testing::HasSubstr("{\n  double _2nd_value_m;  // m\n  double a_b;\n}"));
+}
+
+TEST(LcmTypeTest, RowsAndColumnsMayVaryAlone) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+  using Columns = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+  EXPECT_THAT(LcmTypeOf<Rows>("p"),
+              testing::HasSubstr("int32_t value_rows;\n  double value[value_rows][2];"));
+  EXPECT_THAT(LcmTypeOf<Columns>("p"),
+              testing::HasSubstr("int32_t value_cols;\n  double value[2][value_cols];"));
+  Columns value(2, 3), back(2, 3);
+  value << 1, 2, 3, 4, 5, 6;
+  back.setZero();
+  double timestamp = 0;
+  EXPECT_EQ(LcmType(TypeInfoOf<Columns>()).Decode(Encoded(value, 0.5), &timestamp, &back), "");
+  EXPECT_EQ(back, value);
+  EXPECT_EQ(timestamp, 0.5);
+}
+
+/// A tree.
+struct Node {
+  double value = 0;
+  std::vector<Node> children;
+  static FieldList Fields() { return {{"value", &Node::value}, {"children", &Node::children}}; }
+};
+namespace other {
+struct Leg {
+  double length = 0;
+  static FieldList Fields() { return {{"length", &Leg::length}}; }
+};
+}  // namespace other
+struct TwoLegs {
+  test::Leg one;
+  other::Leg two;
+  static FieldList Fields() { return {{"one", &TwoLegs::one}, {"two", &TwoLegs::two}}; }
+};
+
+TEST(LcmTypeTest, RefusesWhatLcmDoesNotHave) {
+  EXPECT_TRUE(Throws<ParameterError>([] { LcmTypeOf<std::string>("p"); }, "std::string holds no numbers",
+                                     "Fields()"));
+  EXPECT_TRUE(Throws<ParameterError>([] { LcmTypeOf<std::vector<std::vector<double>>>("p"); },
+                                     "'value' is an array", "size at run time", "put that into a structure"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { LcmTypeOf<std::array<Eigen::VectorXd, 2>>("p"); }, "'value' is an array"));
+  EXPECT_TRUE(Throws<ParameterError>([] { LcmTypeOf<Node>("p"); }, "Node holds items of its own type"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { LcmTypeOf<TwoLegs>("p"); }, "two types are named Leg", "rename one"));
+}
+
+// ---- Messages ----
+
+TEST(LcmTypeTest, MessagesAreThoseOfLcmGen) {
+  const Everything e = test::Extreme();
+  tenon_test::EverythingSample sample;
+  sample.timestamp = 0.25;
+  auto& value = sample.value;
+  value.on = 1, value.heat = e.heat;
+  value.i8 = e.i8, value.i16 = e.i16, value.i32 = e.i32, value.i64 = e.i64;
+  value.u16 = e.u16, value.u32 = e.u32, value.u64 = -1;
+  for (int r = 0; r < 2; ++r) {
+    for (int c = 0; c < 3; ++c) value.A[r][c] = e.A(r, c);
+    value.pair[r] = e.pair[static_cast<std::size_t>(r)];
+    value.legs[r].phase = static_cast<std::uint8_t>(r);
+    for (int i = 0; i < 3; ++i) value.legs[r].p_W[i] = e.legs[static_cast<std::size_t>(r)].p_W[i];
+  }
+  EXPECT_EQ(Encoded(e, 0.25), EncodedByLcm(sample));
+
+  Everything back;
+  double timestamp = 0;
+  EXPECT_EQ(LcmType(TypeInfoOf<Everything>()).Decode(EncodedByLcm(sample), &timestamp, &back), "");
+  EXPECT_EQ(timestamp, 0.25);
+  EXPECT_EQ(back, e);
+}
+
+TEST(LcmTypeTest, SizesTravelToo) {
+  const Cloud cloud = test::SomeCloud();
+  const auto message = Encoded(cloud, 1);
+  tenon_test_cloud::CloudSample sample;
+  ASSERT_EQ(sample.decode(message.data(), 0, static_cast<int>(message.size())), message.size());
+  EXPECT_EQ(sample.value.weights, (std::vector<double>{1, 2}));
+  EXPECT_EQ(sample.value.basis, (std::vector<std::vector<double>>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(sample.value.points, (std::vector<std::vector<double>>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(sample.value.legs_size, 1);
+  EXPECT_EQ(sample.value.radius, std::vector<double>{0.5});
+  EXPECT_EQ(EncodedByLcm(sample), message);
+}
+
+TEST(LcmTypeTest, SaysWhyItRefusesAMessage) {
+  Everything value;
+  double timestamp = 7;
+  const auto reason = [&](const std::vector<char>& message) {
+    const std::string reason = LcmType(TypeInfoOf<Everything>()).Decode(message, &timestamp, &value);
+    EXPECT_TRUE(value == Everything() && timestamp == 7) << "nothing is stored";
+    return reason;
+  };
+  std::vector<char> message = Encoded(test::Extreme(), 0);
+  EXPECT_THAT(reason(Encoded(Vec<2>(1, 2), 0)),
+              testing::MatchesRegex(
+                  "it is of another type than EverythingSample: its fingerprint is 0x.*, not 0x.*"));
+  EXPECT_EQ(reason({}), "it is cut short: 0 bytes, more are needed");
+  EXPECT_EQ(reason({message.begin(), message.end() - 1}),
+            "it is cut short: " + std::to_string(message.size() - 1) + " bytes, more are needed");
+  message.push_back(0);
+  EXPECT_EQ(reason(message), "it is longer than its type");
+  message.pop_back();
+  message[16] = 2;  // fingerprint and timestamp are in front
+  EXPECT_EQ(reason(message), "'on' holds a number that does not fit");
+  Cloud cloud = test::SomeCloud();
+  cloud.weights.resize(3);
+  EXPECT_EQ(LcmType(TypeInfoOf<Cloud>()).Decode(Encoded(test::SomeCloud(), 0), &timestamp, &cloud),
+            "'weights_size' is 2 where the signal has 3");
+}
+
+// ---- Blocks ----
+
+TEST(LcmTest, ASignalGoesFromBlockToBlock) {
+  TestRig<LcmInput<Everything>> input({.channel = "a.b(c)", .url = kUrl, .rate = Hz(10)});
+  TestRig<LcmInput<Vec<2>>> other({.channel = "a_b(c)", .url = kUrl});
+  TestRig<LcmPublisher<Everything>> rig({.channel = "a.b(c)", .url = kUrl, .rate = Hz(10)});
+  EXPECT_EQ(input.Tick()[input->y], Everything());
+  rig.Fix(rig->u, Everything()).Tick();
+  rig.Fix(rig->u, test::Extreme()).Tick();
+  EXPECT_EQ(input.Tick()[input->y], test::Extreme()) << "the one that came last";
+  EXPECT_EQ(input.Tick()[input->y], test::Extreme());
+  other.Tick();
+  EXPECT_EQ(other[other->refused].count, 0u);
+  EXPECT_EQ(rig[rig->unsent], 0u);
+}
+
+TEST(LcmTest, WhatIsOfAnotherTypeIsRefused) {
+  TestRig<LcmInput<double>> input({.channel = "X", .url = kUrl, .initial = 3});
+  TestRig<LcmPublisher<Vec<2>>> rig({.channel = "X", .url = kUrl});
+  rig.Fix(rig->u, {1, 2}).Tick();
+  EXPECT_EQ(input.Tick()[input->y], 3);
+  EXPECT_EQ(input[input->refused].count, 1u);
+  EXPECT_THAT(input[input->refused].reason, testing::HasSubstr("another type than doubleSample"));
+}
+
+TEST(LcmTest, SendsWithoutAllocating) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  std::vector<char> message;
+  const LcmType type(TypeInfoOf<Cloud>());
+  const Cloud cloud = test::SomeCloud();
+  type.Encode(0, &cloud, message);
+  const AllocationGuard guard;  // LCM itself allocates
+  type.Encode(1, &cloud, message);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(LcmTest, ARecordedRunReplaysBitForBit) {
+  TestRig<LcmInput<double>> input({.channel = "X", .url = kUrl, .record = true});
+  TestRig<LcmPublisher<double>> rig({.channel = "X", .url = kUrl});
+  for (int i = 0; i < 3; ++i) {
+    rig.Fix(rig->u, 0.1 * i).Tick();
+    input.Tick().Tick();
+  }
+  const Recording<double> recording = input[input->taken].recording;
+  ASSERT_EQ(recording.size(), 3u);
+  TestRig<LcmInput<double>> replay({.channel = "X", .url = "no provider", .replay = recording});
+  EXPECT_EQ(replay.RunTo(0.001)[replay->y], 0);
+  EXPECT_EQ(replay.RunTo(0.002)[replay->y], 0.1);
+  EXPECT_EQ(replay.RunTo(0.1)[replay->y], 0.2);
+}
+
+// The same connection serves both; each wakes the other.
+TEST(LcmTest, PlantAndControllerGoInLockStep) {
+  const Rate rate = Hz(1000);
+  DiagramBuilder plant, controller;
+  auto& cart = plant.Add<Cart>("cart");
+  auto& to_controller =
+      plant.Add<LcmPublisher<Vec<2>>>("to_controller", {.channel = "CART", .url = kUrl, .rate = rate});
+  auto& from_controller = plant.Add<LcmInput<double>>(
+      "from_controller",
+      {.channel = "FORCE", .url = kUrl, .rate = rate, .unit = "N", .lock_step = true, .timeout_s = 60});
+  plant.Connect(cart.state, to_controller.u);
+  plant.Connect(from_controller.y, cart.force);
+  auto& pd = controller.Add<Pd>("pd", PdParams{.kp = 30});
+  auto& ref = controller.AddFunction("ref", Uses(controller.time), [](double t) { return t; });
+  auto& from_plant = controller.Add<LcmInput<Vec<2>>>(
+      "from_plant", {.channel = "CART", .url = kUrl, .rate = rate, .lock_step = true, .timeout_s = 60});
+  auto& to_plant =
+      controller.Add<LcmPublisher<double>>("to_plant", {.channel = "FORCE", .url = kUrl, .rate = rate});
+  controller.Connect(from_plant.y, pd.x);
+  controller.Connect(ref, pd.ref);
+  controller.Connect(pd.u, to_plant.u);
+  Simulator run(plant.Build()), control(controller.Build());
+  std::thread thread([&] { control.RunTo(0.5); });
+  run.RunTo(0.5);
+  thread.join();
+
+  DiagramBuilder both;
+  auto& cart1 = both.Add<Cart>("cart");
+  auto& pd1 = both.Add<Pd>("pd", PdParams{.kp = 30});
+  auto& ref1 = both.AddFunction("ref", Uses(both.time), [](double t) { return t; });
+  both.Connect(cart1.state, pd1.x);
+  both.Connect(ref1, pd1.ref);
+  both.Connect(pd1.u, cart1.force);
+  Simulator together(both.Build());
+  together.RunTo(0.5);
+  EXPECT_EQ(run.context().Eval(cart.x), together.context().Eval(cart1.x));
+}
+
+TEST(LcmTest, ALockStepThatIsLostEndsTheRun) {
+  TestRig<LcmInput<double>> input({.channel = "X", .url = kUrl, .lock_step = true, .timeout_s = 1e-3});
+  EXPECT_TRUE(Throws<RunError>([&] { input.Tick(); },
+                               "'block.y' failed at t = 0 s: LCM channel 'X': no message of t = 0 s",
+                               "raise timeout_s"));
+}
+
+// A log as lcm-logger writes them.
+TEST(LcmTest, PublishesIntoALog) {
+  const auto path = test::TemporaryPath("lcm_test.log");
+  {
+    TestRig<LcmPublisher<Vec<2>>> rig({.channel = "X", .url = "file://" + path.string() + "?mode=w"});
+    rig.Fix(rig->u, {1, 2}).Tick().Tick();
+    EXPECT_EQ(rig[rig->unsent], 0u);
+  }
+  lcm_eventlog_t* log = lcm_eventlog_create(path.c_str(), "r");
+  ASSERT_NE(log, nullptr);
+  for (const double time : {0.0, 0.01}) {
+    lcm_eventlog_event_t* event = lcm_eventlog_read_next_event(log);
+    ASSERT_NE(event, nullptr);
+    EXPECT_STREQ(event->channel, "X");
+    tenon_test::Vec_2Sample sample;
+    EXPECT_EQ(sample.decode(event->data, 0, event->datalen), event->datalen);
+    EXPECT_EQ(sample.timestamp, time);
+    EXPECT_EQ(sample.value[1], 2);
+    lcm_eventlog_free_event(event);
+  }
+  EXPECT_EQ(lcm_eventlog_read_next_event(log), nullptr);
+  lcm_eventlog_destroy(log);
+  std::filesystem::remove(path);
+}
+
+TEST(LcmTest, RefusesWhatItCannotOpen) {
+  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<LcmPublisher<double>> rig; },
+                                     "block 'block': channel = '' must have 1 to 63 characters"));
+  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<LcmInput<double>> rig({.channel = std::string(64, 'x')}); },
+                                     "must have 1 to 63 characters"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] { TestRig<LcmPublisher<double>> rig({.channel = "X", .url = "no provider"}); },
+      "block 'block': url = 'no provider': LCM does not open it", "udpm://239.255.76.67:7667?ttl=0"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] { TestRig<LcmInput<std::string>> rig({.channel = "X", .url = kUrl}); }, "holds no numbers"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] { TestRig<LcmInput<double>> rig({.channel = "X", .url = kUrl, .timeout_s = -1}); },
+      "timeout_s = -1 must be positive"));
+}
+
+}  // namespace
+}  // namespace tenon
