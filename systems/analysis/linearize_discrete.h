@@ -38,6 +38,7 @@ struct LinearizeDiscreteOptions {
   /// What makes up x, of what carries on; empty: all of it. What is left out stays as in the nominal run when
   /// a period begins.
   std::vector<const Source*> states = {};
+  std::vector<const Source*> left_out = {};  ///< of these: clocks that advance by whole ticks, say
   /// Central differences move a number by step * scale; several steps are averaged. More than the
   /// simulator's tolerances, or else its errors are what is differentiated.
   std::vector<double> steps = {1e-5};

@@ -26,7 +26,7 @@ class ConstantSource final : public LeafSystem<ConstantParams<T>> {
  public:
   using LeafSystem<ConstantParams<T>>::LeafSystem;
   using LeafSystem<ConstantParams<T>>::params;
-  Parameter<T> value{this, {"value", params.unit, params.elements}, params.value};
+  Parameter<T> value{this, {"value", params.unit, params.elements}, params.value, "what is put out"};
   OutputPort<T> y{
       this, {"y", params.unit, params.elements}, params.value, Uses(value), [](const T& value) -> const T& {
         return value;

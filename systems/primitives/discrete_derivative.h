@@ -39,7 +39,7 @@ class DiscreteDerivative final : public LeafSystem<DiscreteDerivativeParams> {
 
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   DiscreteState<Difference> x{this, "x"};
 

@@ -39,7 +39,7 @@ class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
  public:
   using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
   using LeafSystem<DiscreteLowPassParams<T>>::params;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
   OutputPort<T> y{

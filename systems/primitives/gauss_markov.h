@@ -43,8 +43,9 @@ class GaussMarkov final : public LeafSystem<GaussMarkovParams<T>> {
   using LeafSystem<GaussMarkovParams<T>>::LeafSystem;
   using LeafSystem<GaussMarkovParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation};
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of y"};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "after which y has forgotten 63 %"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

@@ -36,7 +36,7 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
  public:
   using LeafSystem<LowPassFilterParams<T>>::LeafSystem;
   using LeafSystem<LowPassFilterParams<T>>::params;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   ContinuousState<T> x{this, {"y", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};

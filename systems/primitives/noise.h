@@ -44,7 +44,7 @@ class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of the noise"};
   Random random{this, "random"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
@@ -73,7 +73,7 @@ class AddNoise final : public LeafSystem<NoiseParams<T>> {
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of the noise"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   Random random{this, "random"};
   OutputPort<T> y{this,

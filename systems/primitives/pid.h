@@ -82,8 +82,8 @@ class Pid final : public LeafSystem<PidParams<T>> {
   Parameter<T> kd{this, {"kd", "", params.elements}, params.kd, "derivative gain, unit of u s / unit of y"};
   Parameter<double> filter_time{this, {"filter_time", "s"}, params.filter_time, "of the derivative"};
   Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "of ref in the derivative"};
-  Parameter<T> lower{this, {"lower", params.u_unit, params.elements}, params.lower};
-  Parameter<T> upper{this, {"upper", params.u_unit, params.elements}, params.upper};
+  Parameter<T> lower{this, {"lower", params.u_unit, params.elements}, params.lower, "limit of u"};
+  Parameter<T> upper{this, {"upper", params.u_unit, params.elements}, params.upper, "limit of u"};
   DiscreteState<Memory> memory{this, "memory"};
 
  private:

@@ -36,7 +36,7 @@ class Quantizer final : public LeafSystem<QuantizerParams<T>> {
  public:
   using LeafSystem<QuantizerParams<T>>::LeafSystem;
   using LeafSystem<QuantizerParams<T>>::params;
-  Parameter<T> step{this, {"step", params.unit, params.elements}, params.step};
+  Parameter<T> step{this, {"step", params.unit, params.elements}, params.step, "between two values of y"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
       this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u, const T& step) -> T {

@@ -44,10 +44,12 @@ class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
  public:
   using LeafSystem<RandomWalkParams<T>>::LeafSystem;
   using LeafSystem<RandomWalkParams<T>>::params;
-  Parameter<T> density{
-      this, {"density", internal::Per(params.unit, "sqrt(s)"), params.elements}, params.density};
+  Parameter<T> density{this,
+                       {"density", internal::Per(params.unit, "sqrt(s)"), params.elements},
+                       params.density,
+                       "of the noise that is summed"};
   Parameter<T> start_deviation{
-      this, {"start_deviation", params.unit, params.elements}, params.start_deviation};
+      this, {"start_deviation", params.unit, params.elements}, params.start_deviation, "of y at the start"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

@@ -43,8 +43,10 @@ class RateLimiter final : public LeafSystem<RateLimiterParams<T>> {
  public:
   using LeafSystem<RateLimiterParams<T>>::LeafSystem;
   using LeafSystem<RateLimiterParams<T>>::params;
-  Parameter<T> falling{this, {"falling", internal::Per(params.unit, "s"), params.elements}, params.falling};
-  Parameter<T> rising{this, {"rising", internal::Per(params.unit, "s"), params.elements}, params.rising};
+  Parameter<T> falling{
+      this, {"falling", internal::Per(params.unit, "s"), params.elements}, params.falling, "steepest fall"};
+  Parameter<T> rising{
+      this, {"rising", internal::Per(params.unit, "s"), params.elements}, params.rising, "steepest rise"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> last{this, {"last", params.unit, params.elements}, params.initial};
   OutputPort<T> y{

@@ -38,8 +38,8 @@ class Saturation final : public LeafSystem<SaturationParams<T>> {
  public:
   using LeafSystem<SaturationParams<T>>::LeafSystem;
   using LeafSystem<SaturationParams<T>>::params;
-  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower};
-  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper};
+  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower, "limit of y"};
+  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper, "limit of y"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},

@@ -45,11 +45,11 @@ class Sine final : public LeafSystem<SineParams<T>> {
  public:
   using LeafSystem<SineParams<T>>::LeafSystem;
   using LeafSystem<SineParams<T>>::params;
-  Parameter<T> amplitude{this, {"amplitude", params.unit, params.elements}, params.amplitude};
+  Parameter<T> amplitude{this, {"amplitude", params.unit, params.elements}, params.amplitude, "of y"};
   Parameter<T> angular_frequency{
-      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency};
-  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase};
-  Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset};
+      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency, "of y"};
+  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase, "of y at t = 0"};
+  Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset, "mean of y"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(this->time, amplitude, angular_frequency, phase, offset),

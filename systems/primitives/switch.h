@@ -59,7 +59,7 @@ template <class T = double>
 class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> threshold{this, {"threshold", params.control_unit}, params.threshold};
+  Parameter<double> threshold{this, {"threshold", params.control_unit}, params.threshold, "of control"};
   InputPort<double> control{this, {"control", params.control_unit}};
   InputPort<T> on{this, {"on", params.unit, params.elements}};
   InputPort<T> off{this, {"off", params.unit, params.elements}};

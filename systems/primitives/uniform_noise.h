@@ -38,8 +38,8 @@ class UniformNoise final : public LeafSystem<UniformNoiseParams<T>> {
  public:
   using LeafSystem<UniformNoiseParams<T>>::LeafSystem;
   using LeafSystem<UniformNoiseParams<T>>::params;
-  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower};
-  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper};
+  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower, "least value"};
+  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper, "largest value"};
   Random random{this, "random"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},

@@ -12,6 +12,6 @@ int main() {
 
   tenon::Simulator simulator(builder.Build());
   const int code = WalkFor(3, simulator, loop);
-  std::printf("'%s' lifts feet by %.0f mm\n", planner.path().c_str(), 1000 * planner.params.height);
+  std::printf("'%s' lifts feet by %.0f mm\n", planner.name().c_str(), 1000 * planner.params.height);
   return code;
 }

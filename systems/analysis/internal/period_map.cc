@@ -160,6 +160,9 @@ void PeriodMap::ChooseStates() {
       carriers_.push_back(program.calculations[i].source);
   }
   std::vector<const Source*> states = options_.states.empty() ? carriers_ : options_.states;
+  std::erase_if(states, [&](const Source* state) {
+    return std::find(options_.left_out.begin(), options_.left_out.end(), state) != options_.left_out.end();
+  });
   for (const Source*& state : states) {
     const Source* named = state;
     state = &state->Resolve();

@@ -122,6 +122,17 @@ TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
   EXPECT_EQ(model.y0[0], 2);
 }
 
+TEST(LinearizeDiscreteTest, WhatIsLeftOutIsNoState) {
+  DiagramBuilder builder;
+  auto& first = builder.Add<UnitDelay<>>("first", {.rate = Hz(50)});
+  auto& second = builder.Add<UnitDelay<>>("second", {.rate = Hz(50)});
+  builder.Connect(first.y, second.u);
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
+  context->Set(first.u, 3.0);
+  const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {}, {.left_out = {&first.x}});
+  EXPECT_THAT(model.states, ElementsAre("second.x"));
+}
+
 TEST(LinearizeDiscreteTest, TwoRates) {
   // A spring at 2 ms and a damper at 3 ms: ticks at 0, 2, 3, 4 of 6 ms.
   DiagramBuilder builder;
