@@ -1,0 +1,75 @@
+// Runs the binary as its users do.
+
+#include <cmath>
+#include <sstream>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+using test::BadUsage;
+using test::Result;
+using test::RunCommand;
+using ::testing::HasSubstr;
+
+Result RunApp(const std::string& arguments) {
+  return RunCommand(TENON_GAIT_STABILITY " " + arguments);
+}
+
+/// The numbers of a line, whatever stands between them.
+std::vector<double> NumbersOf(const std::string& line) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < line.size();) {
+    std::size_t length = 0;
+    try {
+      numbers.push_back(std::stod(line.substr(i), &length));
+    } catch (const std::invalid_argument&) {
+      length = 1;
+    }
+    i += length;
+  }
+  return numbers;
+}
+
+// The trot is stable but for its place and heading, and the map foretells how a small push decays.
+TEST(TenonGaitStabilityTest, TheTrotIsStableAndItsMapForetellsThePush) {
+  const Result result = RunApp("flat --settle 6 --strides 4");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  std::istringstream lines(result.text);
+  int neutral = 0, strides = 0;
+  double largest = 0, last = 1;
+  bool pushed = false;
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<double> numbers = NumbersOf(line);
+    pushed |= line.find("a push of") == 0;
+    if (!pushed && line.find("  |") == 0) {
+      ASSERT_EQ(numbers.size(), 3u) << line;
+      if (line.find("neutral") != std::string::npos) {
+        ++neutral;
+      } else {
+        largest = std::max(largest, numbers[0]);
+      }
+    } else if (pushed && numbers.size() == 4 && line.back() == '%') {
+      ++strides;
+      EXPECT_LT(numbers[3], 10) << line;
+      EXPECT_LT(numbers[1], 0.3 * last) << line;
+      last = numbers[1];
+    }
+  }
+  EXPECT_EQ(neutral, 3) << result.text;
+  EXPECT_GT(largest, 0);
+  EXPECT_LT(largest, 0.2);
+  EXPECT_EQ(strides, 4);
+}
+
+TEST(TenonGaitStabilityTest, RefusesWhatDoesNotWalkStraightOn) {
+  EXPECT_THAT(RunApp("drop"), BadUsage(HasSubstr("this scenario does not walk")));
+  EXPECT_THAT(RunApp("flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\""),
+              BadUsage(HasSubstr("none of them walks")));
+  EXPECT_THAT(RunApp("flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\""),
+              BadUsage(HasSubstr("the last one turns")));
+}
+
+}  // namespace
+}  // namespace tenon
