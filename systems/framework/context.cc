@@ -164,7 +164,7 @@ void Context::CheckSettable(const Source& source) const {
 void* Context::MutableAddress(const Source& source) {
   CheckSettable(source);
   const Source& origin = source.Resolve();
-  MarkAllStale();
+  MarkAllStale(source.kind() == SourceKind::kParameter);
   if (origin.calculation_ >= 0) stamps_[origin.calculation_] = 1;
   const auto& open = diagram_->program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
@@ -284,14 +284,15 @@ bool Context::IsFresh(const Op& op) const {
 }
 
 /// After a change by hand: nothing that was computed holds.
-void Context::MarkAllStale() {
+void Context::MarkAllStale(bool settled) {
   ++edition_;
   step_start_.valid = false;
   const auto& calculations = diagram_->program().calculations;
   for (std::size_t i = 0; i < calculations.size(); ++i) {
     const Source& source = *calculations[i].source;
     const bool held = calculations[i].sampled && (stamps_[i] != 0 || source.has_initial_value_);
-    stamps_[i] = held ? 1 : 0;
+    const bool keeps = calculations[i].settled && !settled && stamps_[i] != 0;
+    stamps_[i] = held || keeps ? 1 : 0;
   }
   ++instant_;
 }

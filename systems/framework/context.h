@@ -146,7 +146,8 @@ class Context {
   void EnsureFresh(int calculation);
   void Load(std::span<const std::byte> bytes);
   bool IsFresh(const internal::Op& op) const;
-  void MarkAllStale();
+  /// `settled`: also what depends on nothing but Parameters.
+  void MarkAllStale(bool settled = true);
   double* continuous_data();
   double* derivative_data();
   /// Takes over all continuous states.

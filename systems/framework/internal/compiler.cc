@@ -128,14 +128,19 @@ void Compiler::AddCalculation(Source& source) {
   CalculationInfo info{&source, {}, {}, false, IsDueInOrder(source)};
   for (const Slot& slot : source.arguments_) {
     if (slot.what == Slot::What::kTime) info.varies = true;
-    if (slot.source == nullptr) continue;
+    if (slot.source == nullptr) {
+      info.settled = false;
+      continue;
+    }
     const Source& origin = slot.source->Resolve();
     if (origin.kind() == SourceKind::kContinuous) info.varies = true;
+    info.settled &= origin.run_ != nullptr ? program_.calculations[origin.calculation_].settled
+                                           : origin.kind() == SourceKind::kParameter;
     if (origin.run_ == nullptr) continue;
     info.uses.push_back(origin.calculation_);
     info.varies |= program_.calculations[origin.calculation_].varies;
   }
-  if (info.sampled) info.varies = false;
+  if (info.sampled) info.varies = info.settled = false;
   source.calculation_ = static_cast<int>(program_.calculations.size());
   for (const Slot& slot : source.arguments_) {
     if (slot.source == nullptr || info.sampled) continue;

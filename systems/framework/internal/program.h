@@ -28,6 +28,7 @@ struct CalculationInfo {
   std::vector<int> uses;          ///< calculations whose results it reads
   bool varies;                    ///< as in `op`
   bool sampled;                   ///< a sampled output, held between its ticks
+  bool settled = true;            ///< reads nothing but Parameters, by whatever way
   int group = -1;                 ///< of samples
   bool feeds = false;             ///< reaches a derivative or a witness, by whatever way
   std::vector<int> affects = {};  ///< calculations that read its result

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -171,6 +172,39 @@ TEST(ParameterTest, StructsAreSetAsAWhole) {
   EXPECT_EQ(rig[rig->width], 10);
   rig.Set(rig->limits, {.low = 1, .high = 4});
   EXPECT_EQ(rig[rig->width], 3);
+}
+
+/// y = exp(rate) u, the factor computed once for each rate.
+class Amplifier final : public LeafSystem<void> {
+ public:
+  InputPort<double> u{this, {"u"}};
+  Parameter<double> rate{this, {"rate"}, 0.0};
+  Shared<double> factor{this, "factor", Uses(rate), &Amplifier::CalcFactor};
+  OutputPort<double> y{
+      this, {"y"}, Sampled{Hz(10)}, Uses(factor, u), [](double factor, double u) { return factor * u; }};
+  mutable int count = 0;
+
+ private:
+  double CalcFactor(double rate) const {
+    ++count;
+    return std::exp(rate);
+  }
+};
+
+TEST(ParameterTest, WhatDependsOnThemAloneIsComputedWhenTheyAreSet) {
+  TestRig<Amplifier> rig;
+  for (const double u : {1.0, 2.0, 3.0}) EXPECT_EQ(rig.Fix(rig->u, u).Tick()[rig->y], u);
+  EXPECT_EQ(rig->count, 1);
+  const auto before = rig.context().Save();
+  rig.Set(rig->rate, 1);
+  for (const double u : {1.0, 2.0, 3.0}) EXPECT_EQ(rig.Fix(rig->u, u).Tick()[rig->y], std::exp(1.0) * u);
+  EXPECT_EQ(rig->count, 2);
+  EXPECT_EQ(rig.context().Clone()->Eval(rig->factor), std::exp(1.0));
+  auto restored = rig.diagram().CreateContext();
+  restored->Set(rig->rate, 1);
+  EXPECT_EQ(restored->Eval(rig->factor), std::exp(1.0));
+  restored->Restore(before);
+  EXPECT_EQ(restored->Eval(rig->factor), 1);
 }
 
 TEST(ParameterTest, RunsWithoutAllocating) {
