@@ -88,8 +88,9 @@ void CalcOutput(const Block& block, const StateSpaceParams& built, const Reads& 
 class StateSpace final : public LeafSystem<StateSpaceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<Eigen::MatrixXd> A{this, "A", params.A}, B{this, "B", params.B}, C{this, "C", params.C},
-      D{this, "D", params.D};
+  Parameter<Eigen::MatrixXd> A{this, "A", params.A, "of x to its change"},
+      B{this, "B", params.B, "of u to that"}, C{this, "C", params.C, "of x to y"},
+      D{this, "D", params.D, "of u to y"};
   InputPort<Eigen::VectorXd> u{this, {"u", params.u_unit, params.u_elements}};
   ContinuousState<Eigen::VectorXd> x{this, {"x", params.x_unit, params.x_elements}, params.Start()};
   OutputPort<Eigen::VectorXd> y{
@@ -121,8 +122,9 @@ struct DiscreteStateSpaceParams {
 class DiscreteStateSpace final : public LeafSystem<DiscreteStateSpaceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<Eigen::MatrixXd> A{this, "A", params.model.A}, B{this, "B", params.model.B},
-      C{this, "C", params.model.C}, D{this, "D", params.model.D};
+  Parameter<Eigen::MatrixXd> A{this, "A", params.model.A, "of x to its change"},
+      B{this, "B", params.model.B, "of u to that"}, C{this, "C", params.model.C, "of x to y"},
+      D{this, "D", params.model.D, "of u to y"};
   InputPort<Eigen::VectorXd> u{this, {"u", params.model.u_unit, params.model.u_elements}};
   DiscreteState<Eigen::VectorXd> x{
       this, {"x", params.model.x_unit, params.model.x_elements}, params.model.Start()};

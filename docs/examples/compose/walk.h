@@ -4,12 +4,14 @@
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation.h>
 
 #include <cstdio>
 
 inline tenon::QuadrupedWalkParams TrotParams() {
-  tenon::QuadrupedWalkParams params = tenon::MakeQuadrupedWalk(tenon::LoadQuadruped("dogbot"));
+  tenon::QuadrupedWalkParams params =
+      tenon::MakeQuadrupedWalk(tenon::LoadQuadruped(tenon::FindResource("robots", "dogbot")));
   params.walk.segments = {{.gait = tenon::Gait::kStand, .duration = 0.5},
                           {.gait = tenon::Gait::kTrot, .forward = 0.1, .duration = 100}};
   return params;

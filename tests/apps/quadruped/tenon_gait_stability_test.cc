@@ -67,8 +67,9 @@ TEST(TenonGaitStabilityTest, RefusesWhatDoesNotWalkStraightOn) {
   EXPECT_THAT(RunApp("drop"), BadUsage(HasSubstr("this scenario does not walk")));
   EXPECT_THAT(RunApp("flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\""),
               BadUsage(HasSubstr("none of them walks")));
-  EXPECT_THAT(RunApp("flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\""),
-              BadUsage(HasSubstr("the last one turns")));
+  EXPECT_THAT(
+      RunApp("flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\""),
+      BadUsage(HasSubstr("the last one turns")));
 }
 
 }  // namespace
