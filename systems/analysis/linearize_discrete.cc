@@ -79,7 +79,8 @@ DiscreteLinearModel LinearizePeriod(
       const double step = steps[static_cast<std::size_t>(k)] * map.scales[i];
       const double high = map.origin[i] + step, low = map.origin[i] - step;
       const PeriodMap::End above = run_at(high), below = run_at(low);
-      estimates.col(k) << Difference(above.x1, below.x1), Difference(above.y, below.y);
+      const Eigen::VectorXd dx = Difference(above.x1, below.x1), dy = Difference(above.y, below.y);
+      estimates.col(k) << dx, dy;
       estimates.col(k) /= high - low;
     }
     if (n + p == 0) continue;
