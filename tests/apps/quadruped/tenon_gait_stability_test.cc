@@ -11,7 +11,6 @@ namespace {
 using test::BadUsage;
 using test::Result;
 using test::RunCommand;
-using ::testing::HasSubstr;
 
 Result RunApp(const std::string& arguments) {
   return RunCommand(TENON_GAIT_STABILITY " " + arguments);
@@ -63,13 +62,16 @@ TEST(TenonGaitStabilityTest, TheTrotIsStableAndItsMapForetellsThePush) {
   EXPECT_EQ(strides, 4);
 }
 
-TEST(TenonGaitStabilityTest, RefusesWhatDoesNotWalkStraightOn) {
-  EXPECT_THAT(RunApp("drop"), BadUsage(HasSubstr("this scenario does not walk")));
-  EXPECT_THAT(RunApp("flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\""),
-              BadUsage(HasSubstr("none of them walks")));
-  EXPECT_THAT(
-      RunApp("flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\""),
-      BadUsage(HasSubstr("the last one turns")));
+class TenonGaitStabilityUsageTest : public test::UsageTest {};
+INSTANTIATE_TEST_SUITE_P(
+    All, TenonGaitStabilityUsageTest,
+    ::testing::Values(
+        BadUsage{"drop", "this scenario does not walk"},
+        BadUsage{"flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\"", "none of them walks"},
+        BadUsage{"flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\"",
+                 "the last one turns"}));
+TEST_P(TenonGaitStabilityUsageTest, ExitCode2WithItsMessage) {
+  ExpectExitCode2WithItsMessage(TENON_GAIT_STABILITY);
 }
 
 }  // namespace
