@@ -1,0 +1,138 @@
+// The walking robot and its controller as two programs that go in lock-step by UDP.
+//
+//     walk_apart                        both, and compares them with the walk in one program
+//     walk_apart real-time [seconds]    both, by the clock: which ticks were missed, how long answers took
+//     walk_apart controller [seconds]   in one terminal, first: it waits for the robot
+//     walk_apart plant [seconds]        in another, by the clock
+//
+// The controller's program is the walk that ships with another world; the plant's is its world alone.
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <string>
+
+#include <tenon/systems/simulation.h>
+
+#include "../compose/walk.h"
+#include "remote.h"
+
+namespace {
+
+using Rows = std::vector<double>;
+
+// State and torque at every tick.
+Rows Run(tenon::Simulator& simulator, const tenon::Source& state, const tenon::Source& torque, double end) {
+  const auto log = simulator.AddLog(kRate, {&state, &torque});
+  simulator.RunTo(end);
+  Rows rows;
+  for (std::size_t i = 0; i < log->rows(); ++i)
+    rows.insert(rows.end(), log->row(i).begin(), log->row(i).end());
+  return rows;
+}
+
+struct Controller {
+  explicit Controller(const Link& link) { builder.Replace<RemoteWorld>(walk.world, link); }
+  tenon::DiagramBuilder builder;
+  tenon::QuadrupedWalk& walk = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
+  void Run(double end) { tenon::Simulator(builder.Build()).RunTo(end); }
+};
+
+// The robot is named as in the walk: what noise its sensors have goes by their paths.
+struct Plant {
+  explicit Plant(const Link& link) : robot(builder.Add<RobotOnly>("loop", TrotParams().world, link)) {}
+  tenon::DiagramBuilder builder;
+  RobotOnly& robot;
+};
+
+void RunByTheClock(const Link& link, double end) {
+  Plant plant(link);
+  tenon::Simulator simulator(plant.builder.Build(), {.real_time_rate = 1});
+  simulator.RunTo(end);
+  const auto& state = simulator.context().Eval(plant.robot.world.state);
+  std::printf("t = %g s: the trunk is at x = %.3f m, z = %.3f m\n", end, state.p_WB[0], state.p_WB[2]);
+  const tenon::RealTimeStatistics& ticks = simulator.real_time();
+  std::printf("%ld of %ld ticks were missed, begun over 1 ms late; the latest by %.2f ms at t = %.3f s\n",
+              ticks.missed, ticks.ticks, 1e3 * ticks.worst_lateness, ticks.worst_time);
+  Rows& trips = plant.robot.stopwatch.trips;
+  std::sort(trips.begin(), trips.end());
+  const auto quantile = [&](double part) {
+    return 1e6 * trips[static_cast<std::size_t>(part * double(trips.size() - 1))];
+  };
+  std::printf("round trips: half within %.0f us, 99 %% within %.0f us, 99.9 %% within %.0f us, all within %.0f us\n",
+              quantile(0.5), quantile(0.99), quantile(0.999), quantile(1));
+}
+
+// Runs the controller in a process of its own beside `plant`; whether it ended well. Its ports are open before
+// the plant speaks.
+bool WithController(const Link& link, double end, const std::function<void()>& plant) {
+  Controller controller(link);
+  const pid_t child = fork();
+  if (child == 0) {
+    int code = 1;
+    try {
+      controller.Run(end);
+      code = 0;
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "controller: %s\n", error.what());
+    }
+    _exit(code);
+  }
+  plant();
+  int status = 1;
+  waitpid(child, &status, 0);
+  return status == 0;
+}
+
+// Addresses of this process alone, all of the machine itself: many such programs can run at once.
+Link OwnLink() {
+  const auto process = static_cast<unsigned>(getpid());
+  Link link;
+  link.plant = link.controller = "127." + std::to_string(process >> 16 & 127) + "." +
+                                 std::to_string(process >> 8 & 255) + "." + std::to_string(process & 255);
+  return link;
+}
+
+int Compare(double end) {
+  const Link link = OwnLink();
+  Rows apart;
+  const bool ended = WithController(link, end, [&] {
+    Plant plant(link);
+    tenon::Simulator simulator(plant.builder.Build());
+    apart = Run(simulator, plant.robot.world.state, plant.robot.from_controller.y, end);
+  });
+  tenon::DiagramBuilder builder;
+  auto& walk = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
+  tenon::Simulator simulator(builder.Build());
+  const bool same = Run(simulator, walk.world.state, walk.locomotion.torque, end) == apart;
+  const auto& state = simulator.context().Eval(walk.world.state);
+  std::printf("t = %g s: the trunk is at x = %.3f m, z = %.3f m, %s\n", end, state.p_WB[0], state.p_WB[2],
+              same ? "bit for bit as in one program" : "NOT as in one program");
+  return same && ended ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::string part = argc > 1 ? argv[1] : "";
+  if (part.empty()) return Compare(3);
+  const double end = argc > 2 ? std::atof(argv[2]) : 60;
+  if (part == "controller") {
+    Controller({}).Run(end);
+  } else if (part == "plant") {
+    RunByTheClock({}, end);
+  } else if (part == "real-time") {
+    return WithController(OwnLink(), end, [&] { RunByTheClock(OwnLink(), end); }) ? 0 : 1;
+  } else {
+    std::fprintf(stderr, "walk_apart [controller | plant | real-time] [seconds]\n");
+    return 2;
+  }
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "walk_apart: %s\n", error.what());
+  return 1;
+}
