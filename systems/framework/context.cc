@@ -38,6 +38,19 @@ class Copy {
   void* memory_;
 };
 
+/// A matrix keeps its size: what is computed from it has been laid out for that.
+void CheckSize(const std::string& path, const internal::TypeInfo& type, const void* present,
+               const void* value) {
+  if (type.kind != internal::TypeInfo::Kind::kMatrix || (type.rows >= 0 && type.cols >= 0)) return;
+  std::size_t rows = 0, cols = 0, given_rows = 0, given_cols = 0;
+  type.shape(present, &rows, &cols);
+  type.shape(value, &given_rows, &given_cols);
+  if (rows == given_rows && cols == given_cols) return;
+  throw ParameterError(fmt::format(
+      "parameter '{}' is {} x {}, but the value is {} x {}: its size is that of its initial value", path,
+      rows, cols, given_rows, given_cols));
+}
+
 }  // namespace
 
 Context::Context(std::shared_ptr<const Diagram> diagram, std::uint64_t seed)
@@ -211,6 +224,7 @@ void Context::AssignParameters(std::span<const Assignment> list) {
       throw ParameterError(
           fmt::format("parameter '{}' cannot be set to what is not a number (NaN)", each.source->path()));
     }
+    CheckSize(each.source->path(), *each.source->type_, Address(*each.source), each.value);
   }
   for (const Assignment& each : list) {
     const System& block = each.source->owner();

@@ -36,7 +36,7 @@ struct MatrixGainParams {
 ///
 /// MatrixGain<> has the size of its matrix, known at run time, and ports of Eigen::VectorXd. Throws
 /// ParameterError if the matrix is empty or not finite, RunError if u has not as many elements as it has
-/// columns, or if a matrix with other rows is set in a run.
+/// columns.
 template <int Rows = Eigen::Dynamic, int Cols = Rows>
 class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
   using Matrix = typename MatrixGainParams<Rows, Cols>::Matrix;

@@ -58,16 +58,10 @@ std::vector<const Source*> OutputUses(const Block& block, const StateSpaceParams
 }
 
 template <class Block>
-void CalcOutput(const Block& block, const StateSpaceParams& built, const Reads& read, Eigen::VectorXd* y) {
+void CalcOutput(const Block& block, const Reads& read, Eigen::VectorXd* y) {
   Multiply("C", read[block.C], "x", read[block.x], y);
   const Eigen::MatrixXd& D = read[block.D];
-  if (D.size() == 0) return;
-  if (built.D.size() == 0) {
-    throw RunError(
-        "D is set, but was empty when the block was made, so that y does not depend on u: make the block "
-        "with a D of zeros");
-  }
-  Multiply("D", D, "u", read[block.u], y, true);
+  if (D.size() > 0) Multiply("D", D, "u", read[block.u], y, true);
 }
 
 }  // namespace internal
@@ -83,8 +77,8 @@ void CalcOutput(const Block& block, const StateSpaceParams& built, const Reads& 
 ///     | y          | output           | rows of C       | y_unit |
 ///
 /// The ports carry Eigen::VectorXd. If D is empty the output does not depend on the present input, and the
-/// block breaks loops. Throws ParameterError if the sizes do not fit or a number is not finite, RunError if u
-/// has another size or if matrices of other sizes are set in a run, or a D where there was none.
+/// block breaks loops; for a D that is set in a run, begin with zeros. Throws ParameterError if the sizes do
+/// not fit or a number is not finite, RunError if u has another size.
 class StateSpace final : public LeafSystem<StateSpaceParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -98,7 +92,7 @@ class StateSpace final : public LeafSystem<StateSpaceParams> {
       {"y", params.y_unit, params.y_elements},
       Eigen::VectorXd::Zero(params.C.rows()),
       UsesAtRunTime(internal::OutputUses(*this, params)),
-      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, params, read, y); }};
+      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, read, y); }};
   TimeDerivative<Eigen::VectorXd> dx{x, Uses(A, B, x, u), &internal::CalcNextState};
 };
 
@@ -134,7 +128,7 @@ class DiscreteStateSpace final : public LeafSystem<DiscreteStateSpaceParams> {
       Eigen::VectorXd::Zero(params.model.C.rows()),
       Sampled{params.rate},
       UsesAtRunTime(internal::OutputUses(*this, params.model)),
-      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, params.model, read, y); }};
+      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, read, y); }};
   Update<Eigen::VectorXd> next{x, Sampled{params.rate}, Uses(A, B, x, u), &internal::CalcNextState};
 };
 

@@ -64,12 +64,12 @@ void RunByTheClock(const Link& link, double end) {
   const auto quantile = [&](double part) {
     return 1e6 * trips[static_cast<std::size_t>(part * double(trips.size() - 1))];
   };
-  std::printf("round trips: half within %.0f us, 99 %% within %.0f us, 99.9 %% within %.0f us, all within %.0f us\n",
+  std::printf("round trips [us]: half within %.0f, 99 %% within %.0f, 99.9 %% within %.0f, all within %.0f\n",
               quantile(0.5), quantile(0.99), quantile(0.999), quantile(1));
 }
 
-// Runs the controller in a process of its own beside `plant`; whether it ended well. Its ports are open before
-// the plant speaks.
+// Runs the controller in a process of its own beside `plant`; whether it ended well. Its ports are open
+// before the plant speaks.
 bool WithController(const Link& link, double end, const std::function<void()>& plant) {
   Controller controller(link);
   const pid_t child = fork();

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
@@ -80,6 +81,25 @@ TEST(SensitivityTest, NoiseIsTheSameInAllRuns) {
   const SensitivityResult result = Sensitivity(*context, {&delay.x}, figure);
   EXPECT_NE(result.figure, 0);
   EXPECT_NEAR(result.gradient[0], 1, 1e-9);
+}
+
+TEST(SensitivityTest, OfALoggedFigureToAGain) {
+  // y = 1 - exp(-t/τ) at the second log of 1 Hz: dy/dτ = -t/τ² exp(-t/τ).
+  DiagramBuilder builder;
+  auto& filter = builder.Add<LowPassFilter<>>("filter", {.time_constant = 0.8});
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(filter.u, 1.0);
+  const Figure figure = [&](std::unique_ptr<Context> start) {
+    Simulator simulator(std::move(start), {.rtol = 1e-10, .atol = 1e-12});
+    const auto log = simulator.AddLog(Hz(1), {&filter.y});
+    simulator.RunTo(1.5);
+    return log->column("filter.y").back();
+  };
+  const SensitivityResult result = Sensitivity(*context, {&filter.time_constant}, figure);
+  EXPECT_NEAR(result.figure, 1 - std::exp(-1 / 0.8), 1e-9);
+  EXPECT_NEAR(result.gradient[0], -1 / (0.8 * 0.8) * std::exp(-1 / 0.8), 1e-6);
+  EXPECT_THAT(result.names, ElementsAre("filter.time_constant"));
 }
 
 TEST(SensitivityTest, WhatCannotBeMovedIsRefused) {

@@ -55,8 +55,9 @@ TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
   TestRig<MatrixGain<>> rig({.gain = Eigen::MatrixXd::Ones(2, 3)});
   rig.Fix(rig->u, Eigen::Vector2d(1, 2));
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "u has 2 elements", "gain has 3 columns"));
-  rig.Set(rig->gain, Eigen::MatrixXd::Ones(3, 2));
-  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "gain has 3 rows, but had 2", "keep its size"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->gain, Eigen::MatrixXd::Ones(3, 3)); },
+                                     "'block.gain' is 2 x 3, but the value is 3 x 3",
+                                     "its size is that of its initial value"));
 }
 
 }  // namespace
