@@ -3,9 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <new>
 
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
 
@@ -23,7 +26,14 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   app.footer(
       "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
       "output directory.\n"
-      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell or broke a forbidden limit; 4 numerical failure.");
+      "Ctrl-C ends a run in good order, all files whole; a second one ends it at once.\n"
+      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell or broke a forbidden limit; 4 numerical failure; "
+      "5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+}
+
+std::filesystem::path OutputPath(const CommonArguments& arguments) {
+  if (!arguments.out.empty()) return arguments.out;
+  return std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
 }
 
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
@@ -32,14 +42,25 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kRan : kBadUsage;
   }
+  const auto fail = [&](const char* what, ExitCode code) {
+    fmt::print(stderr, "{}: {}\n", app.get_name(), what);
+    return code;
+  };
   try {
-    return body();
+    for (int i = 1; i < argc; ++i) CheckUtf8(argv[i], fmt::format("argument {} of the command line", i));
+    const int code = body();
+    if (std::fflush(stdout) != 0)
+      return fail("the figures cannot be printed: is the disk full?", kOutputFailed);
+    return code;
+  } catch (const OutputError& error) {
+    return fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
-    return kNumericalFailure;
+    return fail(error.what(), kNumericalFailure);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory before the run began: is a robot, a list or a horizon of the scenario huge?",
+                kNumericalFailure);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), error.what());
-    return kBadUsage;
+    return fail(error.what(), kBadUsage);
   }
 }
 

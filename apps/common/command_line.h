@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,12 +12,14 @@
 
 namespace tenon::apps {
 
-/// What every app returns to the shell.
+/// What every app returns to the shell. What a signal stops returns 128 and its number, as in a shell: 130
+/// after Ctrl-C, 143 after SIGTERM.
 enum ExitCode {
   kRan = 0,
-  kBadUsage = 2,     ///< command line, scenario or robot file
-  kLimitBroken = 3,  ///< the robot fell, or broke a limit that the scenario forbids to break
-  kNumericalFailure = 4,
+  kBadUsage = 2,          ///< command line, scenario or robot file
+  kLimitBroken = 3,       ///< the robot fell, or broke a limit that the scenario forbids to break
+  kNumericalFailure = 4,  ///< or out of memory
+  kOutputFailed = 5,      ///< a file could not be written
 };
 
 /// The arguments that all apps share.
@@ -32,6 +35,9 @@ struct CommonArguments {
 
 /// Declares the shared arguments on an app's command line; the app may add its own.
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
+
+/// Where the run writes: --out, or out/SCENARIO.
+std::filesystem::path OutputPath(const CommonArguments& arguments);
 
 /// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);

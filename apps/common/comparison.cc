@@ -1,29 +1,51 @@
 #include <tenon/apps/common/comparison.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <utility>
+
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
 
+void CheckVariantNames(const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    if (name.empty() || name.front() == '.' || name.find_first_of(std::string_view("/\0", 2)) != name.npos) {
+      throw ParameterError(fmt::format(
+          "the variant '{}' is to be a directory below --out: name it without '/' and not with a '.' first",
+          name));
+    }
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw ParameterError(
+          fmt::format("two variants are called '{}': give each a name of its own, or take one out", name));
+    }
+  }
+}
+
 int Compare(const CommonArguments& arguments, Report report, const std::vector<Variant>& variants) {
-  const std::filesystem::path base =
-      arguments.out.empty() ? std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem()
-                            : std::filesystem::path(arguments.out);
+  std::vector<std::string> names;
+  for (const Variant& variant : variants) names.push_back(variant.name);
+  CheckVariantNames(names);
+  const OutputDirectory out(OutputPath(arguments));
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
   for (const Variant& variant : variants) {
     CommonArguments each = arguments;
-    each.out = (base / variant.name).string();
+    each.out = (out.path() / variant.name).string();
     RunResult result = variant.run(each);
-    worst = std::max<int>(worst, result.summary.exit_code());
+    worst = std::max(worst, result.summary.exit_code());
     runs.emplace_back(variant.name, std::move(result.summary));
     if (reports.size() < kReported) reports.push_back(std::move(result.report));
-    Summary::WriteComparison(runs,
-                             base / "summary.json");  // after each: nothing is lost if the next is killed
+    // After each: nothing is lost if the next is killed.
+    Summary::WriteComparison(runs, out.path() / "summary.json");
+    if (worst >= kOutputFailed) break;
   }
   for (std::size_t i = 0; i < reports.size(); ++i) report.Add(runs[i].first, reports[i]);
-  report.Write(base / "report.html");
+  report.Write(out.path() / "report.html");
   Summary::PrintComparison(runs);
   return worst;
 }

@@ -2,9 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
-#include <fstream>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include <tenon/systems/framework/errors.h>
@@ -13,46 +20,61 @@ namespace tenon::apps {
 
 namespace fs = std::filesystem;
 
+OutputDirectory::OutputDirectory(fs::path path) : path_(std::move(path)) {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  lock_ = error ? -1 : ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) {
+    throw OutputError(fmt::format("cannot make the output directory '{}' ({}): choose another --out",
+                                  path_.string(), error ? error.message() : std::strerror(errno)));
+  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(lock_);
+    throw ParameterError(
+        fmt::format("another run writes into the output directory '{}': wait for it, or choose another --out",
+                    path_.string()));
+  }
+  for (const char* name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
+    fs::remove(path_ / name, error);
+}
+
+OutputDirectory::~OutputDirectory() {
+  ::close(lock_);
+}
+
 namespace {
 
-void WriteText(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out)
-    throw ParameterError(fmt::format("cannot write '{}': choose another --out or --graph", file.string()));
+/// Runs Graphviz's dot, without a shell. Returns whether it ran and was content.
+bool RunDot(const fs::path& text, const fs::path& svg) {
+  std::string arguments[] = {"dot", "-Tsvg", "-o", svg.string(), text.string()};
+  char* list[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(),
+                  arguments[3].data(), arguments[4].data(), nullptr};
+  ::pid_t process = 0;
+  if (::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ) != 0) return false;
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
 
-OutputDirectory::OutputDirectory(const CommonArguments& arguments, const std::string& scenario_yaml)
-    : path_(arguments.out.empty() ? fs::path("out") / fs::path(arguments.scenario).stem()
-                                  : fs::path(arguments.out)),
-      graph_(arguments.graph) {
-  std::error_code error;
-  fs::create_directories(path_, error);
-  if (error) {
-    throw ParameterError(fmt::format("cannot make the output directory '{}' ({}): choose another --out",
-                                     path_.string(), error.message()));
+void WriteGraph(const Diagram& diagram, const fs::path& file) {
+  if (file.empty()) return;
+  if (file.extension() == ".dot") return WriteFile(file, diagram.Graphviz());
+  if (file.extension() != ".svg") {
+    throw ParameterError(fmt::format("--graph {}: name a file that ends in .svg or .dot", file.string()));
   }
-  WriteText(path_ / "scenario.yaml", scenario_yaml);
-}
-
-void OutputDirectory::WriteGraph(const Diagram& diagram) const {
-  if (graph_.empty()) return;
-  if (graph_.extension() == ".dot") return WriteText(graph_, diagram.Graphviz());
-  if (graph_.extension() != ".svg") {
-    throw ParameterError(fmt::format("--graph {}: name a file that ends in .svg or .dot", graph_.string()));
-  }
-  WriteText(graph_, "");  // says so at once if the place cannot be written
-  const std::string command = fmt::format("dot -Tsvg -o '{}'", graph_.string());
-  std::FILE* dot = popen(command.c_str(), "w");
-  const std::string text = diagram.Graphviz();
-  if (dot != nullptr) std::fwrite(text.data(), 1, text.size(), dot);
-  if (dot == nullptr || pclose(dot) != 0) {
-    throw ParameterError(fmt::format(
-        "--graph {}: Graphviz's `dot` failed; install graphviz, or write a .dot file", graph_.string()));
-  }
+  WriteFile(file, "");  // says so at once if the place cannot be written
+  const fs::path svg = fs::absolute(file);
+  const fs::path text = fs::path(svg).replace_extension(".dot.part");
+  WriteFile(text, diagram.Graphviz());
+  const bool drawn = RunDot(text, svg);
+  fs::remove(text);
+  if (drawn) return;
+  fs::remove(svg);
+  throw ParameterError(fmt::format(
+      "--graph {}: Graphviz's `dot` failed; apt-get install graphviz, or write a .dot file", file.string()));
 }
 
 struct Summary::Json {
@@ -62,12 +84,12 @@ struct Summary::Json {
 Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome)
     : json_(std::make_unique<Json>()) {
   const bool failed = !outcome.failure.empty();
-  exit_code_ = failed ? kNumericalFailure : outcome.status.ended ? kLimitBroken : kRan;
+  exit_code_ = outcome.exit_code;
   auto& values = json_->values;
   values["case"] = case_name;
   values["seed"] = seed;
   values["finished"] = exit_code_ == kRan;
-  values["fell"] = outcome.status.ended;
+  values["fell"] = exit_code_ == kLimitBroken;
   values["end_reason"] = failed                 ? outcome.failure
                          : outcome.status.ended ? outcome.status.reason
                                                 : "end of the run";
@@ -96,10 +118,7 @@ void Summary::Set(const std::string& key, const std::optional<double>& value) {
 namespace {
 
 void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
-  std::ofstream out(file);
-  out << values.dump(2) << '\n';
-  out.close();
-  if (!out) throw RunError(fmt::format("cannot write '{}'", file.string()));
+  WriteFile(file, values.dump(2) + '\n');
 }
 
 std::string Shown(const nlohmann::ordered_json& value) {
@@ -136,6 +155,20 @@ void Summary::AddTo(Report& report) const {
 
 void Summary::Print() const {
   for (const auto& [key, value] : json_->values.items()) fmt::print("{:<28} {}\n", key, Shown(value));
+}
+
+void WriteResults(const fs::path& directory, Summary& summary, Report& report) {
+  summary.AddTo(report);
+  const auto try_to = [&](const auto& write) {
+    try {
+      write();
+    } catch (const OutputError& error) {
+      fmt::print(stderr, "{}\n", error.what());
+      summary.set_exit_code(kOutputFailed);
+    }
+  };
+  try_to([&] { summary.Write(directory / "summary.json"); });
+  try_to([&] { report.Write(directory / "report.html"); });
 }
 
 void Summary::WriteComparison(const Named& runs, const fs::path& file) {

@@ -10,25 +10,30 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/io/output_file.h>
 #include <tenon/systems/report/report.h>
 
 namespace tenon::apps {
 
-/// The directory that a run writes into; made if it is not there. Holds scenario.yaml from the start, so that
-/// even a killed run says what it was.
+/// The directory that a run writes into; made if it is not there. It belongs to this process as long as the
+/// object lives, and what an earlier run left in it is gone: files of two runs never stand beside each other.
 class OutputDirectory {
  public:
-  /// Throws ParameterError if the directory cannot be made or written.
-  OutputDirectory(const CommonArguments& arguments, const std::string& scenario_yaml);
+  /// Throws OutputError if the directory cannot be made, and ParameterError if another run writes into it.
+  explicit OutputDirectory(std::filesystem::path path);
+  ~OutputDirectory();
+  OutputDirectory(const OutputDirectory&) = delete;
+  OutputDirectory& operator=(const OutputDirectory&) = delete;
   const std::filesystem::path& path() const { return path_; }
-  /// Writes the diagram to the file of --graph, if there is one: as SVG through Graphviz, or as .dot. Throws
-  /// ParameterError for another ending, or if the file cannot be written or `dot` is missing.
-  void WriteGraph(const Diagram& diagram) const;
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path graph_;
+  int lock_;  ///< a descriptor; the system gives it up with the process
 };
+
+/// Writes the diagram to a file, unless its name is empty: as SVG through Graphviz, or as .dot. Throws
+/// ParameterError for another ending or if `dot` is missing, and OutputError.
+void WriteGraph(const Diagram& diagram, const std::filesystem::path& file);
 
 /// The part of a scenario that says what its report shows.
 struct ReportScenario {
@@ -56,20 +61,21 @@ class Summary {
   /// Null if empty.
   void Set(const std::string& key, const std::optional<double>& value);
 
-  void Write(const std::filesystem::path& file) const;  ///< throws RunError
+  void Write(const std::filesystem::path& file) const;  ///< throws OutputError
   void Print() const;                                   ///< on stdout, one figure a line
   void AddTo(Report& report) const;                     ///< the figures and the verdict
-  ExitCode exit_code() const { return exit_code_; }
+  int exit_code() const { return exit_code_; }
+  void set_exit_code(int code) { exit_code_ = code; }
 
   using Named = std::vector<std::pair<std::string, Summary>>;
-  /// Of several runs: their names, each with its figures; throws RunError.
+  /// Of several runs: their names, each with its figures; throws OutputError.
   static void WriteComparison(const Named& runs, const std::filesystem::path& file);
   static void PrintComparison(const Named& runs);  ///< on stdout, one figure a line, one run a column
 
  private:
   struct Json;
   std::unique_ptr<Json> json_;
-  ExitCode exit_code_;
+  int exit_code_;
 };
 
 /// What a run leaves.
@@ -88,22 +94,26 @@ Report ScenarioReport(const auto& scenario, const std::string& description) {
                  .signal_rate = Hz(scenario.log_rate_hz)});
 }
 
-/// Runs a scenario for `duration` [s] and writes all that it leaves into the directory of `arguments`.
+/// Adds the summary to the report and writes both into a directory. What cannot be written is said on stderr,
+/// and is the summary's exit code: there are still figures to print.
+void WriteResults(const std::filesystem::path& directory, Summary& summary, Report& report);
+
+/// Runs a scenario for `duration` [s] and writes all that it leaves into the directory of `arguments`; its
+/// scenario.yaml is there from the start, so that even a killed run says what it was.
 /// `signals` go to signals.csv and, with `shapes`, to the report; `judge` sets the figures of the summary.
 RunResult RunAndWrite(const CommonArguments& arguments, const auto& scenario, double duration,
                       Simulator& simulator, Report report, const std::vector<const Source*>& signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes, const auto& judge) {
   report.Log(simulator, signals, shapes);
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(simulator.context().diagram());
+  const OutputDirectory out(OutputPath(arguments));
+  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
+  WriteGraph(simulator.context().diagram(), arguments.graph);
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   const RunOutcome outcome = Advance(simulator, duration);
 
   Summary summary(scenario.case_name, scenario.seed, outcome);
   judge(summary);
-  summary.Write(out.path() / "summary.json");
-  summary.AddTo(report);
-  report.Write(out.path() / "report.html");
+  WriteResults(out.path(), summary, report);
   return {std::move(summary), std::move(report)};
 }
 

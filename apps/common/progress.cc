@@ -3,7 +3,14 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <cstdio>
+#include <new>
+#include <utility>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
 
@@ -39,14 +46,61 @@ void ProgressSink::Show() {
   std::fflush(stderr);
 }
 
+namespace {
+
+volatile std::sig_atomic_t caught_signal = 0;
+
+/// While it lives, the first SIGINT or SIGTERM is noted; the next one does what it did before.
+class SignalGuard {
+ public:
+  SignalGuard() {
+    caught_signal = 0;
+    struct sigaction note = {};
+    note.sa_handler = [](int signal) {
+      caught_signal = signal;
+      // The other of the two as well: whoever insists is obeyed.
+      std::signal(SIGINT, SIG_DFL);
+      std::signal(SIGTERM, SIG_DFL);
+    };
+    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &note, &before_[i]);
+  }
+  ~SignalGuard() {
+    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  SignalGuard(const SignalGuard&) = delete;
+  SignalGuard& operator=(const SignalGuard&) = delete;
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM};
+  std::array<struct sigaction, kSignals.size()> before_{};
+};
+
+}  // namespace
+
 RunOutcome Advance(Simulator& simulator, double duration) {
   RunOutcome outcome;
+  const auto fail = [&](std::string failure, ExitCode code) {
+    outcome.failure = std::move(failure);
+    outcome.status.time = simulator.context().time();
+    outcome.exit_code = code;
+  };
+  const SignalGuard guard;
+  simulator.AddMonitor([](Context&) { return caught_signal == 0 ? Verdict() : Verdict("interrupted"); });
   const auto begin = std::chrono::steady_clock::now();
   try {
     outcome.status = simulator.AdvanceTo(duration);
+    if (outcome.status.ended && caught_signal != 0) {
+      outcome.status.reason = "interrupted";
+      outcome.exit_code = 128 + caught_signal;
+    } else if (outcome.status.ended) {
+      outcome.exit_code = kLimitBroken;
+    }
+  } catch (const OutputError& error) {
+    fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
-    outcome.failure = error.what();
-    outcome.status.time = simulator.context().time();
+    fail(error.what(), kNumericalFailure);
+  } catch (const std::bad_alloc&) {
+    fail(fmt::format("out of memory in the run at t = {} s", simulator.context().time()), kNumericalFailure);
   }
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return outcome;

@@ -32,11 +32,13 @@ class ProgressSink final : public LogSink {
 struct RunOutcome {
   RunStatus status;
   std::string failure;  ///< what() of a RunError; empty if there was none
+  int exit_code = 0;    ///< an ExitCode, or 128 and the number of the signal that stopped it
   double wall_s = 0;    ///< of the advance alone
 };
 
-/// Advances to `duration` [s]. A RunError is caught and told in the outcome, so that the caller can still
-/// write what there is.
+/// Advances to `duration` [s], or until SIGINT or SIGTERM comes, which ends the run as a monitor does; a
+/// second one ends the process. A RunError, or that memory is out, is caught and told in the outcome, so that
+/// the caller can still write what there is.
 RunOutcome Advance(Simulator& simulator, double duration);
 
 }  // namespace tenon::apps

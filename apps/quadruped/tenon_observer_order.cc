@@ -10,6 +10,7 @@
 
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
@@ -158,6 +159,7 @@ QuadrupedWorldParams MakeWorld(const ObserverOrderScenario& scenario) {
 Result Refused(const ObserverOrderScenario& scenario, const VariantScenario& variant, const char* why) {
   RunOutcome outcome;
   outcome.failure = fmt::format("refused: {}", why);
+  outcome.exit_code = kNumericalFailure;
   Result result{Summary(scenario.case_name, scenario.seed, outcome), std::nullopt, Cost()};
   result.summary.Set("gains_per_s", fmt::format("{}", fmt::join(variant.gains_per_s, ", ")));
   result.summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
@@ -192,8 +194,9 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   Report report = MakeReport(scenario);
   report.Log(simulator, signals, {&world.plant.geometry});
   scenario.variants = {variant};
-  const OutputDirectory out(arguments, WriteYaml(scenario));
-  out.WriteGraph(*diagram);
+  const OutputDirectory out(OutputPath(arguments));
+  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
+  WriteGraph(*diagram, arguments.graph);
   const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
   simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
@@ -216,18 +219,19 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
 }
 
 int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenario) {
-  const std::filesystem::path base =
-      arguments.out.empty() ? std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem()
-                            : std::filesystem::path(arguments.out);
+  std::vector<std::string> names;
+  for (const VariantScenario& variant : scenario.variants) names.push_back(variant.name);
+  CheckVariantNames(names);
+  const OutputDirectory out(OutputPath(arguments));
+  const std::filesystem::path& base = out.path();
+  WriteFile(base / "scenario.yaml", WriteYaml(scenario));
   std::vector<Result> results;
   for (const VariantScenario& variant : scenario.variants) {
     CommonArguments each = arguments;
     each.out = (base / variant.name).string();
     results.push_back(RunVariant(each, scenario, variant));
+    if (results.back().summary.exit_code() >= kOutputFailed) break;
   }
-  CommonArguments whole = arguments;
-  whole.out = base.string();
-  const OutputDirectory out(whole, WriteYaml(scenario));
 
   Report comparison = MakeReport(scenario);
   Summary::Named runs;

@@ -92,7 +92,8 @@ class Report {
   /// Takes over the run of another report, under the name of a variant. Later changes of that are seen.
   void Add(const std::string& variant, const Report& other);
 
-  /// Throws RunError if the file cannot be written, or if there is nothing to show.
+  /// As a whole, see WriteFile. Throws OutputError if the file cannot be written, RunError if there is
+  /// nothing to show.
   void Write(const std::filesystem::path& file) const;
 
  private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <utility>
 
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
@@ -42,12 +43,12 @@ std::vector<double> MemoryLog::column(const std::string& name) const {
   return values;
 }
 
-CsvLog::CsvLog(std::string file) : path_(std::move(file)), file_(std::fopen(path_.c_str(), "w")) {
-  if (file_ == nullptr) throw RunError(fmt::format("cannot write the log '{}'", path_));
-}
-
 CsvLog::~CsvLog() {
-  std::fclose(file_);
+  try {
+    Flush();
+  } catch (const OutputError&) {
+    // A run flushes at its end, and says so there.
+  }
 }
 
 void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
@@ -56,26 +57,27 @@ void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std:
     header += (i == 0 ? "" : ",") + names[i] + (units[i].empty() ? "" : " [" + units[i] + "]");
   }
   header += '\n';
-  line_.resize(names.size() * 32 + 2);
-  std::fwrite(header.data(), 1, header.size(), file_);
+  file_.Append(header);
+  longest_row_ = names.size() * 32;
+  buffer_.resize(std::max<std::size_t>(1 << 16, longest_row_));
 }
 
 void CsvLog::Row(std::span<const double> row) {
-  char* end = line_.data();
+  if (buffer_.size() - used_ < longest_row_) Flush();
+  char* end = buffer_.data() + used_;
   for (const double& value : row) {
     // Nine digits: more than any sensor has, half the file of the full seventeen. Time is exact.
     end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
     *end++ = ',';
   }
   end[-1] = '\n';
-  const auto size = static_cast<std::size_t>(end - line_.data());
-  if (std::fwrite(line_.data(), 1, size, file_) != size) {
-    throw RunError(fmt::format("cannot write on to the log '{}': is the disk full?", path_));
-  }
+  used_ = static_cast<std::size_t>(end - buffer_.data());
+  if (Clock::now() - flushed_ > std::chrono::milliseconds(500)) Flush();
 }
 
 void CsvLog::Flush() {
-  std::fflush(file_);
+  flushed_ = Clock::now();
+  file_.Append({buffer_.data(), std::exchange(used_, 0)});
 }
 
 SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,

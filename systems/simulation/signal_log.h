@@ -1,7 +1,7 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,6 +9,7 @@
 
 #include <tenon/systems/framework/context.h>
 #include <tenon/systems/framework/rate.h>
+#include <tenon/systems/io/output_file.h>
 
 namespace tenon {
 
@@ -45,22 +46,25 @@ class MemoryLog final : public LogSink {
   std::size_t reserved_ = 0;  ///< rows asked for before their length was known
 };
 
-/// Writes a log as CSV with a header of "name [unit]", row by row, so that a killed run leaves what it had.
-/// Opens in PlotJuggler as it is.
+/// Writes a log as CSV with a header of "name [unit]". Whole rows reach the file, at least once a second on
+/// the clock: a killed run leaves what it had. Opens in PlotJuggler as it is.
 class CsvLog final : public LogSink {
  public:
-  /// Throws RunError if the file cannot be opened.
-  explicit CsvLog(std::string file);
+  /// Throws OutputError if the file cannot be opened.
+  explicit CsvLog(std::filesystem::path file) : file_(std::move(file)) {}
   ~CsvLog() override;
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
-  /// Throws RunError if the disk is full or gone.
+  /// Throws OutputError if the disk is full or gone; the rows before are in the file.
   void Row(std::span<const double> row) override;
   void Flush() override;
 
  private:
-  std::string path_;
-  std::FILE* file_;
-  std::vector<char> line_;
+  using Clock = std::chrono::steady_clock;
+  GrowingFile file_;
+  std::vector<char> buffer_;  ///< rows that are not in the file yet
+  std::size_t used_ = 0;      ///< of it [bytes]
+  std::size_t longest_row_ = 0;
+  Clock::time_point flushed_ = Clock::now();
 };
 
 /// Logs the values of any ports and states at a rate into sinks; the blocks know nothing of it. A row holds

@@ -215,14 +215,14 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       context_->progress_ = Progress::kTickDue;
   } catch (const std::exception& error) {
     context_->failure_ = error.what();
-    FlushLogs();
+    static_cast<void>(FlushLogs());  // the first error is the one to tell
     throw;
   } catch (...) {
     context_->failure_ = "something that is no std::exception was thrown";
-    FlushLogs();
+    static_cast<void>(FlushLogs());
     throw;
   }
-  FlushLogs();
+  if (const std::exception_ptr error = FlushLogs()) std::rethrow_exception(error);
   return {context_->time(), end_reason_.has_value(), end_reason_.value_or("")};
 }
 
@@ -465,10 +465,18 @@ void Simulator::KeepPace(bool tick) {
   }
 }
 
-void Simulator::FlushLogs() {
+std::exception_ptr Simulator::FlushLogs() {
+  std::exception_ptr first;
   for (const RatedLog& log : logs_) {
-    for (const auto& each : log.logs) each->Flush();
+    for (const auto& each : log.logs) {
+      try {
+        each->Flush();
+      } catch (...) {
+        if (!first) first = std::current_exception();
+      }
+    }
   }
+  return first;
 }
 
 }  // namespace tenon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -106,7 +107,8 @@ class Simulator {
   void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
   void CheckSamples(const internal::TickPlan& plan) const;
   void KeepPace(bool tick);
-  void FlushLogs();
+  /// All of them, whatever one throws; returns the first of that.
+  std::exception_ptr FlushLogs();
 
   std::unique_ptr<Context> context_;
   SimulatorOptions options_;

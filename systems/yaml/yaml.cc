@@ -17,6 +17,11 @@ namespace tenon {
 
 using internal::YamlTree;
 
+void CheckUtf8(std::string_view text, const std::string& place) {
+  internal::CheckUtf8(text,
+                      [&](int line, int column) { return fmt::format("{}:{}:{}", place, line, column); });
+}
+
 YamlDocument YamlDocument::Load(const std::string& file_name) {
   const std::filesystem::path path(file_name);
   std::error_code ignored;

@@ -14,6 +14,9 @@ struct YamlTree;
 std::string WriteYaml(const TypeInfo& type, const void* value);
 }  // namespace internal
 
+/// Throws ParameterError, with `place`, line and column, unless the text is UTF-8.
+void CheckUtf8(std::string_view text, const std::string& place);
+
 /// A YAML file of parameters, read strictly into structs that describe themselves by a static `Fields()`:
 ///
 ///     struct WalkParams {

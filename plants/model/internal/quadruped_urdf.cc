@@ -2,6 +2,7 @@
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
+#include <tenon/plants/model/internal/urdf_check.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 #include <urdf_parser/urdf_parser.h>
@@ -76,6 +77,7 @@ class Reader {
     if (!in) Fail("the file cannot be read; name a URDF file beside the robot's YAML file");
     std::stringstream text;
     text << in.rdbuf();
+    CheckUrdf(text.str(), file_);
     static std::mutex mutex;  // the parser's log is the process's
     const std::lock_guard lock(mutex);
     ParserLog log;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
 #include <tenon/systems/report/internal/page_parts.h>
 
 namespace tenon::internal {
@@ -67,27 +68,24 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
   ReplaceAll(escaped_title, "&", "&amp;");
   ReplaceAll(escaped_title, "<", "&lt;");
 
-  std::ofstream out(file, std::ios::binary);
+  std::string out;
   // The template's slots are written as {{name}}.
   std::string_view rest = kPageHtml;
   for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
-    out << rest.substr(0, open);
+    out += rest.substr(0, open);
     const std::size_t close = rest.find("}}", open);
     const std::string_view slot = rest.substr(open + 2, close - open - 2);
     rest.remove_prefix(close + 2);
-    if (slot == "title") out << escaped_title;
-    if (slot == "report.css") out << kPageCss;
-    if (slot == "report.js") out << kPlotsJs << kShapesJs << kReplayJs << kReportJs;
-    if (slot == "data") out << data_json;
+    if (slot == "title") out += escaped_title;
+    if (slot == "report.css") out += kPageCss;
+    if (slot == "report.js") out.append(kPlotsJs).append(kShapesJs).append(kReplayJs).append(kReportJs);
+    if (slot == "data") out += data_json;
     for (const Part& part : kParts) {
-      if (slot == part.slot) out << ReadPart(part);
+      if (slot == part.slot) out += ReadPart(part);
     }
   }
-  out << rest;
-  out.close();
-  if (!out)
-    throw RunError(
-        fmt::format("cannot write the report '{}': is there such a directory, and room?", file.string()));
+  out += rest;
+  WriteFile(file, out);
 }
 
 }  // namespace tenon::internal

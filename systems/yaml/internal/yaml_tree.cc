@@ -1,9 +1,11 @@
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 
 #include <fmt/format.h>
+#include <utf8.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -124,7 +126,19 @@ class TreeBuilder final : public YAML::EventHandler {
 
 }  // namespace
 
+void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of) {
+  const auto bad = utf8::find_invalid(text.begin(), text.end());
+  if (bad == text.end()) return;
+  const std::string_view before(text.begin(), bad);
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t last_break = before.rfind('\n');  // npos + 1 is 0
+  FailAt(place_of(static_cast<int>(line), static_cast<int>(before.size() - (last_break + 1)) + 1),
+         fmt::format("byte {:#04x} is not UTF-8; save the text in that encoding",
+                     static_cast<unsigned char>(*bad)));
+}
+
 YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden) {
+  CheckUtf8(text, place_of);
   TreeBuilder builder(place_of, overridden);
   try {
     std::istringstream stream(text);

@@ -30,8 +30,11 @@ struct YamlTree {
 /// Gives the place of a line and a column, both from 1.
 using YamlPlaceOf = std::function<std::string(int line, int column)>;
 
+/// Throws ParameterError with the place of the first byte that is not UTF-8.
+void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of);
+
 /// Parses one document; an empty one is null. Throws ParameterError on a syntax error, a key given twice,
-/// a second document, a tag.
+/// a second document, a tag, text that is not UTF-8.
 YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden);
 
 /// "nothing", "'abc'", "a list of 3": what was found, for messages.

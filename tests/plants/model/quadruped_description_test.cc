@@ -270,10 +270,48 @@ TEST(QuadrupedDescriptionTest, RefusesDrivesAndContactsThatCannotBe) {
 TEST(QuadrupedDescriptionTest, RefusesFilesThatAreNoUrdf) {
   RobotFiles files("dogbot");
   files.urdf = "<robot name=\"dogbot\"><link";
-  EXPECT_TRUE(Refused(files, "dogbot.urdf", "no URDF", "correct the XML"));
+  EXPECT_TRUE(Refused(files, "dogbot.urdf:1", "no URDF", "correct the XML"));
   RobotFiles missing("dogbot");
   missing.Change(&RobotFiles::yaml, "urdf: dogbot.urdf", "urdf: dogbto.urdf");
   EXPECT_TRUE(Refused(missing, "dogbto.urdf", "cannot be read"));
+}
+
+// urdfdom would leave out what it cannot read: a lighter robot.
+TEST(QuadrupedDescriptionTest, RefusesNumbersThatAreNone) {
+  for (const char* bad : {"9.3kg", "9,3", "", "nan", "9.3 1", "1e999"}) {
+    RobotFiles files("dogbot");
+    files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"" + std::string(bad) + "\"/>");
+    EXPECT_TRUE(
+        Refused(files, "dogbot.urdf:", "link 'body': <mass value=\"" + std::string(bad), "one number"));
+  }
+  RobotFiles axis("a1");
+  axis.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0\"/>");
+  EXPECT_TRUE(Refused(axis, "joint 'FL_hip_joint': <axis xyz=\"1 0\">", "three numbers"));
+}
+
+TEST(QuadrupedDescriptionTest, RefusesLinksThatFormNoTree) {
+  RobotFiles ring("a1");  // beside the robot
+  ring.Change(&RobotFiles::urdf, "</robot>",
+              "<link name=\"x\"/><link name=\"y\"/>"
+              "<joint name=\"xy\" type=\"fixed\"><parent link=\"x\"/><child link=\"y\"/></joint>"
+              "<joint name=\"yx\" type=\"fixed\"><parent link=\"y\"/><child link=\"x\"/></joint></robot>");
+  EXPECT_TRUE(Refused(ring, "a1.urdf:", "the joints 'xy', 'yx' form a loop", "take one out"));
+  RobotFiles back("a1");  // from a foot to the leg's first link
+  back.Change(&RobotFiles::urdf, "</robot>",
+              "<joint name=\"back\" type=\"fixed\"><parent link=\"FL_foot\"/><child link=\"FL_hip\"/>"
+              "</joint></robot>");
+  EXPECT_TRUE(Refused(back, "'FL_hip' hangs on two joints, 'FL_hip_joint' and 'back'"));
+}
+
+TEST(QuadrupedDescriptionTest, RefusesWhatIsTooDeepOrTooLarge) {
+  RobotFiles deep("a1");
+  std::string nest;
+  for (int i = 0; i < 100000; ++i) nest += "<a>";
+  deep.Change(&RobotFiles::urdf, "</robot>", nest);
+  EXPECT_TRUE(Refused(deep, "a1.urdf:", "nested deeper than 32"));
+  RobotFiles large("a1");
+  large.urdf.append(17 << 20, ' ');
+  EXPECT_TRUE(Refused(large, "a1.urdf", "bytes", "no more than"));
 }
 
 // Momentum and inertia about B's origin add up.

@@ -453,6 +453,14 @@ TEST(YamlWriteTest, RoundTripOfText) {
   }
 }
 
+TEST(YamlReadTest, RefusesWhatIsNotUtf8) {
+  for (const char* bad : {"\xe9", "\xff", "\xc3(", "\xed\xa0\x80", "\xf0\x82\x82\xac"}) {
+    EXPECT_THAT(ErrorOf([&] { YamlDocument::Parse(std::string("a: 1\nname: ") + bad, "robot.yaml"); }),
+                HasSubstr("robot.yaml:2:7: byte 0x"))
+        << bad;
+  }
+}
+
 TEST(YamlWriteTest, RefusesWhatCannotBeReadAgain) {
   Robot robot;
   robot.speed = std::numeric_limits<double>::infinity();

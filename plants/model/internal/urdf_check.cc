@@ -1,0 +1,163 @@
+#include <tenon/plants/model/internal/urdf_check.h>
+
+#include <expat.h>
+#include <fmt/format.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <charconv>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace tenon::internal {
+namespace {
+
+constexpr std::size_t kMaxBytes = 16 << 20;
+constexpr std::size_t kMaxDepth = 32;  // a URDF has five or six
+
+/// The attributes that hold numbers, and how many.
+struct Numbers {
+  std::string_view element, attribute;
+  int count;
+};
+constexpr Numbers kNumbers[] = {
+    {"mass", "value", 1},   {"inertia", "ixx", 1},    {"inertia", "ixy", 1}, {"inertia", "ixz", 1},
+    {"inertia", "iyy", 1},  {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3},
+    {"origin", "rpy", 3},   {"axis", "xyz", 3},       {"limit", "lower", 1}, {"limit", "upper", 1},
+    {"limit", "effort", 1}, {"limit", "velocity", 1},
+};
+
+/// How many finite numbers the text holds, between blanks; none if it holds anything else.
+std::optional<int> CountNumbers(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  int count = 0;
+  for (std::size_t at; (at = text.find_first_not_of(kBlanks)) != text.npos; ++count) {
+    text.remove_prefix(at);
+    std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    text.remove_prefix(word.size());
+    if (word.size() > 1 && word.front() == '+' && word[1] != '-') word.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return {};
+  }
+  return count;
+}
+
+class Check {
+ public:
+  Check(const std::string& text, const std::string& file) : file_(file) {
+    if (text.size() > kMaxBytes)
+      throw ParameterError(
+          fmt::format("{}: the file has {} bytes, a robot needs no more than {}; name another", file,
+                      text.size(), kMaxBytes));
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(parser_.get(), &OnStart, &OnEnd);
+    const bool parsed =
+        XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
+    if (failure_) std::rethrow_exception(failure_);
+    if (!parsed)
+      Fail(Line(), "this is no URDF: {}; correct the XML", XML_ErrorString(XML_GetErrorCode(parser_.get())));
+    RefuseRings();
+  }
+
+ private:
+  struct Joint {
+    std::string name, parent, child;
+    std::size_t line;
+  };
+
+  template <class... Args>
+  [[noreturn]] void Fail(std::size_t line, fmt::format_string<Args...> format, Args&&... args) const {
+    throw ParameterError(
+        fmt::format("{}:{}: {}", file_, line, fmt::format(format, std::forward<Args>(args)...)));
+  }
+  std::size_t Line() const { return XML_GetCurrentLineNumber(parser_.get()); }
+
+  // Nothing may be thrown through the parser, which is C.
+  static void OnStart(void* self, const char* name, const char** attributes) {
+    auto* check = static_cast<Check*>(self);
+    if (check->failure_) return;
+    try {
+      check->Start(name, attributes);
+    } catch (...) {
+      check->failure_ = std::current_exception();
+      XML_StopParser(check->parser_.get(), XML_FALSE);
+    }
+  }
+  static void OnEnd(void* self, const char*) { static_cast<Check*>(self)->open_.pop_back(); }
+
+  void Start(std::string_view element, const char** attributes) {
+    if (open_.size() >= kMaxDepth)
+      Fail(Line(), "elements are nested deeper than {}; a robot needs 6", kMaxDepth);
+    const auto attribute = [&](std::string_view name) -> std::string {
+      for (const char** at = attributes; *at != nullptr; at += 2) {
+        if (name == *at) return at[1];
+      }
+      return "";
+    };
+    if (open_.size() == 1) {
+      owner_ = fmt::format("{} '{}'", element, attribute("name"));
+      if (element == "joint") joints_.push_back({attribute("name"), "", "", Line()});
+    } else if (open_.size() == 2 && open_.back() == "joint") {
+      if (element == "parent") joints_.back().parent = attribute("link");
+      if (element == "child") joints_.back().child = attribute("link");
+    }
+    for (const char** at = attributes; *at != nullptr; at += 2) CheckNumbers(element, at[0], at[1]);
+    open_.emplace_back(element);
+  }
+
+  void CheckNumbers(std::string_view element, std::string_view attribute, std::string_view text) const {
+    for (const Numbers& numbers : kNumbers) {
+      if (numbers.element != element || numbers.attribute != attribute) continue;
+      if (CountNumbers(text) != numbers.count)
+        Fail(Line(), "{}: <{} {}=\"{:.80}\">: write {}, without a unit and with a decimal point", owner_,
+             element, attribute, text,
+             numbers.count == 1 ? "one number" : "three numbers with blanks between");
+    }
+  }
+
+  void RefuseRings() const {
+    std::map<std::string_view, const Joint*> above;
+    for (const Joint& joint : joints_) {
+      const auto [at, is_new] = above.emplace(joint.child, &joint);
+      if (!is_new)
+        Fail(joint.line,
+             "the link '{}' hangs on two joints, '{}' and '{}'; the links must form a tree, take one out",
+             joint.child, at->second->name, joint.name);
+    }
+    for (const Joint& joint : joints_) {
+      std::string names;
+      const Joint* next = &joint;
+      for (std::size_t i = 0; i <= joints_.size(); ++i) {
+        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", next->name);
+        const auto found = above.find(next->parent);
+        if (found == above.end()) break;
+        next = found->second;
+        if (next == &joint)
+          Fail(joint.line, "the joints {} form a loop; the links must form a tree, take one out", names);
+      }
+    }
+  }
+
+  const std::string& file_;
+  std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
+      XML_ParserCreate(nullptr), &XML_ParserFree};
+  std::vector<std::string> open_;  ///< elements
+  std::string owner_;              ///< the link or joint that these are in
+  std::vector<Joint> joints_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+void CheckUrdf(const std::string& text, const std::string& file) {
+  Check(text, file);
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string_view>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon {
+
+/// What is to be kept cannot be written: the disk is full, the place is not there or belongs to others.
+class OutputError : public RunError {
+ public:
+  using RunError::RunError;
+};
+
+/// Writes a file as a whole: the text goes into a file beside it, `.NAME.PID.part`, which then takes its
+/// name. So a reader, or who comes after a crash, finds what was there before or all of the new. What is no
+/// regular file, "/dev/stdout", is written as it is. Throws OutputError, and leaves nothing behind.
+void WriteFile(const std::filesystem::path& file, std::string_view text);
+
+/// A file that grows and is never torn: text reaches the disk when it is flushed, and what the disk does not
+/// take as a whole is taken back.
+class GrowingFile {
+ public:
+  /// An empty file, whatever was there. Throws OutputError if it cannot be opened.
+  explicit GrowingFile(std::filesystem::path path);
+  ~GrowingFile();
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+
+  /// Writes at its end. Throws OutputError with the cause; then the file is as it was before.
+  void Append(std::string_view text);
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_;
+  std::size_t size_ = 0;  ///< [bytes]
+};
+
+}  // namespace tenon

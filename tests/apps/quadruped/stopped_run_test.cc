@@ -1,0 +1,132 @@
+// Runs that are stopped, and places that cannot be written: what is left is whole, and the exit code says
+// why.
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Read;
+using test::Result;
+using test::RunCommand;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kApp = TENON_QUADRUPED;
+
+class TenonStoppedRunTest : public test::AppTest {
+ protected:
+  /// Runs for ever, until rows are in the file; then `script`, in which $run is its process.
+  Result WhileRunning(const std::string& script) const {
+    return RunCommand("sh -c '" + kApp + " flat --duration 100000" + Out() + " & run=$!; until [ -s " +
+                      (out / "signals.csv").string() + " ]; do sleep 0.02; done; sleep 0.7; " + script + "'");
+  }
+  /// All rows are as long as the header.
+  void ExpectWholeRows() const {
+    std::istringstream file(Read(out / "signals.csv"));
+    std::string line;
+    std::getline(file, line);
+    const auto cells = std::count(line.begin(), line.end(), ',');
+    int rows = 0;
+    for (; std::getline(file, line); ++rows)
+      ASSERT_EQ(std::count(line.begin(), line.end(), ','), cells) << rows;
+    EXPECT_GT(rows, 10);
+    EXPECT_EQ(Read(out / "signals.csv").back(), '\n');
+  }
+};
+
+TEST_F(TenonStoppedRunTest, ASignalEndsItInGoodOrder) {
+  for (const auto& [signal, code] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
+    const Result result = WhileRunning("kill -" + std::string(signal) + " $run; wait $run");
+    EXPECT_EQ(result.exit_code, code) << result.text;
+    EXPECT_THAT(result.text, HasSubstr("com_error_max_m"));
+    EXPECT_THAT(Read(out / "summary.json"),
+                AllOf(HasSubstr("\"end_reason\": \"interrupted\""), HasSubstr("\"finished\": false"),
+                      HasSubstr("\"fell\": false")));
+    EXPECT_THAT(Read(out / "report.html"), HasSubstr("interrupted"));
+    ExpectWholeRows();
+  }
+}
+
+TEST_F(TenonStoppedRunTest, WhatIsKilledLeavesWholeRowsAndNothingOld) {
+  fs::create_directories(out);
+  std::ofstream(out / "report.html") << "of an earlier run";
+  std::ofstream(out / "summary.json") << "of an earlier run";
+  EXPECT_EQ(WhileRunning("kill -KILL $run; wait $run").exit_code, 137);
+  ExpectWholeRows();
+  EXPECT_FALSE(fs::exists(out / "report.html"));
+  EXPECT_FALSE(fs::exists(out / "summary.json"));
+  EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("case: flat"));
+}
+
+TEST_F(TenonStoppedRunTest, ADirectoryBelongsToOneRunAtATime) {
+  const Result result =
+      WhileRunning(kApp + " stand --duration 0.1" + Out() + "; echo second $?; kill -KILL $run; wait $run; " +
+                   kApp + " stand --duration 0.1" + Out());
+  EXPECT_THAT(result.text, AllOf(HasSubstr("another run writes into the output directory"),
+                                 HasSubstr("choose another --out"), HasSubstr("second 2")));
+  EXPECT_EQ(result.exit_code, 0) << "the lock dies with its process; " << result.text;
+}
+
+// A limit of the size of files stands for the end of a disk.
+TEST_F(TenonStoppedRunTest, AFullDiskEndsItWithItsFigures) {
+  const Result result =
+      RunCommand("sh -c 'trap \"\" XFSZ; ulimit -f 200; " + kApp + " flat --duration 100000" + Out() + "'");
+  EXPECT_EQ(result.exit_code, 5) << result.text;
+  EXPECT_THAT(result.text, AllOf(HasSubstr("com_error_max_m"), HasSubstr("signals.csv': File too large"),
+                                 HasSubstr("report.html': File too large")));
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("signals.csv': File too large"));
+  ExpectWholeRows();
+  for (const auto& entry : fs::directory_iterator(out))
+    EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));
+}
+
+TEST_F(TenonStoppedRunTest, PlacesThatCannotBeWrittenAreExitCode5) {
+  const Result directory = RunCommand(kApp + " stand --duration 0.1 --out /dev/full");
+  EXPECT_EQ(directory.exit_code, 5);
+  EXPECT_THAT(directory.text, HasSubstr("cannot make the output directory '/dev/full'"));
+  const Result figures = RunCommand("sh -c '" + kApp + " stand --duration 0.1" + Out() + " 2>&1 >/dev/full'");
+  EXPECT_EQ(figures.exit_code, 5);
+  EXPECT_THAT(figures.text, HasSubstr("the figures cannot be printed"));
+  const Result graph = RunCommand(kApp + " stand --duration 0.1" + Out() + " --graph /nonexistent/a.svg");
+  EXPECT_EQ(graph.exit_code, 5);
+  EXPECT_THAT(graph.text, HasSubstr("cannot write '/nonexistent/a.svg'"));
+}
+
+TEST_F(TenonStoppedRunTest, TheGraphIsDrawnWithoutAShell) {
+  fs::create_directories(out);
+  const fs::path crafted = out / "a\"; touch pwned; \".svg";
+  const Result result = RunCommand("cd " + out.string() + " && " + kApp + " stand --duration 0.1" + Out() +
+                                   " --graph '" + crafted.string() + "'");
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(crafted), HasSubstr("<svg"));
+  EXPECT_FALSE(fs::exists(out / "pwned"));
+  const fs::path svg = out / "b.svg";
+  for (int i = 0; i < 5; ++i) {
+    const Result without = RunCommand("PATH=/nonexistent " + kApp + " stand --duration 0.1" + Out() +
+                                      " --graph " + svg.string());
+    EXPECT_EQ(without.exit_code, 2);
+    EXPECT_THAT(without.text, HasSubstr("apt-get install graphviz"));
+    EXPECT_FALSE(fs::exists(svg));
+  }
+}
+
+TEST_F(TenonStoppedRunTest, TextThatIsNotUtf8IsRefusedWhenRead) {
+  fs::create_directories(out);
+  std::ofstream(out / "own.yaml") << "extends: flat\ncase: caf\xe9\n";
+  const Result scenario = RunCommand(kApp + " " + (out / "own.yaml").string() + Out());
+  EXPECT_EQ(scenario.exit_code, 2);
+  EXPECT_THAT(scenario.text, HasSubstr("own.yaml:2:10: byte 0xe9 is not UTF-8"));
+  const Result argument = RunCommand(kApp + " flat --out '" + (out / "caf\xe9").string() + "'");
+  EXPECT_EQ(argument.exit_code, 2);
+  EXPECT_THAT(argument.text, HasSubstr("argument 3 of the command line"));
+}
+
+}  // namespace
+}  // namespace tenon
