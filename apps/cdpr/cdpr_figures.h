@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
 
@@ -20,26 +21,22 @@ class CdprFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  double tension_min() const { return tension_min_; }  ///< of the plant [N]
-  double tension_max() const { return tension_max_; }
-  double command_min() const { return command_min_; }  ///< [N]
-  double command_max() const { return command_max_; }
-  double tension_rate_rms() const;       ///< of the plant, all cables [N/s]
-  double euler_oscillation_rms() const;  ///< attitude minus that of the equilibrium [rad]
-  double acceleration_rms() const;       ///< [m/s^2]
-  double tracking_error_rms() const;     ///< [m]
+  const Tally& tension() const { return tension_; }            ///< of the plant, all cables [N]
+  const Tally& tension_rate() const { return tension_rate_; }  ///< [N/s]
+  const Tally& command() const { return command_; }            ///< [N]
+  const Tally& oscillation() const { return oscillation_; }  ///< attitude minus that of the equilibrium [rad]
+  const Tally& acceleration() const { return acceleration_; }  ///< [m/s^2]
+  const Tally& tracking_error() const { return error_; }       ///< [m]
   /// Since `settle_from`, until x and y stay within 0.02 m of the reference [s]; empty if they never do.
   std::optional<double> settling_time() const;
 
  private:
   double settle_from_;
-  std::vector<std::size_t> position_, euler_, acceleration_, tension_, command_, ref_position_, ref_euler_;
+  std::vector<std::size_t> position_, euler_, a_W_, tensions_, commands_, ref_position_, ref_euler_;
 
-  long rows_ = 0, rate_rows_ = 0;
   double last_time_ = 0;
   std::vector<double> last_tension_;
-  double tension_min_ = 0, tension_max_ = 0, command_min_ = 0, command_max_ = 0;
-  double rate_square_ = 0, euler_square_ = 0, acceleration_square_ = 0, error_square_ = 0;
+  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_;
   double settled_since_ = 0;
   bool settled_ = false;
 };
@@ -50,14 +47,13 @@ class MpcFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  /// Wall-clock time of a solve that the part `share` of all solves does not exceed [s].
-  double time_quantile(double share) const;
-  double fallbacks() const { return fallbacks_; }
+  const TimeQuantiles& times() const { return times_; }  ///< of the wall clock, of a solve
+  std::optional<double> fallbacks() const { return fallbacks_; }
 
  private:
   std::size_t time_ = 0, count_ = 0;
-  std::vector<double> times_;
-  double fallbacks_ = 0;
+  TimeQuantiles times_;
+  std::optional<double> fallbacks_;
 };
 
 }  // namespace tenon::apps

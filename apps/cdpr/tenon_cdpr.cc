@@ -33,18 +33,18 @@ RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario
   const std::string controller(EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
     summary.Set("controller", controller);
-    summary.Set("tension_min_N", figures->tension_min());
-    summary.Set("tension_max_N", figures->tension_max());
-    summary.Set("command_min_N", figures->command_min());
-    summary.Set("command_max_N", figures->command_max());
-    summary.Set("tension_rate_rms_N_per_s", figures->tension_rate_rms());
-    summary.Set("euler_oscillation_rms_rad", figures->euler_oscillation_rms());
-    summary.Set("acceleration_rms_m_per_s2", figures->acceleration_rms());
-    summary.Set("tracking_error_rms_m", figures->tracking_error_rms());
+    summary.Set("tension_min_N", figures->tension().min());
+    summary.Set("tension_max_N", figures->tension().max());
+    summary.Set("command_min_N", figures->command().min());
+    summary.Set("command_max_N", figures->command().max());
+    summary.Set("tension_rate_rms_N_per_s", figures->tension_rate().rms());
+    summary.Set("euler_oscillation_rms_rad", figures->oscillation().rms());
+    summary.Set("acceleration_rms_m_per_s2", figures->acceleration().rms());
+    summary.Set("tracking_error_rms_m", figures->tracking_error().rms());
     summary.Set("settling_time_s", figures->settling_time());
     if (loop.mpc != nullptr) {
-      summary.Set("mpc_time_median_us", 1e6 * solves->time_quantile(0.5));
-      summary.Set("mpc_time_p99_us", 1e6 * solves->time_quantile(0.99));
+      summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
+      summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
       summary.Set("mpc_fallbacks", solves->fallbacks());
     }
   };

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <csignal>
 #include <nlopt.hpp>
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
@@ -69,10 +70,12 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
     const auto figures = std::make_shared<CdprFigures>(trial.settle_from);
     simulator.AddLog(Hz(trial.scenario.pd.rate_hz), CdprFigures::Signals(loop), {figures});
     const RunOutcome outcome = Advance(simulator, trial.scenario.duration_s);
+    if (outcome.exit_code > 128)
+      std::raise(outcome.exit_code - 128);  // nothing is written that could be lost
     const double missing = trial.scenario.duration_s - trial.settle_from;
     const bool failed = outcome.status.ended || !outcome.failure.empty();
-    judgement.tracking_error_rms += (failed ? 1.0 : figures->tracking_error_rms()) / trials.size();
-    judgement.tension_rate_rms += (failed ? 1000 : figures->tension_rate_rms()) / trials.size();
+    judgement.tracking_error_rms += (failed ? 1 : *figures->tracking_error().rms()) / trials.size();
+    judgement.tension_rate_rms += (failed ? 1000 : *figures->tension_rate().rms()) / trials.size();
     judgement.settling_time +=
         (failed ? missing : figures->settling_time().value_or(missing)) / trials.size();
   }

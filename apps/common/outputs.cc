@@ -101,18 +101,24 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
 Summary::Summary(Summary&&) noexcept = default;
 Summary::~Summary() = default;
 
-void Summary::Set(const std::string& key, double value) {
-  json_->values[key] = value;
+namespace {
+
+nlohmann::ordered_json NumberOrNull(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
+
+void Summary::Set(const std::string& key, std::optional<double> value) {
+  json_->values[key] = NumberOrNull(value);
 }
 void Summary::Set(const std::string& key, const std::string& value) {
   json_->values[key] = value;
 }
-void Summary::Set(const std::string& key, const std::vector<std::pair<std::string, double>>& values) {
+void Summary::Set(const std::string& key,
+                  const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
-  for (const auto& [name, value] : values) object[name] = value;
-}
-void Summary::Set(const std::string& key, const std::optional<double>& value) {
-  json_->values[key] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+  for (const auto& [name, value] : values) object[name] = NumberOrNull(value);
 }
 
 namespace {

@@ -54,12 +54,11 @@ class Summary {
   Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
   Summary(Summary&&) noexcept;
   ~Summary();
-  void Set(const std::string& key, double value);
+  /// Null if empty: a figure of nothing is no 0.
+  void Set(const std::string& key, std::optional<double> value);
   void Set(const std::string& key, const std::string& value);
   /// By name: of legs, of axes.
-  void Set(const std::string& key, const std::vector<std::pair<std::string, double>>& values);
-  /// Null if empty.
-  void Set(const std::string& key, const std::optional<double>& value);
+  void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
 
   void Write(const std::filesystem::path& file) const;  ///< throws OutputError
   void Print() const;                                   ///< on stdout, one figure a line

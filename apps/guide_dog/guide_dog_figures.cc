@@ -61,17 +61,14 @@ void GuideDogFigures::Row(std::span<const double> row) {
 
 void GuideDogFigures::LeashRow(std::span<const double> row) {
   const double tension = row[tension_], distance = row[length_];
-  tension_max_ = std::max(tension_max_, tension);
+  tensions_.Add(tension);
 
   const bool together =
       Is(row[mode_], GuideMode::kMove) && Is(row[activity_], Activity::kFollow) && row[speed_] > 0;
   leads_ = together && (leads_ || tension >= desired_tension_);
   if (!leads_) return;
-  distance_min_ = counted_ == 0 ? distance : std::min(distance_min_, distance);
-  distance_max_ = counted_ == 0 ? distance : std::max(distance_max_, distance);
-  ++counted_;
-  tension_sum_ += tension;
-  distance_sum_ += distance;
+  tensions_leading_.Add(tension);
+  distances_leading_.Add(distance);
 }
 
 void GuideDogFigures::StopRow(std::span<const double> row) {
@@ -98,15 +95,11 @@ void GuideDogFigures::HeadingRow(std::span<const double> row) {
 }
 
 void GuideDogFigures::AddTo(Summary& summary) const {
-  const auto mean = [](double sum, long count) {
-    return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
-  };
-  const auto known = [&](double value) { return counted_ > 0 ? std::optional(value) : std::nullopt; };
-  summary.Set("tension_mean_N", mean(tension_sum_, counted_));
-  summary.Set("tension_max_N", tension_max_);
-  summary.Set("distance_mean_m", mean(distance_sum_, counted_));
-  summary.Set("distance_min_m", known(distance_min_));
-  summary.Set("distance_max_m", known(distance_max_));
+  summary.Set("tension_mean_N", tensions_leading_.mean());
+  summary.Set("tension_max_N", tensions_.max());
+  summary.Set("distance_mean_m", distances_leading_.mean());
+  summary.Set("distance_min_m", distances_leading_.min());
+  summary.Set("distance_max_m", distances_leading_.max());
   summary.Set("stop_delay_s", stop_delay_);
   std::optional<double> heading_error;
   if (pull_yaw_) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/systems/simulation/signal_log.h>
 
@@ -42,11 +43,10 @@ class GuideDogFigures final : public LogSink {
   std::size_t tension_ = 0, length_ = 0, mode_ = 0, activity_ = 0, speed_ = 0, obstacle_ = 0;
   std::vector<std::size_t> direction_, velocity_, attitude_;
 
-  long counted_ = 0;
   bool leads_ = false;
-  double tension_sum_ = 0, tension_max_ = 0, distance_sum_ = 0, distance_min_ = 0, distance_max_ = 0;
-  std::optional<double> cause_, standing_, stop_delay_;  // [s]
-  std::optional<double> pull_yaw_;                       // [rad]
+  Tally tensions_, tensions_leading_, distances_leading_;  // [N], [N], [m]
+  std::optional<double> cause_, standing_, stop_delay_;    // [s]
+  std::optional<double> pull_yaw_;                         // [rad]
   double last_mode_ = 0, last_time_ = 0;
   std::deque<Vec<2>> headings_;  // of the last second
 };

@@ -39,21 +39,17 @@ void EstimateFigures::Row(std::span<const double> row) {
   const Vec<3> up = RotationFromQuaternion(Take<4>(row, true_.attitude)).row(2);
   const Vec<3> estimated_up = RotationFromQuaternion(Take<4>(row, estimated_.attitude)).row(2);
   const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
-  ++rows_;
-  velocity_square_ += velocity * velocity;
-  velocity_max_ = std::max(velocity_max_, velocity);
-  tilt_square_ += tilt * tilt;
-  tilt_max_ = std::max(tilt_max_, tilt);
+  velocity_.Add(velocity);
+  tilt_.Add(tilt);
   position_end_ = (Take<3>(row, estimated_.position) - Take<3>(row, true_.position)).norm();
 }
 
 void EstimateFigures::AddTo(Summary& summary) const {
-  if (rows_ == 0) return;
-  const auto n = static_cast<double>(rows_);
-  summary.Set("velocity_estimate_error_rms_m_per_s", std::sqrt(velocity_square_ / n));
-  summary.Set("velocity_estimate_error_max_m_per_s", velocity_max_);
-  summary.Set("tilt_estimate_error_rms_rad", std::sqrt(tilt_square_ / n));
-  summary.Set("tilt_estimate_error_max_rad", tilt_max_);
+  if (estimated_.velocity.empty()) return;
+  summary.Set("velocity_estimate_error_rms_m_per_s", velocity_.rms());
+  summary.Set("velocity_estimate_error_max_m_per_s", velocity_.max());
+  summary.Set("tilt_estimate_error_rms_rad", tilt_.rms());
+  summary.Set("tilt_estimate_error_max_rad", tilt_.max());
   summary.Set("position_estimate_error_end_m", position_end_);
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/tally.h>
 
 namespace tenon::apps {
 
@@ -24,8 +26,8 @@ class EstimateFigures {
     std::vector<std::size_t> position, attitude, velocity;
   };
   State true_, estimated_;
-  long rows_ = 0;
-  double velocity_square_ = 0, velocity_max_ = 0, tilt_square_ = 0, tilt_max_ = 0, position_end_ = 0;
+  Tally velocity_, tilt_;  // errors [m/s], [rad]
+  std::optional<double> position_end_;
 };
 
 }  // namespace tenon::apps

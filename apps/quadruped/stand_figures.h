@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/systems/simulation/signal_log.h>
 
@@ -25,17 +27,11 @@ class StandFigures final : public LogSink {
   /// Writes them down.
   void AddTo(Summary& summary) const;
 
-  double height_min() const { return height_min_; }     ///< of the trunk, p_WB's z [m]
-  double height_end() const { return height_end_; }     ///< [m]
-  double drift() const { return drift_; }               ///< horizontal, from where it began to the end [m]
-  double tilt_max() const { return tilt_max_; }         ///< [rad]
-  double torque_max() const { return torque_max_; }     ///< of the drives, in magnitude [N m]
-  double foot_force_max() const { return force_max_; }  ///< in magnitude [N]
-
  private:
   std::vector<std::size_t> position_, attitude_, torque_, force_;
-  std::vector<double> start_;
-  double height_min_ = 0, height_end_ = 0, drift_ = 0, tilt_max_ = 0, torque_max_ = 0, force_max_ = 0;
+  std::vector<double> start_;                  // horizontal [m]
+  Tally height_, tilt_, joint_torque_, load_;  // of the trunk [m], [rad]; in magnitude [N m], [N]
+  std::optional<double> height_end_, drift_;   // [m]
 };
 
 }  // namespace tenon::apps

@@ -103,6 +103,15 @@ QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArgum
   return document.Read<QuadrupedScenario>();
 }
 
+/// Refuses a walk of which nothing would be judged; says it, if it is --duration that cuts it short.
+void CheckJudged(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+  if (!scenario.walk || scenario.walk->judged_from_s < Duration(scenario)) return;
+  const std::string what = fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s",
+                                       Duration(scenario), scenario.walk->judged_from_s);
+  if (!arguments.duration) throw ParameterError(what + ": lower that, or lengthen the walk");
+  fmt::print(stderr, "warning: {}: there is nothing to judge, its figures are null\n", what);
+}
+
 int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   if (arguments.list) {
     ListScenarios("tenon-quadruped");
@@ -111,6 +120,7 @@ int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   QuadrupedScenario scenario = ReadScenario(arguments, walk);
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
+  CheckJudged(arguments, scenario);
   if (walk.compare) return CompareObservers(arguments, scenario);
   if (scenario.sweep) return RunSweep(arguments, scenario);
   const Summary summary = RunOnce(arguments, scenario).summary;

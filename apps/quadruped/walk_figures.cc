@@ -6,7 +6,6 @@
 #include <string>
 
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/quantile.h>
 
 namespace tenon::apps {
 
@@ -40,7 +39,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   ground_force_ = Columns(names, "loop.errors.errors.ground_force");
   external_force_ = Columns(names, "loop.world.plant.external_wrench.force_W");
   estimated_force_ = Columns(names, "loop.observer.wrench.force_W");
-  torque_ = Columns(names, "loop.world.plant.joint_torque");
+  joint_torque_ = Columns(names, "loop.world.plant.joint_torque");
   slip_ = Columns(names, "loop.world.plant.foot_slips");
   position_ = Columns(names, "loop.world.plant.state.p_WB");
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
@@ -55,20 +54,18 @@ void WalkFigures::Row(std::span<const double> row) {
   const auto norm = [&](const std::vector<std::size_t>& columns) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
   };
-  const double com = norm(com_);
-  ++rows_;
-  com_max_ = std::max(com_max_, com);
-  com_square_ += com * com;
+  com_errors_.Add(norm(com_));
+  std::array<double, 3> error{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double force = row[external_force_[i]];
-    estimate_sum_[i] += row[estimated_force_[i]];
-    estimate_square_ += (row[estimated_force_[i]] - force) * (row[estimated_force_[i]] - force);
+    estimates_[i].Add(row[estimated_force_[i]]);
+    error[i] = row[estimated_force_[i]] - row[external_force_[i]];
   }
-  for (const std::size_t column : torque_) torque_max_ = std::max(torque_max_, std::abs(row[column]));
-  solve_times_.push_back(row[solve_time_]);
+  estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
+  for (const std::size_t column : joint_torque_) torque_.Add(std::abs(row[column]));
+  solve_times_.Add(row[solve_time_]);
   failure_count_ = row[failures_];
   end_ = {row[position_[0]], row[position_[1]]};
-  if (begin_.empty()) begin_ = end_;
+  if (!begin_) begin_ = end_;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
   estimate_.Row(row);
   time_ = row[0];
@@ -76,48 +73,49 @@ void WalkFigures::Row(std::span<const double> row) {
 
 void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
   LegFigures& figures = legs_[leg];
-  figures.foot_max = std::max(figures.foot_max, row[foot_[leg]]);
   const bool stance = row[contact_[leg]] == static_cast<double>(ContactState::kStance);
   if (stance && !figures.stance) {
     figures.touchdown = row[0];
     figures.slip = {};
   }
-  if (!stance) figures.waiting.clear();
+  if (!stance) {
+    figures.waiting.clear();
+    figures.errors.Add(row[foot_[leg]]);
+  }
   figures.stance = stance;
   if (!stance || row[0] < figures.touchdown + kEdge) return;
 
   for (std::size_t i = 0; i < 3; ++i) figures.slip[i] += (row[0] - time_) * row[slip_[3 * leg + i]];
-  figures.slip_max =
-      std::max(figures.slip_max, std::hypot(figures.slip[0], figures.slip[1], figures.slip[2]));
+  figures.slips.Add(std::hypot(figures.slip[0], figures.slip[1], figures.slip[2]));
   figures.waiting.push_back({row[0], row[ground_force_[leg]]});
   while (figures.waiting.front().time < row[0] - kEdge) {
-    force_sum_ += figures.waiting.front().error;
-    ++force_samples_;
+    force_errors_.Add(figures.waiting.front().error);
     figures.waiting.pop_front();
   }
 }
 
 void WalkFigures::AddTo(Summary& summary) const {
-  const double rows = static_cast<double>(std::max(rows_, 1L));
-  const auto by_leg = [&](double LegFigures::*figure) {
-    std::vector<std::pair<std::string, double>> values;
-    for (std::size_t leg = 0; leg < kNumLegs; ++leg) values.emplace_back(kLegNames[leg], legs_[leg].*figure);
+  const auto largest_by_leg = [&](Tally LegFigures::*figure) {
+    std::vector<std::pair<std::string, std::optional<double>>> values;
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+      values.emplace_back(kLegNames[leg], (legs_[leg].*figure).max());
     return values;
   };
+  std::optional<double> distance;
+  if (begin_) distance = std::hypot(end_[0] - (*begin_)[0], end_[1] - (*begin_)[1]);
   summary.Set("judged_from_s", from_);
-  summary.Set("com_error_max_m", com_max_);
-  summary.Set("com_error_rms_m", std::sqrt(com_square_ / rows));
-  summary.Set("foot_error_max_m", by_leg(&LegFigures::foot_max));
-  summary.Set("grf_error_mean_N", force_samples_ > 0 ? force_sum_ / static_cast<double>(force_samples_) : 0);
-  summary.Set(
-      "force_estimate_mean_N",
-      {{"x", estimate_sum_[0] / rows}, {"y", estimate_sum_[1] / rows}, {"z", estimate_sum_[2] / rows}});
-  summary.Set("force_estimate_error_rms_N", std::sqrt(estimate_square_ / rows));
-  summary.Set("slip_max_m", by_leg(&LegFigures::slip_max));
-  summary.Set("torque_max_N_m", torque_max_);
-  if (!begin_.empty()) summary.Set("distance_m", std::hypot(end_[0] - begin_[0], end_[1] - begin_[1]));
-  summary.Set("qp_time_median_us", 1e6 * Quantile(solve_times_, 0.5));
-  summary.Set("qp_time_p99_us", 1e6 * Quantile(solve_times_, 0.99));
+  summary.Set("com_error_max_m", com_errors_.max());
+  summary.Set("com_error_rms_m", com_errors_.rms());
+  summary.Set("foot_error_max_m", largest_by_leg(&LegFigures::errors));
+  summary.Set("grf_error_mean_N", force_errors_.mean());
+  summary.Set("force_estimate_mean_N",
+              {{"x", estimates_[0].mean()}, {"y", estimates_[1].mean()}, {"z", estimates_[2].mean()}});
+  summary.Set("force_estimate_error_rms_N", estimate_errors_.rms());
+  summary.Set("slip_max_m", largest_by_leg(&LegFigures::slips));
+  summary.Set("torque_max_N_m", torque_.max());
+  summary.Set("distance_m", distance);
+  summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
+  summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));
   summary.Set("qp_failures", failure_count_);
   estimate_.AddTo(summary);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
@@ -50,25 +51,26 @@ class WalkFigures final : public LogSink {
     double touchdown = 0;        // [s]
     std::deque<Sample> waiting;  // errors that a lift-off may still make invalid
     std::array<double, 3> slip{};
-    double slip_max = 0;  // [m]
-    double foot_max = 0;  // [m]
+    Tally slips, errors;  // [m]
   };
 
   void LegRow(std::span<const double> row, std::size_t leg);
 
   double from_;
   std::vector<std::size_t> external_force_, estimated_force_;
-  std::vector<std::size_t> com_, foot_, ground_force_, torque_, slip_, position_;
+  std::vector<std::size_t> com_, foot_, ground_force_, joint_torque_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::size_t solve_time_ = 0, failures_ = 0;
 
   std::array<LegFigures, kNumLegs> legs_;
-  long rows_ = 0, force_samples_ = 0;
-  double time_ = 0, com_max_ = 0, com_square_ = 0, force_sum_ = 0, torque_max_ = 0, failure_count_ = 0;
-  std::array<double, 3> estimate_sum_{};  // [N]
-  double estimate_square_ = 0;            // of its error [N^2]
-  std::vector<double> begin_, end_;       // positions of the trunk [m]
-  std::vector<double> solve_times_;
+  double time_ = 0;                               // [s]
+  Tally com_errors_, force_errors_, torque_;      // [m], [N], [N m]
+  std::array<Tally, 3> estimates_;                // [N]
+  Tally estimate_errors_;                         // [N]
+  std::optional<std::array<double, 2>> begin_{};  // of the trunk [m]
+  std::array<double, 2> end_{};
+  TimeQuantiles solve_times_;
+  std::optional<double> failure_count_;
   EstimateFigures estimate_;
 };
 

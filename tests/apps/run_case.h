@@ -14,7 +14,8 @@ struct Case {
   bool finished() const { return summary.at("finished").get<bool>(); }
   double largest_foot_error() const {
     double largest = 0;
-    for (const auto& error : summary.at("foot_error_max_m")) largest = std::max(largest, error.get<double>());
+    for (const auto& error : summary.at("foot_error_max_m"))
+      if (!error.is_null()) largest = std::max(largest, error.get<double>());
     return largest;
   }
   nlohmann::json summary;

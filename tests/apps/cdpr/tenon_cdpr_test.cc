@@ -131,12 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
             "D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
             "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
         BadUsage{"D1 --set 'report.plots=[{title: speed}]'", "signals"},
-        BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"},
-        BadUsage{"D1 --graph /nowhere/x.svg", "cannot write '/nowhere/x.svg'"}));
+        BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {
   const Result result = RunApp("D1 --out /proc/nowhere");
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(result.text, HasSubstr("cannot make the output directory '/proc/nowhere'"));
 }
 

@@ -79,6 +79,21 @@ TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
   EXPECT_THAT(gallops.text, HasSubstr("gallop"));
 }
 
+TEST_F(TenonQuadrupedTest, FiguresOfNothingAreNull) {
+  ASSERT_EQ(RunApp("A1 --duration 0.2" + Out()).exit_code, 0);  // it stands yet
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"front_left\": null"), HasSubstr("\"com_error_max_m\": 0.")));
+  const Result cut = RunApp("A1 --duration 0.2 --set walk.judged_from_s=2" + Out());
+  EXPECT_EQ(cut.exit_code, 0);
+  EXPECT_THAT(cut.text, HasSubstr("warning: the run ends at 0.2 s, before walk.judged_from_s = 2 s"));
+  for (const char* key : {"com_error_max_m", "com_error_rms_m", "grf_error_mean_N", "torque_max_N_m",
+                          "force_estimate_error_rms_N", "qp_time_median_us", "qp_failures", "distance_m"})
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"" + std::string(key) + "\": null"));
+  const Result late = RunApp("A1 --set walk.judged_from_s=1000" + Out());
+  EXPECT_EQ(late.exit_code, 2);
+  EXPECT_THAT(late.text, HasSubstr("before walk.judged_from_s = 1000 s: lower that, or lengthen the walk"));
+}
+
 TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
   fs::create_directories(out);
   const auto write = [&](const char* name, const std::string& text) {

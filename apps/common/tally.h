@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace tenon::apps {
+
+/// What can be said of numbers that come one by one; nothing of none.
+class Tally {
+ public:
+  void Add(double value) {
+    low_ = count_ == 0 ? value : std::min(low_, value);
+    high_ = count_ == 0 ? value : std::max(high_, value);
+    sum_ += value;
+    squares_ += value * value;
+    ++count_;
+  }
+  std::optional<double> min() const { return IfAny(low_); }
+  std::optional<double> max() const { return IfAny(high_); }
+  std::optional<double> mean() const { return IfAny(sum_ / static_cast<double>(count_)); }
+  std::optional<double> rms() const { return IfAny(std::sqrt(squares_ / static_cast<double>(count_))); }
+
+ private:
+  std::optional<double> IfAny(double figure) const {
+    return count_ == 0 ? std::nullopt : std::optional(figure);
+  }
+  long count_ = 0;
+  double low_ = 0, high_ = 0, sum_ = 0, squares_ = 0;
+};
+
+/// [s] to [us].
+inline std::optional<double> Microseconds(std::optional<double> seconds) {
+  if (seconds) *seconds *= 1e6;
+  return seconds;
+}
+
+/// Quantiles of times, to 1 %, in memory that does not grow with their number.
+class TimeQuantiles {
+ public:
+  void Add(double seconds) {
+    const double bin = std::log(std::max(seconds, kShortest) / kShortest) / kWidth;
+    ++counts_[std::min(static_cast<std::size_t>(bin), counts_.size() - 1)];
+    ++count_;
+  }
+  /// What the part `share` of all does not exceed [s]; nothing of none.
+  std::optional<double> Quantile(double share) const {
+    if (count_ == 0) return std::nullopt;
+    const auto rank = static_cast<long>(share * static_cast<double>(count_ - 1));
+    long below = 0;
+    std::size_t bin = 0;
+    while ((below += counts_[bin]) <= rank) ++bin;
+    return kShortest * std::exp(kWidth * (static_cast<double>(bin) + 0.5));
+  }
+
+ private:
+  static constexpr double kShortest = 1e-9, kWidth = 0.01;  // s, and of the logarithm
+  std::array<long, 3000> counts_{};                         // up to 3 hours
+  long count_ = 0;
+};
+
+}  // namespace tenon::apps
