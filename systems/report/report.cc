@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 // What one page holds, shared by its runs, so that it stays well below 10 MB.
 constexpr std::size_t kPlotRows = 12000;      // of one plot; at most half of them of one run
 constexpr std::size_t kFrameBytes = 4000000;  // of the replay, before base64
+constexpr std::size_t kLogBytes = 16 << 20;   // of what is gathered in the run, of signals and of frames
 constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
 
 std::string Number(double value) {
@@ -99,7 +100,7 @@ Json Report::Run::Series(const Plot& plot, std::size_t max_rows) const {
 
   const std::vector<std::size_t> rows = internal::DecimatePeaks(*signals, columns, max_rows);
   std::vector<double> time;
-  for (const std::size_t row : rows) time.push_back(signals->time()[row]);
+  for (const std::size_t row : rows) time.push_back(signals->time(row));
   Json series = Json::array();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     std::vector<float> values;
@@ -132,7 +133,7 @@ Json Report::Run::Frames(std::size_t max_bytes) const {
 
   std::vector<double> time;
   std::vector<float> data;
-  for (const std::size_t row : rows) time.push_back(frames->time()[row]);
+  for (const std::size_t row : rows) time.push_back(frames->time(row));
   for (const std::size_t column : moving) {
     for (const std::size_t row : rows) data.push_back(frames->at(row, column));
   }
@@ -162,7 +163,7 @@ Json Report::Run::Events() const {
         const float before = signals->at(row - 1, column), after = signals->at(row, column);
         if (before == after) continue;
         ++changes;
-        list.push_back({{"time", signals->time()[row]},
+        list.push_back({{"time", signals->time(row)},
                         {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]),
                                               Number(before), Number(after), signals->units()[column])}});
       }
@@ -181,7 +182,7 @@ Json Report::Run::Bands() const {
         if (row > 0 && value == signals->at(row - 1, column)) continue;
         const auto index = static_cast<std::size_t>(std::max(value, 0.0F));
         const bool named = index < band.names.size() && value == static_cast<float>(index);
-        intervals.push_back({{"time", signals->time()[row]},
+        intervals.push_back({{"time", signals->time(row)},
                              {"value", value},
                              {"name", named ? band.names[index] : Number(value)}});
       }
@@ -239,6 +240,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.band_signals = params_.bands;
   // The sinks outlive this call, and perhaps the report: they hold copies.
   run.signals = std::make_shared<ColumnLog>(
+      ColumnLog::Thinning::kPeaks, kLogBytes,
       [plots = params_.plots, events = params_.events, bands = params_.bands](const std::string& column) {
         return plots.empty() || Means(events, column) ||
                std::any_of(bands.begin(), bands.end(),
@@ -251,12 +253,13 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   simulator.AddLog(params_.signal_rate, signals, {run.signals});
 
   // What stays the same of the shapes is in the values, not in the rows.
-  run.frames = std::make_shared<ColumnLog>(nullptr, [all = run.shapes, &simulator, geometry] {
-    for (const auto* port : geometry) {
-      const Geometry& shapes = simulator.context().Eval(*port);
-      all->insert(all->end(), shapes.begin(), shapes.end());
-    }
-  });
+  run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, kLogBytes, nullptr,
+                                           [all = run.shapes, &simulator, geometry] {
+                                             for (const auto* port : geometry) {
+                                               const Geometry& shapes = simulator.context().Eval(*port);
+                                               all->insert(all->end(), shapes.begin(), shapes.end());
+                                             }
+                                           });
   if (!geometry.empty()) {
     simulator.AddLog(params_.frame_rate, {geometry.begin(), geometry.end()}, {run.frames});
   }

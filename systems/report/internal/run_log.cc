@@ -16,11 +16,87 @@ void ColumnLog::Begin(const std::vector<std::string>& names, const std::vector<s
     names_.push_back(names[i]);
     units_.push_back(units[i]);
   }
+  constexpr std::size_t kLeast = 64;
+  max_rows_ = std::max(kLeast, max_bytes_ / (sizeof(double) + sizeof(float) * columns()) / 4 * 4);
+  time_.reserve(max_rows_ + 1);
+  data_.reserve((max_rows_ + 1) * columns());
 }
 
 void ColumnLog::Row(std::span<const double> row) {
+  std::size_t interval = stride_;
+  if (thinning_ == Thinning::kSample) {
+    if (trailing_) Truncate(rows() - 1);
+    Append(row);
+    trailing_ = pending_ != 0;
+  } else if (stride_ == 1) {
+    Append(row);
+  } else {
+    interval *= 2;
+    if (pending_ == 0) {
+      Append(row);
+      Append(row);
+    } else {
+      Widen(row);
+    }
+  }
+  pending_ = (pending_ + 1) % interval;
+  if (pending_ != 0 || rows() < max_rows_ + (trailing_ ? 1 : 0)) return;
+  Truncate(max_rows_);
+  trailing_ = false;
+  thinning_ == Thinning::kPeaks ? MergePeaks() : DropRows();
+  stride_ *= 2;
+}
+
+void ColumnLog::Append(std::span<const double> row) {
   time_.push_back(row[0]);
   for (const std::size_t i : kept_) data_.push_back(static_cast<float>(row[i]));
+}
+
+void ColumnLog::Truncate(std::size_t rows) {
+  time_.resize(rows);
+  data_.resize(rows * columns());
+}
+
+/// Takes a row into the last interval: the two rows at the end, of which either may be the lower.
+void ColumnLog::Widen(std::span<const double> row) {
+  const std::size_t last = rows() - 1;
+  time_[last] = row[0];
+  for (std::size_t column = 0; column < columns(); ++column) {
+    const auto value = static_cast<float>(row[kept_[column]]);
+    float &first = cell(last - 1, column), &second = cell(last, column);
+    const float low = std::min(first, second), high = std::max(first, second);
+    if (value >= low && value <= high) continue;
+    first = value > high ? low : high;  // what lies on the other side came before
+    second = value;
+  }
+}
+
+/// Of every four rows the lowest and the highest in each column, in the order in which they came.
+void ColumnLog::MergePeaks() {
+  for (std::size_t to = 0; 2 * to < rows(); to += 2) {
+    const std::size_t from = 2 * to;
+    for (std::size_t column = 0; column < columns(); ++column) {
+      std::size_t low = from, high = from;
+      for (std::size_t row = from + 1; row < from + 4; ++row) {
+        if (at(row, column) < at(low, column)) low = row;
+        if (at(row, column) > at(high, column)) high = row;
+      }
+      const float first = at(std::min(low, high), column), second = at(std::max(low, high), column);
+      cell(to, column) = first;
+      cell(to + 1, column) = second;
+    }
+    time_[to] = time_[from];
+    time_[to + 1] = time_[from + 3];
+  }
+  Truncate(rows() / 2);
+}
+
+void ColumnLog::DropRows() {
+  for (std::size_t to = 0; 2 * to < rows(); ++to) {
+    time_[to] = time_[2 * to];
+    for (std::size_t column = 0; column < columns(); ++column) cell(to, column) = at(2 * to, column);
+  }
+  Truncate(rows() / 2);
 }
 
 std::vector<std::size_t> FindColumns(const std::vector<std::string>& names, const std::string& name) {

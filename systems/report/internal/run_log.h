@@ -10,27 +10,47 @@
 
 namespace tenon::internal {
 
-/// Columns of a log, kept in single precision; time in double.
+/// Columns of a log, kept in single precision, time in double, in memory that does not grow with the run. All
+/// rows of a short one; of a long one what `Thinning` says, ever coarser as the run goes on.
 class ColumnLog final : public LogSink {
  public:
-  /// Keeps the columns that `wanted` says yes to. `begin` runs before the first row.
-  ColumnLog(std::function<bool(const std::string&)> wanted, std::function<void()> begin)
-      : wanted_(std::move(wanted)), begin_(std::move(begin)) {}
+  enum class Thinning {
+    kPeaks,   ///< every two rows stand for an interval: in each column its lowest and highest, as they came
+    kSample,  ///< every second, fourth, ... row as it was, and the last
+  };
+  /// Keeps the columns that `wanted` says yes to, and up to `max_bytes` of them. `begin` runs before the
+  /// first row.
+  ColumnLog(Thinning thinning, std::size_t max_bytes, std::function<bool(const std::string&)> wanted,
+            std::function<void()> begin)
+      : thinning_(thinning), max_bytes_(max_bytes), wanted_(std::move(wanted)), begin_(std::move(begin)) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }
-  const std::vector<double>& time() const { return time_; }
   std::size_t rows() const { return time_.size(); }
   std::size_t columns() const { return names_.size(); }
+  double time(std::size_t row) const { return time_[row]; }
   float at(std::size_t row, std::size_t column) const { return data_[row * columns() + column]; }
 
  private:
+  float& cell(std::size_t row, std::size_t column) { return data_[row * columns() + column]; }
+  void Append(std::span<const double> row);
+  void Widen(std::span<const double> row);
+  void Truncate(std::size_t rows);
+  void MergePeaks();
+  void DropRows();
+
+  Thinning thinning_;
+  std::size_t max_bytes_;
   std::function<bool(const std::string&)> wanted_;
   std::function<void()> begin_;
   std::vector<std::size_t> kept_;
   std::vector<std::string> names_, units_;
+  std::size_t max_rows_ = 0;
+  std::size_t stride_ = 1;   ///< rows of the run that one row here stands for
+  std::size_t pending_ = 0;  ///< rows of the run since the last one kept, or since the last interval began
+  bool trailing_ = false;    ///< whether the last row is not one to keep
   std::vector<double> time_;
   std::vector<float> data_;
 };

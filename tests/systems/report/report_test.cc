@@ -242,8 +242,8 @@ TEST_F(ReportTest, WrongUseIsRefused) {
   report.Log(simulator, {&cart->state});
   EXPECT_TRUE(
       Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "logs a run already", "Add them"));
-  EXPECT_TRUE(Throws<RunError>([&] { report.Write("/nowhere/report.html"); },
-                               "cannot write the report '/nowhere/report.html'"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { report.Write("/nowhere/report.html"); }, "cannot write '/nowhere/report.html'"));
   Report none({.title = "none"});
   EXPECT_TRUE(Throws<Error>([&] { report.Add("variant", none); }, "cannot add the variant 'variant'"));
 }
@@ -340,8 +340,50 @@ TEST_F(ReportTest, ComparisonInTheBrowser) {
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
+using Thinning = internal::ColumnLog::Thinning;
+
+// A run that is 1000 times longer than what is kept.
+TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
+  internal::ColumnLog log(Thinning::kPeaks, 20 * 256, nullptr, nullptr);
+  log.Begin({"time", "wave", "steps", "peak"}, {"s", "", "", ""});
+  constexpr int kRows = 256000;
+  for (int i = 0; i < kRows; ++i)
+    log.Row(std::vector<double>{1e-3 * i, std::sin(1e-4 * i), i < kRows / 2 ? 1.0 : 0.0,
+                                i == 77777 ? 9.0 : -9.0});
+  EXPECT_LE(log.rows(), 256);
+  EXPECT_GE(log.rows(), 128 - 2);
+  float peak = -10;
+  int falls = 0;
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    EXPECT_NEAR(log.at(row, 0), std::sin(0.1 * log.time(row)), 0.4) << row;  // within its interval of 2 s
+    peak = std::max(peak, log.at(row, 2));
+    if (row == 0) continue;
+    EXPECT_GT(log.time(row), log.time(row - 1));
+    EXPECT_LE(log.at(row, 1), log.at(row - 1, 1)) << "in the order in which they came";
+    falls += log.at(row, 1) < log.at(row - 1, 1);
+  }
+  EXPECT_EQ(peak, 9);
+  EXPECT_EQ(falls, 1);
+  EXPECT_NEAR(log.time(log.rows() - 1), 1e-3 * (kRows - 1), 4) << "the end is there";
+}
+
+TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
+  internal::ColumnLog log(Thinning::kSample, 16 * 64, nullptr, nullptr);
+  log.Begin({"time", "a", "b"}, {"s", "", ""});
+  for (int i = 0; i < 10000; ++i) log.Row(std::vector<double>{1.0 * i, 2.0 * i, -3.0 * i});
+  EXPECT_LE(log.rows(), 64);
+  EXPECT_GE(log.rows(), 32);
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    EXPECT_EQ(log.at(row, 0), 2 * log.time(row));
+    EXPECT_EQ(log.at(row, 1), -3 * log.time(row));
+    if (row == 0 || row + 1 == log.rows()) continue;
+    EXPECT_EQ(log.time(row) - log.time(row - 1), log.time(1));
+  }
+  EXPECT_EQ(log.time(log.rows() - 1), 9999) << "the end is there";
+}
+
 TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
-  internal::ColumnLog log(nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 22, nullptr, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
   for (int i = 0; i < 100000; ++i) {
     const double t = 1e-3 * i;
@@ -367,7 +409,7 @@ TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
 }
 
 TEST(DecimatePeaksTest, KeepsAllRowsOfAShortLog) {
-  internal::ColumnLog log(nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 22, nullptr, nullptr);
   EXPECT_THAT(internal::DecimatePeaks(log, {}, 10), IsEmpty());
   log.Begin({"time", "a"}, {"s", ""});
   for (int i = 0; i < 4; ++i) log.Row(std::vector<double>{1.0 * i, 1.0});
