@@ -23,8 +23,9 @@ using Json = nlohmann::ordered_json;
 // What one page holds, shared by its runs, so that it stays well below 10 MB.
 constexpr std::size_t kPlotRows = 12000;      // of one plot; at most half of them of one run
 constexpr std::size_t kFrameBytes = 4000000;  // of the replay, before base64
-constexpr std::size_t kLogBytes = 16 << 20;   // of what is gathered in the run, of signals and of frames
-constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
+// What is gathered in a run as it was: at the usual rates, of some 80 s; of longer ones coarser.
+constexpr std::size_t kLogRows = 16384, kLogFrames = 4096;
+constexpr std::size_t kChangesMarked = 50;  // of one signal; more would be a hatching
 
 std::string Number(double value) {
   return fmt::format("{:.4g}", value);
@@ -240,7 +241,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.band_signals = params_.bands;
   // The sinks outlive this call, and perhaps the report: they hold copies.
   run.signals = std::make_shared<ColumnLog>(
-      ColumnLog::Thinning::kPeaks, kLogBytes,
+      ColumnLog::Thinning::kPeaks, kLogRows,
       [plots = params_.plots, events = params_.events, bands = params_.bands](const std::string& column) {
         return plots.empty() || Means(events, column) ||
                std::any_of(bands.begin(), bands.end(),
@@ -253,7 +254,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   simulator.AddLog(params_.signal_rate, signals, {run.signals});
 
   // What stays the same of the shapes is in the values, not in the rows.
-  run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, kLogBytes, nullptr,
+  run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, kLogFrames, nullptr,
                                            [all = run.shapes, &simulator, geometry] {
                                              for (const auto* port : geometry) {
                                                const Geometry& shapes = simulator.context().Eval(*port);

@@ -16,8 +16,6 @@ void ColumnLog::Begin(const std::vector<std::string>& names, const std::vector<s
     names_.push_back(names[i]);
     units_.push_back(units[i]);
   }
-  constexpr std::size_t kLeast = 64;
-  max_rows_ = std::max(kLeast, max_bytes_ / (sizeof(double) + sizeof(float) * columns()) / 4 * 4);
   time_.reserve(max_rows_ + 1);
   data_.reserve((max_rows_ + 1) * columns());
 }

@@ -18,11 +18,11 @@ class ColumnLog final : public LogSink {
     kPeaks,   ///< every two rows stand for an interval: in each column its lowest and highest, as they came
     kSample,  ///< every second, fourth, ... row as it was, and the last
   };
-  /// Keeps the columns that `wanted` says yes to, and up to `max_bytes` of them. `begin` runs before the
-  /// first row.
-  ColumnLog(Thinning thinning, std::size_t max_bytes, std::function<bool(const std::string&)> wanted,
+  /// Keeps the columns that `wanted` says yes to, and up to `max_rows`, a multiple of 4. `begin` runs before
+  /// the first row.
+  ColumnLog(Thinning thinning, std::size_t max_rows, std::function<bool(const std::string&)> wanted,
             std::function<void()> begin)
-      : thinning_(thinning), max_bytes_(max_bytes), wanted_(std::move(wanted)), begin_(std::move(begin)) {}
+      : thinning_(thinning), max_rows_(max_rows), wanted_(std::move(wanted)), begin_(std::move(begin)) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -42,12 +42,11 @@ class ColumnLog final : public LogSink {
   void DropRows();
 
   Thinning thinning_;
-  std::size_t max_bytes_;
+  std::size_t max_rows_;
   std::function<bool(const std::string&)> wanted_;
   std::function<void()> begin_;
   std::vector<std::size_t> kept_;
   std::vector<std::string> names_, units_;
-  std::size_t max_rows_ = 0;
   std::size_t stride_ = 1;   ///< rows of the run that one row here stands for
   std::size_t pending_ = 0;  ///< rows of the run since the last one kept, or since the last interval began
   bool trailing_ = false;    ///< whether the last row is not one to keep

@@ -344,7 +344,7 @@ using Thinning = internal::ColumnLog::Thinning;
 
 // A run that is 1000 times longer than what is kept.
 TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
-  internal::ColumnLog log(Thinning::kPeaks, 20 * 256, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 256, nullptr, nullptr);
   log.Begin({"time", "wave", "steps", "peak"}, {"s", "", "", ""});
   constexpr int kRows = 256000;
   for (int i = 0; i < kRows; ++i)
@@ -368,7 +368,7 @@ TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
 }
 
 TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
-  internal::ColumnLog log(Thinning::kSample, 16 * 64, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kSample, 64, nullptr, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
   for (int i = 0; i < 10000; ++i) log.Row(std::vector<double>{1.0 * i, 2.0 * i, -3.0 * i});
   EXPECT_LE(log.rows(), 64);
@@ -383,7 +383,7 @@ TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
 }
 
 TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
-  internal::ColumnLog log(Thinning::kPeaks, 1 << 22, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
   for (int i = 0; i < 100000; ++i) {
     const double t = 1e-3 * i;
@@ -409,7 +409,7 @@ TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
 }
 
 TEST(DecimatePeaksTest, KeepsAllRowsOfAShortLog) {
-  internal::ColumnLog log(Thinning::kPeaks, 1 << 22, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr, nullptr);
   EXPECT_THAT(internal::DecimatePeaks(log, {}, 10), IsEmpty());
   log.Begin({"time", "a"}, {"s", ""});
   for (int i = 0; i < 4; ++i) log.Row(std::vector<double>{1.0 * i, 1.0});
