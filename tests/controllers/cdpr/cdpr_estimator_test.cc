@@ -69,6 +69,22 @@ TEST(CdprEstimator, FollowsPerfectSensors) {
   }
 }
 
+// q and -q are one attitude, whichever of them a sensor gives.
+TEST(CdprEstimator, TheSignOfAQuaternionIsOfNoMatter) {
+  TestRig<CdprEstimator> plain, flipped;
+  for (int k = 0; k < 50; ++k) {
+    const Motion motion = At(0.005 * k);
+    PoseMeasurement pose = Pose(motion);
+    pose.q_WB = QuaternionProduct(pose.q_WB, QuaternionFromRotationVector({0.01, 0.02 * (k % 3), -0.01}));
+    plain.Fix(plain->pose, pose).Fix(plain->inertial, Inertial(motion)).Tick();
+    if (k % 2 == 1) pose.q_WB = -pose.q_WB;
+    flipped.Fix(flipped->pose, pose).Fix(flipped->inertial, Inertial(motion)).Tick();
+    EXPECT_THAT(flipped[flipped->estimate].platform.R_WB(),
+                IsNear(plain[plain->estimate].platform.R_WB(), 1e-14));
+    EXPECT_THAT(flipped[flipped->estimate].platform.v_W, IsNear(plain[plain->estimate].platform.v_W, 1e-14));
+  }
+}
+
 // The pose alone has 5 mm per axis; differences of it over 5 ms would have 1.4 m/s.
 TEST(CdprEstimator, FiltersNoise) {
   TestRig<CdprEstimator> rig;
