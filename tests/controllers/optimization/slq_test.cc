@@ -393,6 +393,23 @@ TEST(Slq, SaysWhenNothingIsADescent) {
   EXPECT_THAT(InputsOf(slq), IsNear(u, 0));
 }
 
+/// Its true cost is a part of what its gradients and Hessians are of.
+struct Understated : LinearProblem<3, 2> {
+  double part = 1;
+  double StageCost(int k, const State& x, const Input& u) const {
+    return part * LinearProblem::StageCost(k, x, u);
+  }
+  double TerminalCost(const State& x) const { return part * LinearProblem::TerminalCost(x); }
+};
+// Of a linear problem the cost then falls by this part of what is expected of any step; Armijo's rule asks
+// for 1e-4.
+TEST(Slq, AStepIsGoodWhereTheCostFallsByAFairPartOfWhatIsExpected) {
+  Slq<Understated> fair({SomeLinearProblem(), 1.01e-4}, kUneven),
+      unfair({SomeLinearProblem(), 0.99e-4}, kUneven);
+  EXPECT_EQ(fair.Solve({1, -2, 0.5}).step_length, 1);
+  EXPECT_GT(unfair.Solve({1, -2, 0.5}).regularisation, 0) << "no step was good";
+}
+
 TEST(Slq, SolvesWithoutAllocating) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   const auto problem = CdprProblem(50);
