@@ -14,7 +14,7 @@ namespace {
 constexpr double kTolerance = 1e-10;
 
 TEST(QuadrupedModelSimbodyTest, SameInEveryQuantity) {
-  for (QuadrupedDescription robot : {test::DogBot(), test::A1()}) {
+  for (QuadrupedDescription robot : {test::DogBot(), test::A1(), test::SkewDogBot()}) {
     robot.drive.rotor_inertia = 0;
     test::QuadrupedSimbody simbody(robot);
     const QuadrupedModel model(robot);

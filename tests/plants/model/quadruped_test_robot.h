@@ -22,6 +22,15 @@ Vec<N> RandomVector(RandomStream& random, double size) {
   return v;
 }
 
+/// DogBot with joints' axes in any direction: nothing may rest on robots that have theirs along x and y.
+inline QuadrupedDescription SkewDogBot() {
+  RandomStream random(52);
+  QuadrupedDescription robot = DogBot();
+  for (LegDescription& leg : robot.legs)
+    for (JointDescription& joint : leg.joints) joint.axis = RandomVector<3>(random, 1).normalized();
+  return robot;
+}
+
 /// Anywhere, in any attitude, with joint angles up to 1 rad and quick in everything.
 inline LeggedState RandomState(RandomStream& random) {
   LeggedState x;
