@@ -37,6 +37,23 @@ TEST(ObstacleDetectorTest, LooksAsWideAsTheRobotsWay) {
   EXPECT_FALSE(Sees(2, -0.61, 0));
 }
 
+// In numbers that a double holds.
+TEST(ObstacleDetectorTest, WhatOnlyTouchesTheWayOrIsJustInRangeIsNotSeen) {
+  TestRig<ObstacleDetector> rig(
+      ObstacleDetectorParams{.obstacles = {{{3, 0}, 0.25}}, .range = 1, .half_width = 0.5});
+  const auto sees = [&](double x, double y) {
+    LeggedState state;
+    state.p_WB = {x, y, 0.5};
+    rig.Fix(rig->state, state);
+    return rig[rig->obstacle];
+  };
+  EXPECT_FALSE(sees(2.5, 0.75));
+  EXPECT_FALSE(sees(2.5, -0.75));
+  EXPECT_FALSE(sees(1.75, 0));
+  EXPECT_FALSE(sees(3, 0)) << "beside, if it could be there";
+  EXPECT_TRUE(sees(1.75 + 1e-9, 0.75 - 1e-9));
+}
+
 TEST(ObstacleDetectorTest, TurnsWithTheRobotAndSeesAllObstacles) {
   EXPECT_TRUE(Sees(-5, 2.6, 1.57));
   EXPECT_FALSE(Sees(-5, 2.4, 1.57));
