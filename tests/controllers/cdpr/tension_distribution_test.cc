@@ -100,6 +100,13 @@ TEST(TensionDistribution, FourCablesAtTheCentreShareTheWeight) {
   EXPECT_TRUE(found.reason.empty());
 }
 
+TEST(TensionDistribution, NoWrenchNeedsNoTension) {
+  const CableMatrix6 W = Structure(test::FourCableRobot(), {0.5, 0, 2});
+  const TensionDistribution found = DistributeTension(W, Vector6d::Zero(), 0, 800);
+  EXPECT_TRUE(found.feasible) << found.reason;
+  EXPECT_EQ(found.tension, CableVector::Zero(4));
+}
+
 TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
   const CdprDescription robot = test::EightCableRobot();
   const CableMatrix6 W = Structure(robot, {0.5, -0.4, 2}, {0.02, 0.05, -0.03});
@@ -142,6 +149,35 @@ TEST(TensionDistribution, EightCablesAgreeWithNloptAtRandomPoses) {
   EXPECT_GT(feasible, 30);
   EXPECT_LT(feasible, 100);
   EXPECT_GT(bounded, 10);
+}
+
+// Eight cables on a point, with five tensions to choose, most of them at bounds: whichever cable is the
+// first, each has the same tension.
+TEST(TensionDistribution, TheOrderOfTheCablesIsOfNoMatter) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int feasible = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    CableMatrix6 W = CableMatrix6::Zero(6, 8);
+    for (int i = 0; i < 8; ++i)
+      W.col(i).head<3>() = Vector3d(uniform(random), uniform(random), 0.5 + uniform(random)).normalized();
+    Vector6d b = Vector6d::Zero();
+    b.head<3>() << 50 * uniform(random), 50 * uniform(random), 150;
+    const TensionDistribution found = DistributeTension(W, b, 20, 80);
+    feasible += found.feasible;
+    for (int first = 1; first < 8; ++first) {
+      CableMatrix6 turned(6, 8);
+      turned << W.rightCols(8 - first), W.leftCols(first);
+      const TensionDistribution again = DistributeTension(turned, b, 20, 80);
+      ASSERT_EQ(again.feasible, found.feasible) << trial;
+      if (!found.feasible) continue;
+      CableVector expected(8);
+      expected << found.tension.tail(8 - first), found.tension.head(first);
+      ASSERT_LT((again.tension - expected).norm(), 1e-9) << trial;
+    }
+  }
+  EXPECT_GT(feasible, 30);
+  EXPECT_LT(feasible, 100);
 }
 
 TEST(TensionDistribution, AttitudeOutOfBalanceIsRefusedWithTheResidual) {
