@@ -32,6 +32,7 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
     rig.Set(plant.platform_state, x);
     const Geometry& geometry = rig[plant.geometry];
     EXPECT_THAT(Named(geometry, "platform").p_W, IsNear(x.p_WB, 1e-14));
+    EXPECT_THAT(RotationFromQuaternion(Named(geometry, "platform").q_W), IsNear(x.R_WB(), 1e-14));
     for (int i = 0; i < 4; ++i) {
       const CableDescription& cable = plant.params.robot.cables[static_cast<std::size_t>(i)];
       const Shape& shape = Named(geometry, "cable " + std::to_string(i));

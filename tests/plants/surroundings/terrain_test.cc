@@ -140,6 +140,22 @@ TEST(TerrainTest, FieldsOfBoxesComeFromTheirSeed) {
   }
 }
 
+// Wherever the grid lies, no further row or column of boxes would fit: each has a pitch of 0.4 m.
+TEST(TerrainTest, FieldsReachTheEdgesOfTheirArea) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    TerrainParams params = Field(seed);
+    params.field->coverage = 1;
+    Vec<2> first = params.field->upper, last = params.field->lower;
+    const Terrain terrain(params);
+    for (const TerrainBox& box : terrain.boxes()) {
+      first = first.cwiseMin(box.centre - box.size / 2);
+      last = last.cwiseMax(box.centre + box.size / 2);
+    }
+    EXPECT_LT((first - params.field->lower).maxCoeff(), 0.4 + 1e-12) << seed;
+    EXPECT_LT((params.field->upper - last).maxCoeff(), 0.4 + 1e-12) << seed;
+  }
+}
+
 TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
   const Terrain terrain(Field(3));
   RandomStream random(4);
