@@ -13,11 +13,11 @@ void CablePdParams::Validate() const {
                      damping_N_s_per_m));
 }
 
-CableVector CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
-                                 double damping) const {
-  const CableVector tension = reference.tension + stiffness * (cables.length - reference.length) +
-                              damping * (cables.length_rate - reference.length_rate);
-  return tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
+void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
+                          double damping, CableVector* command) const {
+  const auto tension = reference.tension + stiffness * (cables.length - reference.length) +
+                       damping * (cables.length_rate - reference.length_rate);
+  *command = tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
 }
 
 }  // namespace tenon

@@ -43,8 +43,8 @@ class CablePd final : public LeafSystem<CablePdParams> {
                                   &CablePd::CalcCommand};
 
  private:
-  CableVector CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
-                          double damping) const;
+  void CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
+                   double damping, CableVector* command) const;
 };
 
 }  // namespace tenon

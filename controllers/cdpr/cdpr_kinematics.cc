@@ -28,31 +28,44 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
 
 }  // namespace
 
+CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
+                        const Eigen::Matrix3d& R_WB) {
+  const CableDescription& cable = robot.cables[static_cast<std::size_t>(index)];
+  CableLine line;
+  line.arm_W = R_WB * cable.attachment_B;
+  const Eigen::Vector3d span = cable.anchor_W - p_WB - line.arm_W;
+  line.length = span.norm();
+  if (line.length < kShortestCable) {
+    throw RunError(fmt::format("Cable {} of {} of '{}' has no length: its attachment is at its anchor "
+                               "({:.4g}, {:.4g}, {:.4g}) m.",
+                               index + 1, robot.num_cables(), robot.name, cable.anchor_W.x(),
+                               cable.anchor_W.y(), cable.anchor_W.z()));
+  }
+  line.direction = span / line.length;
+  line.wrench << line.direction, line.arm_W.cross(line.direction);
+  return line;
+}
+
+void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                         const Eigen::Matrix3d& R_WB, CableKinematics* cables) {
+  const int n = robot.num_cables();
+  cables->arm_W.resize(3, n);
+  cables->direction.resize(3, n);
+  cables->length.resize(n);
+  cables->structure.resize(6, n);
+  for (int i = 0; i < n; ++i) {
+    const CableLine line = CalcCableLine(robot, i, p_WB, R_WB);
+    cables->arm_W.col(i) = line.arm_W;
+    cables->direction.col(i) = line.direction;
+    cables->length[i] = line.length;
+    cables->structure.col(i) = line.wrench;
+  }
+}
+
 CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                     const Eigen::Matrix3d& R_WB) {
-  const int n = robot.num_cables();
   CableKinematics cables;
-  cables.arm_W.resize(3, n);
-  cables.direction.resize(3, n);
-  cables.length.resize(n);
-  cables.structure.resize(6, n);
-  for (int i = 0; i < n; ++i) {
-    const CableDescription& cable = robot.cables[i];
-    const Eigen::Vector3d arm = R_WB * cable.attachment_B;
-    const Eigen::Vector3d span = cable.anchor_W - p_WB - arm;
-    const double length = span.norm();
-    if (length < kShortestCable) {
-      throw RunError(
-          fmt::format("Cable {} of {} of '{}' has no length: its attachment is at its anchor "
-                      "({:.4g}, {:.4g}, {:.4g}) m.",
-                      i + 1, n, robot.name, cable.anchor_W.x(), cable.anchor_W.y(), cable.anchor_W.z()));
-    }
-    const Eigen::Vector3d direction = span / length;
-    cables.arm_W.col(i) = arm;
-    cables.length[i] = length;
-    cables.direction.col(i) = direction;
-    cables.structure.col(i) << direction, arm.cross(direction);
-  }
+  CalcCableKinematics(robot, p_WB, R_WB, &cables);
   return cables;
 }
 

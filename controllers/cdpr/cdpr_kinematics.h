@@ -6,9 +6,9 @@
 
 namespace tenon {
 
-/// Up to eight columns, one per cable, stored inside the object.
-using CableMatrix3 = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::DontAlign, 3, kMaxCables>;
-using CableMatrix6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::DontAlign, 6, kMaxCables>;
+/// One column per cable.
+using CableMatrix3 = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::DontAlign>;
+using CableMatrix6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::DontAlign>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -33,8 +33,23 @@ struct CableKinematics {
   int num_cables() const { return static_cast<int>(length.size()); }
 };
 
-/// The cables of `robot` at a pose. Does not allocate.
-/// @throws RunError when a cable has no length, for then it has no direction.
+/// One of these cables.
+struct CableLine {
+  Eigen::Vector3d arm_W;
+  Eigen::Vector3d direction;
+  double length = 0;
+  Vector6d wrench;  ///< its column of W
+};
+
+/// Cable `index` of `robot` at a pose.
+/// @throws RunError when it has no length, for then it has no direction.
+CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
+                        const Eigen::Matrix3d& R_WB);
+
+/// All cables of `robot` at a pose, into `cables`: does not allocate if that has been filled for as many.
+/// @throws RunError when a cable has no length.
+void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                         const Eigen::Matrix3d& R_WB, CableKinematics* cables);
 CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                     const Eigen::Matrix3d& R_WB);
 

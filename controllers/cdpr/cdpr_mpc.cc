@@ -7,7 +7,7 @@
 
 namespace tenon {
 
-CableVector CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x) const {
+void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x, CableVector* tension) const {
   const auto interval = [&](double t) {
     std::size_t i = 0;
     while (i + 2 < nodes.size() && nodes[i + 1].time <= t) ++i;
@@ -20,9 +20,8 @@ CableVector CdprPlan::Evaluate(double time, double estimated, const CentroidalSt
   const std::size_t i = interval(t), j = interval(s);
   const double a = share(i, t), b = share(j, s);
   const CentroidalState error = x - (1 - b) * nodes[j].x - b * nodes[j + 1].x;
-  CableVector u = (1 - a) * nodes[i].u + a * nodes[i + 1].u;
-  u.noalias() += nodes[i].K * error;
-  return u;
+  *tension = (1 - a) * nodes[i].u + a * nodes[i + 1].u;
+  tension->noalias() += nodes[i].K * error;
 }
 
 void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
@@ -44,12 +43,13 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
   *plan = warm_start;
 }
 
-CableVector CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate,
-                                 const CdprPlan& plan) const {
+void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
+                          CdprReference& reference, CableVector* command) const {
   const CdprDescription& robot = params.path->robot();
-  CableVector u = plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform));
-  u -= robot.winch.reel_damping * params.path->At(time).length_rate;
-  return u.cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
+  plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform), command);
+  params.path->At(time, &reference);
+  *command -= robot.winch.reel_damping * reference.length_rate;
+  *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
 }
 
 Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const {

@@ -49,11 +49,12 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                             Sampled{params.rate},
                             Uses(time, estimate, cost, warm_start, solver),
                             &CdprMpc::CalcPlan};
+  Workspace<CdprReference> reference{this, "reference", params.path->At(0)};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.path->robot().num_cables()),
                                   Sampled{params.command_rate},
-                                  Uses(time, estimate, plan),
+                                  Uses(time, estimate, plan, reference),
                                   &CdprMpc::CalcCommand};
   OutputPort<CdprMpcDiagnostics> diagnostics{this, {"diagnostics"}, Uses(plan), &CdprMpc::CalcDiagnostics};
   Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan, max_fallbacks_in_a_row),
@@ -65,7 +66,8 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   }
   void CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
                 CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
-  CableVector CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan) const;
+  void CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
+                   CdprReference& reference, CableVector* command) const;
   CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
   Verdict CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const;
 };

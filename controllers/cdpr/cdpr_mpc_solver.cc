@@ -27,16 +27,21 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
   return Q;
 }
 
+/// The reference of the solver at a time, with what it is made from.
 struct Reference {
   CentroidalState x = CentroidalState::Zero();
-  CableVector u, length_rate;
+  CableVector u;  ///< [N]
+  CdprReference at;
+  CableKinematics cables;
 };
 
-Reference ReferenceAt(const EquilibriumPath& path, double time) {
+void CalcReference(const EquilibriumPath& path, double time, Reference* reference) {
   const CdprDescription& robot = path.robot();
-  const CdprReference at = path.At(time);
+  CdprReference& at = reference->at;
+  CableKinematics& cables = reference->cables;
+  path.At(time, &at);
   const Eigen::Matrix3d R_WB = RotationFromEuler(at.euler), E = EulerRateMatrix(at.euler);
-  const CableKinematics cables = CalcCableKinematics(robot, at.position, R_WB);
+  CalcCableKinematics(robot, at.position, R_WB, &cables);
 
   const Eigen::Matrix<double, 6, 3> by_turn =
       kTurnScale * CalcWrenchJacobian(cables, at.tension).rightCols<3>();
@@ -49,14 +54,11 @@ Reference ReferenceAt(const EquilibriumPath& path, double time) {
   const Vector6d multiplier = gram.ldlt().solve(inertial);
   const Eigen::Vector3d turn = kTurnScale * (by_turn.transpose() * multiplier);
 
-  Reference reference;
   const Eigen::Vector3d w = E * at.euler_rate;
-  reference.x << at.velocity, R_WB * robot.inertia_B * R_WB.transpose() * w / robot.mass, at.position,
+  reference->x << at.velocity, R_WB * robot.inertia_B * R_WB.transpose() * w / robot.mass, at.position,
       at.euler + E.inverse() * turn;
-  reference.u = at.tension;
-  reference.u.noalias() += cables.structure.transpose() * multiplier;
-  reference.length_rate = at.length_rate;
-  return reference;
+  reference->u = at.tension;
+  reference->u.noalias() += cables.structure.transpose() * multiplier;
 }
 
 template <class From, class To>
@@ -64,7 +66,7 @@ void CopyEntries(const From& from, To& to) {
   std::copy_n(from.data(), to.size(), to.data());
 }
 
-/// What `make` gives for a number of cables that is known to the compiler.
+/// What `make` gives for a number of cables, which the compiler knows for small robots, whose loops it unrolls.
 template <class Make>
 auto ForCables(int cables, const Make& make) {
   switch (cables) {
@@ -76,8 +78,10 @@ auto ForCables(int cables, const Make& make) {
       return make(std::integral_constant<int, 6>());
     case 7:
       return make(std::integral_constant<int, 7>());
-    default:
+    case 8:
       return make(std::integral_constant<int, 8>());
+    default:
+      return make(std::integral_constant<int, Eigen::Dynamic>());
   }
 }
 
@@ -85,16 +89,17 @@ auto ForCables(int cables, const Make& make) {
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
+  const int cables = path.robot().num_cables();
   const CdprReference rest = path.At(path.path().start_time());
   CentroidalState x = CentroidalState::Zero(), next;
   x.segment<3>(6) = rest.position;
   x.tail<3>() = rest.euler;
-  typename Problem::Input u;
+  typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
-  typename RungeKutta<Problem>::Tangent AB;
-  RungeKutta<Problem>(12, n).Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
-  const Eigen::VectorXd R = Eigen::VectorXd::Constant(n, period * cost.R);
-  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(n),
+  typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
+  RungeKutta<Problem>(12, cables).Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
+  const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
+  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
                               Eigen::MatrixXd((period * cost.Q).asDiagonal()),
                               Eigen::MatrixXd(R.asDiagonal()));
 }
@@ -148,7 +153,8 @@ std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
 
 CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
-  const Reference start = ReferenceAt(*params.path, 0);
+  Reference start;
+  CalcReference(*params.path, 0, &start);
   CdprPlan plan;
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
@@ -179,16 +185,19 @@ CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeight
   return cost;
 }
 
-/// Everything that does not depend on the number of cables, which the solver for it must know when compiled.
+/// Everything that is not compiled for a number of cables.
 class CdprMpcSolver::Impl {
  public:
   explicit Impl(const CdprMpcParams& params)
       : path_(params.path),
         equilibrium_input_(params.equilibrium_input),
         period_(params.rate.period()),
-        steps_(Steps(params)),
-        targets_(steps_.size() + 1),
-        cache_(1 + static_cast<std::size_t>(std::lround(params.horizon / period_))) {}
+        steps_(Steps(params)) {
+    CalcReference(*path_, 0, &reference_);
+    const Target target{reference_.x, reference_.u, reference_.u, reference_.u};
+    targets_.assign(steps_.size() + 1, target);
+    cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)), {-1, target});
+  }
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
 
@@ -224,23 +233,24 @@ class CdprMpcSolver::Impl {
       Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
       if (cached.time != time + index * period_) {
         cached.time = time + index * period_;
-        cached.target = TargetFor(ReferenceAt(*path_, cached.time));
+        CalcReference(*path_, cached.time, &reference_);
+        SetTarget(reference_, cached.target);
       }
       targets_[k] = cached.target;
       if (k < steps_.size()) index += steps_[k];
     }
   }
-  Target TargetFor(const Reference& reference) const {
+  void SetTarget(const Reference& reference, Target& target) const {
     const CdprDescription& robot = path_->robot();
     const CableProperties& cable = robot.cable;
-    Target target{reference.x, reference.u, reference.u, reference.u};
+    target.x = reference.x;
+    target.u = reference.u;
     for (int i = 0; i < robot.num_cables(); ++i) {
-      const double reel = robot.winch.reel_damping * reference.length_rate[i];
+      const double reel = robot.winch.reel_damping * reference.at.length_rate[i];
       target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
       target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
     }
     if (!equilibrium_input_) target.u.setZero();
-    return target;
   }
 
   std::shared_ptr<const EquilibriumPath> path_;
@@ -253,6 +263,7 @@ class CdprMpcSolver::Impl {
     Target target;
   };
   std::vector<Cached> cache_;
+  Reference reference_;  // work space
 };
 
 namespace {
@@ -263,7 +274,7 @@ std::vector<double> StepsInSeconds(const CdprMpcParams& params) {
   return seconds;
 }
 
-/// The solver for a number of cables that is known to the compiler.
+/// The solver for n cables, or for any number.
 template <int n>
 class SolverFor final : public CdprMpcSolver::Impl {
  public:

@@ -29,7 +29,7 @@ struct CdprPlan {
     double time = 0;              ///< from `start` [s]
     Vec<12> x = Vec<12>::Zero();  ///< nominal state, see CentroidalState
     CableVector u;                ///< nominal tensions [N]
-    Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign, kMaxCables, 12> K;
+    Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign> K;
 
     static FieldList Fields() {
       return {{"time", &Node::time, "s"}, {"x", &Node::x}, {"u", &Node::u, "N"}, {"K", &Node::K}};
@@ -47,8 +47,8 @@ struct CdprPlan {
   }
 
   /// The tensions at `time`, for a state that was estimated at `estimated`, not after `time` [s]. Not
-  /// clamped.
-  CableVector Evaluate(double time, double estimated, const CentroidalState& x) const;
+  /// clamped. Does not allocate if `tension` has the plan's size.
+  void Evaluate(double time, double estimated, const CentroidalState& x, CableVector* tension) const;
 };
 
 }  // namespace tenon

@@ -11,6 +11,8 @@ namespace tenon {
 ///     L_k = 1/2 (x - x_des,k)^T Q (x - x_des,k) + 1/2 (u - u_des,k)^T R (u - u_des,k),   Q, R diagonal
 ///     phi = 1/2 (x - x_des,N)^T Q_f (x - x_des,N)
 ///     lower_k <= u <= upper_k
+///
+/// n is the number of cables, or Eigen::Dynamic.
 template <int n>
 class CdprTrackingProblem : public KinoCentroidalModel<n> {
  public:
@@ -21,17 +23,20 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
   /// What the robot should be doing at a node.
   struct Target {
     State x = State::Zero();
-    Input u = Input::Zero();
-    Input lower = Input::Zero(), upper = Input::Zero();  ///< [N]
+    Input u, lower, upper;  ///< [N]
+
+    explicit Target(int cables) { u = lower = upper = Input::Zero(cables); }
   };
 
   State Q = State::Zero();  ///< diagonal, per second
-  Input R = Input::Zero();  ///< diagonal, per second
+  Input R;                  ///< diagonal, per second
   StateMatrix Q_f = StateMatrix::Zero();
   std::vector<Target> targets;  ///< N + 1; of the last one x alone counts
 
   CdprTrackingProblem(const CdprDescription& robot, int num_steps)
-      : KinoCentroidalModel<n>(robot), targets(num_steps + 1) {}
+      : KinoCentroidalModel<n>(robot),
+        R(Input::Zero(robot.num_cables())),
+        targets(num_steps + 1, Target(robot.num_cables())) {}
 
   double StageCost(int k, const State& x, const Input& u) const {
     const Target& target = targets[k];
@@ -45,7 +50,7 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
       gx[i] += h * (Q[i] * (x[i] - target.x[i]));
       Hxx(i, i) += h * Q[i];
     }
-    for (int i = 0; i < n; ++i) {
+    for (Eigen::Index i = 0; i < R.size(); ++i) {
       gu[i] += h * (R[i] * (u[i] - target.u[i]));
       Huu(i, i) += h * R[i];
     }

@@ -209,7 +209,8 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
   }
 
   StaticsOptions each = options;
-  nodes_.resize(intervals + 1);
+  values_.resize(3 + robot.num_cables(), intervals + 1);
+  slopes_.setZero(values_.rows(), values_.cols());
   for (int i = 0; i <= intervals; ++i) {
     const double parameter = first_ + i * step_;
     const double time = std::round(path.TimeOf(parameter) * 1e6) / 1e6;  // for messages
@@ -232,18 +233,17 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
             time, robot.name, p.x(), p.y(), p.z(), jump * 180 / std::numbers::pi));
       }
     }
-    nodes_[i].value.head<3>() = found.euler;
-    nodes_[i].value.segment(3, robot.num_cables()) = found.tension;
+    values_.col(i) << found.euler, found.tension;
     each.warm_start = found;
   }
   if (path.is_periodic()) {
-    const double drift = (nodes_.back().value - nodes_.front().value).head<3>().norm();
+    const double drift = (values_.col(intervals) - values_.col(0)).head<3>().norm();
     Require(drift < kLargestDrift,
             fmt::format(
                 "The equilibria of robot '{}' along the circle do not close: after one turn, at t = {:.4g} "
                 "s, the attitude is {:.3g} deg away from the first one.",
                 robot.name, path.TimeOf(kTwoPi), drift * 180 / std::numbers::pi));
-    nodes_.back() = nodes_.front();
+    values_.col(intervals) = values_.col(0);
   }
   FitSlopes();
 }
@@ -257,52 +257,65 @@ void EquilibriumPath::FitSlopes() {
   if (last == 0) return;
   const bool periodic = path_.is_periodic();
   const int margin = periodic ? 40 : 0;
-  const auto value = [&](int i) -> const Channels& { return nodes_[periodic ? (i + last) % last : i].value; };
+  const auto value = [&](int i) { return values_.col(periodic ? (i + last) % last : i); };
 
-  const int rows = last + 1 + 2 * margin;
-  std::vector<Channels> slope(rows, Channels::Zero());
-  std::vector<double> upper(rows, 0.0);
-  for (int r = 1; r + 1 < rows; ++r) {
-    const int i = r - margin;
-    const double pivot = 4 - upper[r - 1];
-    upper[r] = 1 / pivot;
-    slope[r] = (3 / step_ * (value(i + 1) - value(i - 1)) - slope[r - 1]) / pivot;
+  const int count = last + 1 + 2 * margin;
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(values_.rows(), count);
+  std::vector<double> upper(count, 0.0);
+  for (int c = 1; c + 1 < count; ++c) {
+    const int i = c - margin;
+    const double pivot = 4 - upper[c - 1];
+    upper[c] = 1 / pivot;
+    slope.col(c) = (3 / step_ * (value(i + 1) - value(i - 1)) - slope.col(c - 1)) / pivot;
   }
-  for (int r = rows - 2; r > 0; --r) slope[r] -= upper[r] * slope[r + 1];
-  for (int i = 0; i <= last; ++i) nodes_[i].slope = slope[i + margin];
+  for (int c = count - 2; c > 0; --c) slope.col(c) -= upper[c] * slope.col(c + 1);
+  slopes_ = slope.middleCols(margin, last + 1);
 }
 
-CdprReference EquilibriumPath::At(double time) const {
+void EquilibriumPath::At(double time, CdprReference* reference) const {
   const int n = robot_.num_cables();
   const PathPoint point = path_.At(time);
   const Path::Parameter parameter = path_.ParameterAt(time);
+  reference->position = point.position;
+  reference->velocity = point.velocity;
+  reference->acceleration = point.acceleration;
 
-  Channels value = nodes_.front().value, slope = Channels::Zero();
   const int last = num_nodes() - 1;
-  if (last > 0) {
+  if (last == 0) {
+    reference->euler = values_.col(0).head<3>();
+    reference->euler_rate.setZero();
+    reference->tension = values_.col(0).tail(n);
+  } else {
     double s = parameter.value - first_;
     if (path_.is_periodic()) s -= kTwoPi * std::floor(s / kTwoPi);
     const int i = std::clamp(static_cast<int>(s / step_), 0, last - 1);
-    const Node &a = nodes_[i], &b = nodes_[i + 1];
     const double x = s / step_ - i, y = 1 - x;
-    value = y * y * (1 + 2 * x) * a.value + x * x * (1 + 2 * y) * b.value +
-            step_ * x * y * (y * a.slope - x * b.slope);
-    slope = 6 * x * y / step_ * (b.value - a.value) + y * (1 - 3 * x) * a.slope + x * (1 - 3 * y) * b.slope;
+    const auto value = y * y * (1 + 2 * x) * values_.col(i) + x * x * (1 + 2 * y) * values_.col(i + 1) +
+                       step_ * x * y * (y * slopes_.col(i) - x * slopes_.col(i + 1));
+    const auto slope = 6 * x * y / step_ * (values_.col(i + 1) - values_.col(i)) +
+                       y * (1 - 3 * x) * slopes_.col(i) + x * (1 - 3 * y) * slopes_.col(i + 1);
+    reference->euler = value.head<3>();
+    reference->euler_rate = slope.head<3>() * parameter.rate;
+    reference->tension = value.tail(n);
   }
+  reference->tension =
+      reference->tension.cwiseMax(robot_.cable.tension_min).cwiseMin(robot_.cable.tension_max);
 
+  const Eigen::Matrix3d R_WB = RotationFromEuler(reference->euler);
+  Vector6d twist;
+  twist << reference->velocity, EulerRateMatrix(reference->euler) * reference->euler_rate;
+  reference->length.resize(n);
+  reference->length_rate.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const CableLine line = CalcCableLine(robot_, i, reference->position, R_WB);
+    reference->length[i] = line.length;
+    reference->length_rate[i] = -line.wrench.dot(twist);
+  }
+}
+
+CdprReference EquilibriumPath::At(double time) const {
   CdprReference reference;
-  reference.position = point.position;
-  reference.velocity = point.velocity;
-  reference.acceleration = point.acceleration;
-  reference.euler = value.head<3>();
-  reference.euler_rate = slope.head<3>() * parameter.rate;
-  reference.tension =
-      value.segment(3, n).cwiseMax(robot_.cable.tension_min).cwiseMin(robot_.cable.tension_max);
-  const CableKinematics cables =
-      CalcCableKinematics(robot_, reference.position, RotationFromEuler(reference.euler));
-  reference.length = cables.length;
-  reference.length_rate = CalcCableLengthRates(cables, reference.velocity,
-                                               EulerRateMatrix(reference.euler) * reference.euler_rate);
+  At(time, &reference);
   return reference;
 }
 

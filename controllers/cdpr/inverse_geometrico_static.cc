@@ -309,8 +309,7 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
     if (!good) throw ParameterError(fmt::format("Robot '{}' has no statics: {}.", robot.name, what));
   };
   const int n = robot.num_cables();
-  require(n >= kMinCables && n <= kMaxCables,
-          fmt::format("it has {} cables, not {} to {}", n, kMinCables, kMaxCables));
+  require(n >= kMinCables, fmt::format("it has {} cables, fewer than {}", n, kMinCables));
   require(robot.mass > 0, fmt::format("its mass is {:g} kg", robot.mass));
   require(robot.inertia_B.llt().info() == Eigen::Success, "its inertia is not positive definite");
   require(robot.cable.tension_min >= 0 && robot.cable.tension_min < robot.cable.tension_max,

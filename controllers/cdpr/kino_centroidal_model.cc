@@ -6,12 +6,23 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace tenon {
 namespace {
 
 constexpr double kGravity = 9.81;  // [m/s^2]
+
+/// How many of n cables are computed side by side.
+template <int n>
+constexpr int kBlock = n == Eigen::Dynamic ? 8 : n;
+
+/// Of all cables, those of the block that begins with `first`.
+template <int n>
+int BlockSize(int cables, int first) {
+  return n == Eigen::Dynamic ? std::min(kBlock<n>, cables - first) : n;
+}
 
 Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
   Eigen::Matrix3d cross;
@@ -54,40 +65,45 @@ struct KinoCentroidalModel<n>::Attitude {
 
 template <int n>
 KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
-    : mass_inverse_(1 / robot.mass), inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
-  if (robot.num_cables() != n)
+    : mass_inverse_(1 / robot.mass),
+      inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
+  if (n != Eigen::Dynamic && robot.num_cables() != n)
     throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n,
                                      robot.name, robot.num_cables()));
-  for (int i = 0; i < n; ++i) {
-    for (int r = 0; r < 3; ++r) {
-      anchor_W_[r][i] = robot.cables[i].anchor_W[r];
-      attachment_B_[r][i] = robot.cables[i].attachment_B[r];
-    }
+  anchor_W_.resize(3, robot.num_cables());
+  attachment_B_.resize(3, robot.num_cables());
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    anchor_W_.col(i) = robot.cables[i].anchor_W;
+    attachment_B_.col(i) = robot.cables[i].attachment_B;
   }
 }
 
 template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
   const Attitude attitude(x.template tail<3>());
-  double pull[6][n];
-  for (int i = 0; i < n; ++i) {
-    double a[3], d[3];
-    for (int r = 0; r < 3; ++r) {
-      a[r] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
-             attitude.R(r, 2) * attachment_B_[2][i];
-      d[r] = anchor_W_[r][i] - x[6 + r] - a[r];
-    }
-    const double scale = u[i] / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    for (int r = 0; r < 3; ++r) pull[r][i] = scale * d[r];
-    pull[3][i] = a[1] * pull[2][i] - a[2] * pull[1][i];
-    pull[4][i] = a[2] * pull[0][i] - a[0] * pull[2][i];
-    pull[5][i] = a[0] * pull[1][i] - a[1] * pull[0][i];
-  }
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
-  for (int r = 0; r < 3; ++r) {
-    for (int i = 0; i < n; ++i) {
-      force[r] += pull[r][i];
-      torque[r] += pull[3 + r][i];
+  for (int first = 0; first < num_inputs(); first += kBlock<n>) {
+    const int size = BlockSize<n>(num_inputs(), first);
+    double pull[6][kBlock<n>];
+    for (int i = 0; i < size; ++i) {
+      double a[3], d[3];
+      for (int r = 0; r < 3; ++r) {
+        a[r] = attitude.R(r, 0) * attachment_B_(0, first + i) +
+               attitude.R(r, 1) * attachment_B_(1, first + i) +
+               attitude.R(r, 2) * attachment_B_(2, first + i);
+        d[r] = anchor_W_(r, first + i) - x[6 + r] - a[r];
+      }
+      const double scale = u[first + i] / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      for (int r = 0; r < 3; ++r) pull[r][i] = scale * d[r];
+      pull[3][i] = a[1] * pull[2][i] - a[2] * pull[1][i];
+      pull[4][i] = a[2] * pull[0][i] - a[0] * pull[2][i];
+      pull[5][i] = a[0] * pull[1][i] - a[1] * pull[0][i];
+    }
+    for (int r = 0; r < 3; ++r) {
+      for (int i = 0; i < size; ++i) {
+        force[r] += pull[r][i];
+        torque[r] += pull[3 + r][i];
+      }
     }
   }
   dx.template head<3>() = mass_inverse_ * force;
@@ -114,7 +130,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const T
   }
   const double* S = tangent.data();
   double* K = rate.data();
-  for (int j = 0; j < 12 + n; ++j, S += 12, K += 12) {
+  for (Eigen::Index j = 0; j < tangent.cols(); ++j, S += 12, K += 12) {
     double momentum[8] = {}, euler[4] = {};
     for (int k = 0; k < 6; ++k) {
       for (int r = 0; r < 8; ++r) momentum[r] += J[k][r] * S[6 + k];
@@ -126,7 +142,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const T
       K[9 + r] = euler[r];
     }
   }
-  rate.template topRightCorner<6, n>() += momentum_by_tension;
+  rate.template topRightCorner<6, n>(6, momentum_by_tension.cols()) += momentum_by_tension;
 }
 
 // With a the arm, d the direction, m = a x d, u the tension, s = u / l, the derivatives of the wrench of a
@@ -139,46 +155,56 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
                                                            Linearization& f) const {
   const Attitude attitude(x.template tail<3>());
   const double cp = attitude.cp, sp = attitude.sp, cy = attitude.cy, sy = attitude.sy;
-  double a[3][n], d[3][n], m[3][n], s[n], mixed[n];
-  for (int i = 0; i < n; ++i) {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force, lever = force;
+  Eigen::Matrix3d force_by_p = Eigen::Matrix3d::Zero(), force_by_turn = force_by_p, torque_by_turn = force_by_p;
+  double stiffness = 0, trace = 0;
+  for (int first = 0; first < num_inputs(); first += kBlock<n>) {
+    const int size = BlockSize<n>(num_inputs(), first);
+    double a[3][kBlock<n>], d[3][kBlock<n>], m[3][kBlock<n>], t[kBlock<n>], s[kBlock<n>], mixed[kBlock<n>];
+    for (int i = 0; i < size; ++i) {
+      for (int r = 0; r < 3; ++r) {
+        a[r][i] = attitude.R(r, 0) * attachment_B_(0, first + i) +
+                  attitude.R(r, 1) * attachment_B_(1, first + i) +
+                  attitude.R(r, 2) * attachment_B_(2, first + i);
+        d[r][i] = anchor_W_(r, first + i) - x[6 + r] - a[r][i];
+      }
+      const double inverse = 1 / std::sqrt(d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]);
+      for (int r = 0; r < 3; ++r) d[r][i] *= inverse;
+      t[i] = u[first + i];
+      s[i] = t[i] * inverse;
+      m[0][i] = a[1][i] * d[2][i] - a[2][i] * d[1][i];
+      m[1][i] = a[2][i] * d[0][i] - a[0][i] * d[2][i];
+      m[2][i] = a[0][i] * d[1][i] - a[1][i] * d[0][i];
+      mixed[i] = s[i] * (a[0][i] * a[0][i] + a[1][i] * a[1][i] + a[2][i] * a[2][i]) +
+                 t[i] * (a[0][i] * d[0][i] + a[1][i] * d[1][i] + a[2][i] * d[2][i]);
+    }
+    const auto sum = [size](const auto& term) {
+      double total = 0;
+      for (int i = 0; i < size; ++i) total += term(i);
+      return total;
+    };
+    stiffness += sum([&](int i) { return s[i]; });
+    trace += sum([&](int i) { return mixed[i]; });
     for (int r = 0; r < 3; ++r) {
-      a[r][i] = attitude.R(r, 0) * attachment_B_[0][i] + attitude.R(r, 1) * attachment_B_[1][i] +
-                attitude.R(r, 2) * attachment_B_[2][i];
-      d[r][i] = anchor_W_[r][i] - x[6 + r] - a[r][i];
+      force[r] += sum([&](int i) { return t[i] * d[r][i]; });
+      torque[r] += sum([&](int i) { return t[i] * m[r][i]; });
+      lever[r] += sum([&](int i) { return s[i] * a[r][i]; });
+      for (int c = 0; c < 3; ++c) {
+        force_by_turn(r, c) += sum([&](int i) { return s[i] * d[r][i] * m[c][i]; });
+        torque_by_turn(r, c) += sum(
+            [&](int i) { return s[i] * (a[r][i] * a[c][i] + m[r][i] * m[c][i]) + t[i] * a[r][i] * d[c][i]; });
+        if (c <= r) force_by_p(r, c) += sum([&](int i) { return s[i] * d[r][i] * d[c][i]; });
+      }
+      for (int i = 0; i < size; ++i) {
+        f.momentum_by_tension(r, first + i) = mass_inverse_ * d[r][i];
+        f.momentum_by_tension(3 + r, first + i) = mass_inverse_ * m[r][i];
+      }
     }
-    const double inverse = 1 / std::sqrt(d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]);
-    for (int r = 0; r < 3; ++r) d[r][i] *= inverse;
-    s[i] = u[i] * inverse;
-    m[0][i] = a[1][i] * d[2][i] - a[2][i] * d[1][i];
-    m[1][i] = a[2][i] * d[0][i] - a[0][i] * d[2][i];
-    m[2][i] = a[0][i] * d[1][i] - a[1][i] * d[0][i];
-    mixed[i] = s[i] * (a[0][i] * a[0][i] + a[1][i] * a[1][i] + a[2][i] * a[2][i]) +
-               u[i] * (a[0][i] * d[0][i] + a[1][i] * d[1][i] + a[2][i] * d[2][i]);
   }
-  const auto sum = [](const auto& term) {
-    double total = 0;
-    for (int i = 0; i < n; ++i) total += term(i);
-    return total;
-  };
-  Eigen::Vector3d force, torque, lever;
-  Eigen::Matrix3d force_by_p, force_by_turn, torque_by_turn;
-  const double stiffness = sum([&](int i) { return s[i]; }), trace = sum([&](int i) { return mixed[i]; });
   for (int r = 0; r < 3; ++r) {
-    force[r] = sum([&](int i) { return u[i] * d[r][i]; });
-    torque[r] = sum([&](int i) { return u[i] * m[r][i]; });
-    lever[r] = sum([&](int i) { return s[i] * a[r][i]; });
-    for (int c = 0; c < 3; ++c) {
-      force_by_turn(r, c) = sum([&](int i) { return s[i] * d[r][i] * m[c][i]; });
-      torque_by_turn(r, c) = sum(
-          [&](int i) { return s[i] * (a[r][i] * a[c][i] + m[r][i] * m[c][i]) + u[i] * a[r][i] * d[c][i]; });
-      if (c <= r) force_by_p(r, c) = force_by_p(c, r) = sum([&](int i) { return s[i] * d[r][i] * d[c][i]; });
-    }
+    for (int c = 0; c < r; ++c) force_by_p(c, r) = force_by_p(r, c);
     force_by_p(r, r) -= stiffness;
     torque_by_turn(r, r) -= trace;
-    for (int i = 0; i < n; ++i) {
-      f.momentum_by_tension(r, i) = mass_inverse_ * d[r][i];
-      f.momentum_by_tension(3 + r, i) = mass_inverse_ * m[r][i];
-    }
   }
   force_by_turn += Skew(lever);
   const Eigen::Matrix3d torque_by_p = force_by_turn.transpose();
@@ -216,5 +242,6 @@ template class KinoCentroidalModel<5>;
 template class KinoCentroidalModel<6>;
 template class KinoCentroidalModel<7>;
 template class KinoCentroidalModel<8>;
+template class KinoCentroidalModel<Eigen::Dynamic>;
 
 }  // namespace tenon

@@ -25,6 +25,8 @@ CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformSt
 ///
 /// lambda_i is the direction from attachment p + R r_i to anchor. Exact for a rigid platform. Singular at
 /// pitch = +-pi/2 and where a cable has no length: the result is not finite there.
+///
+/// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number.
 template <int n>
 class KinoCentroidalModel {
  public:
@@ -40,13 +42,13 @@ class KinoCentroidalModel {
     Eigen::Matrix3d euler_by_euler;     ///< d(dTheta/dt)/dTheta
     using Tangent = typename DenseLinearization<12, n>::Tangent;
 
-    explicit Linearization(int = 0, int = 0) {}
+    explicit Linearization(int = kStates, int cables = n) : momentum_by_tension(6, cables) {}
     void Multiply(const Tangent& tangent, Tangent& rate) const;
     void MultiplyIdentity(Tangent& rate) const {
       rate.setZero();
       for (int r = 0; r < 6; ++r) {
         for (int c = 0; c < 6; ++c) rate(r, 6 + c) = momentum_by_pose(r, c);
-        for (int c = 0; c < n; ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
+        for (int c = 0; c < momentum_by_tension.cols(); ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
       }
       for (int r = 0; r < 3; ++r) {
         rate(6 + r, r) = 1;
@@ -58,19 +60,19 @@ class KinoCentroidalModel {
     }
   };
 
-  /// @throws ParameterError if the robot has not n cables.
+  /// @throws ParameterError if the robot has not n cables, n not Eigen::Dynamic.
   explicit KinoCentroidalModel(const CdprDescription& robot);
 
   int num_states() const { return kStates; }
-  int num_inputs() const { return n; }
+  int num_inputs() const { return static_cast<int>(anchor_W_.cols()); }
   void Derivative(const State& x, const Input& u, State& dx) const;
   void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
 
  private:
   struct Attitude;
   double mass_inverse_;
-  Eigen::Matrix3d inertia_inverse_;             // m I^{-1}, in B
-  double anchor_W_[3][n], attachment_B_[3][n];  // cables side by side
+  Eigen::Matrix3d inertia_inverse_;                                         // m I^{-1}, in B
+  Eigen::Matrix<double, 3, n, Eigen::RowMajor> anchor_W_, attachment_B_;  // cables side by side
 };
 
 extern template class KinoCentroidalModel<4>;
@@ -78,5 +80,6 @@ extern template class KinoCentroidalModel<5>;
 extern template class KinoCentroidalModel<6>;
 extern template class KinoCentroidalModel<7>;
 extern template class KinoCentroidalModel<8>;
+extern template class KinoCentroidalModel<Eigen::Dynamic>;
 
 }  // namespace tenon

@@ -36,7 +36,9 @@ class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
                                 &ReferenceGenerator::CalcGeometry};
 
  private:
-  CdprReference CalcReference(const double& time) const { return params.path->At(time); }
+  void CalcReference(const double& time, CdprReference* reference) const {
+    params.path->At(time, reference);
+  }
   void CalcGeometry(const CdprReference& reference, Geometry* out) const {
     out->front().p_W = reference.position;
   }

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/optimization/dual_active_set.h>
 
+#include <Eigen/Core>
+#include <Eigen/QR>
 #include <string>
 
 namespace tenon {
@@ -24,15 +27,37 @@ struct TensionDistribution {
 /// g printed there is the other one.
 ///
 /// The equation fixes u up to the null space of W, u = u0 + N z with u0 normal to N, and what remains is a
-/// least distance problem, min |z|^2 with the bounds as inequalities. It is solved exactly in finitely many
-/// steps as a non-negative least squares problem (Lawson and Hanson, Solving Least Squares Problems, 1974,
-/// ch. 23). Nothing is allocated as long as the problem is feasible.
+/// least distance problem, min |z|^2 with the bounds as inequalities, for DualActiveSet.
 ///
 /// With fewer than six cables W u = b has no solution but at the attitudes of equilibrium, see
 /// inverse_geometrico_static.h; elsewhere the residual is what is refused.
 ///
-/// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the balance.
-/// Either bound may be infinite. Refuses, and never throws.
+/// Solve() does not allocate as long as the problem is feasible. Copies are independent.
+class TensionDistributor {
+ public:
+  explicit TensionDistributor(int num_cables);
+
+  /// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the
+  /// balance. Either bound may be infinite. What is returned holds until the next call.
+  /// @throws ParameterError if W has another number of columns than there are cables, and nothing else.
+  const TensionDistribution& Solve(const CableMatrix6& structure, const Vector6d& wrench, double tension_min,
+                                   double tension_max, double tolerance = 1e-8);
+
+ private:
+  bool MoveIntoBounds(int rank, double lower, double upper);
+
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;  // of W^T, torques over the longest lever
+  Eigen::MatrixXd transposed_, Q_;
+  Eigen::VectorXd u_, work_;  // u_ is the solution without bounds
+  // The problem of MoveIntoBounds.
+  Eigen::MatrixXd H_;
+  Eigen::VectorXd g_, bounds_;
+  ConstraintMatrix rows_;
+  DualActiveSet solver_;
+  TensionDistribution result_;
+};
+
+/// The same for once.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
                                       double tension_min, double tension_max, double tolerance = 1e-8);
 

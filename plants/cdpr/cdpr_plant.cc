@@ -20,15 +20,14 @@ void CheckFinite(const char* name, const Vec<3>& v) {
 }
 
 /// The tension of a taut cable in tension or torque mode, see the header.
-double TautTension(const CdprPlantParams& params, const WinchState& winches, int i, double length,
-                   double length_rate) {
+double TautTension(const CdprPlantParams& params, double rest, double motor_tension, double reel_speed,
+                   double length, double length_rate) {
   const WinchProperties& winch = params.robot.winch;
-  const double rest = winches.rest_length[i];
   const double damping = params.robot.cable.axial_damping / rest;
   const double strained = params.robot.cable.axial_stiffness / rest * (length - rest) + damping * length_rate;
   if (params.lock_winches) return std::max(0.0, strained);
-  if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * winches.reel_speed[i]);
-  return std::max(0.0, (winch.reel_damping * strained + damping * winches.motor_tension[i]) /
+  if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * reel_speed);
+  return std::max(0.0, (winch.reel_damping * strained + damping * motor_tension) /
                            (winch.reel_damping + damping));
 }
 
@@ -60,25 +59,23 @@ PlatformState CdprPlant::InitialPlatform(const CdprPlantParams& params) {
   return {params.p_WB, QuaternionFromRotation(RotationFromEuler(params.euler)), params.v_W, params.w_W};
 }
 
-WinchState CdprPlant::InitialWinches(const CdprPlantParams& params) {
-  WinchState winches;
+Eigen::VectorXd CdprPlant::InitialRestLength(const CdprPlantParams& params) {
+  Eigen::VectorXd rest_length(params.robot.num_cables());
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
   for (int i = 0; i < params.robot.num_cables(); ++i) {
     const CableDescription& cable = params.robot.cables[static_cast<std::size_t>(i)];
     const double length = (cable.anchor_W - params.p_WB - R_WB * cable.attachment_B).norm();
-    winches.rest_length[i] = length / (1 + params.initial_tension[i] / params.robot.cable.axial_stiffness);
-    winches.motor_tension[i] = params.initial_tension[i];
+    rest_length[i] = length / (1 + params.initial_tension[i] / params.robot.cable.axial_stiffness);
   }
-  return winches;
+  return rest_length;
 }
 
-void CdprPlant::CalcCableForces(const PlatformState& x, const WinchState& winches, CableForces* out) const {
+void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
+                                const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
+                                CableForces* out) const {
   const int n = params.robot.num_cables();
   CableSignals& signals = out->signals;
-  signals.length.resize(n);
-  signals.length_rate.resize(n);
-  signals.tension.resize(n);
-  signals.rest_length = winches.rest_length.head(n);
+  signals.rest_length = rest_length;
   out->wrench = {};
   out->energy = 0;
 
@@ -88,7 +85,7 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const WinchState& winche
     const Vec<3> arm = R_WB * cable.attachment_B;
     const Vec<3> span = cable.anchor_W - x.p_WB - arm;
     const double length = span.norm();
-    const double rest = winches.rest_length[i];
+    const double rest = rest_length[i];
     if (length == 0)
       throw RunError(
           fmt::format("cable {} has no length and so no direction: its attachment is at its anchor", i));
@@ -101,7 +98,8 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const WinchState& winche
     const Vec<3> direction = span / length;
     const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
     const bool taut = length > rest;
-    const double tension = taut ? TautTension(params, winches, i, length, length_rate) : 0;
+    const double tension =
+        taut ? TautTension(params, rest, motor_tension[i], reel_speed[i], length, length_rate) : 0;
 
     signals.length[i] = length;
     signals.length_rate[i] = length_rate;
@@ -150,29 +148,40 @@ PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigi
           body.acceleration().a_W, body.acceleration().alpha_W};
 }
 
-WinchState CdprPlant::CalcWinchRate(const WinchState& winches, const CableForces& cables,
-                                    const CableVector& command) const {
+void CdprPlant::CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
+                                   const Eigen::VectorXd& reel_speed, Eigen::VectorXd* rate) const {
   const WinchProperties& winch = params.robot.winch;
+  if (params.lock_winches) {
+    rate->setZero(params.robot.num_cables());
+  } else if (winch.mode == WinchMode::kTension) {
+    *rate = (cables.signals.tension - motor_tension) / winch.reel_damping;
+  } else {
+    *rate = reel_speed;
+  }
+}
+
+void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const CableVector& command,
+                                     Eigen::VectorXd* rate) const {
   const int n = params.robot.num_cables();
   if (command.size() != n)
     throw RunError(fmt::format(
         "the command has {} entries but the robot has {} cables; give one tension each", command.size(), n));
-  WinchState rate;
+  rate->resize(n);
   for (int i = 0; i < n; ++i) {
     const double asked = command[i] < 0 ? 0 : command[i];  // written so that nan stays nan
-    rate.motor_tension[i] = (asked - winches.motor_tension[i]) / winch.time_constant;
-    if (params.lock_winches) continue;
-    const double pull = cables.signals.tension[i] - winches.motor_tension[i];
-    if (winch.mode == WinchMode::kTension) {
-      rate.rest_length[i] = pull / winch.reel_damping;
-    } else {
-      rate.rest_length[i] = winches.reel_speed[i];
-      rate.reel_speed[i] = (pull - winch.reel_damping * winches.reel_speed[i]) / winch.effective_mass;
-    }
+    (*rate)[i] = (asked - motor_tension[i]) / params.robot.winch.time_constant;
   }
-  return rate;
+}
+
+void CdprPlant::CalcReelAcceleration(const CableForces& cables, const Eigen::VectorXd& motor_tension,
+                                     const Eigen::VectorXd& reel_speed, Eigen::VectorXd* acceleration) const {
+  const WinchProperties& winch = params.robot.winch;
+  if (params.lock_winches || winch.mode == WinchMode::kTension) {
+    acceleration->setZero(params.robot.num_cables());
+  } else {
+    *acceleration = (cables.signals.tension - motor_tension - winch.reel_damping * reel_speed) /
+                    winch.effective_mass;
+  }
 }
 
 }  // namespace tenon
-
-TENON_DEFINE_SIGNAL(tenon::WinchState);

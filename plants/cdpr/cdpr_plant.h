@@ -22,20 +22,8 @@ struct CdprPlantParams {
   void Validate() const;
 };
 
-/// One value per cable and winch; those of cables that the robot does not have stay 0.
-struct WinchState {
-  Vec<kMaxCables> rest_length = Vec<kMaxCables>::Zero();    ///< l0, paid out [m]
-  Vec<kMaxCables> motor_tension = Vec<kMaxCables>::Zero();  ///< what the motor pulls at the drum [N]
-  Vec<kMaxCables> reel_speed = Vec<kMaxCables>::Zero();     ///< dl0/dt in torque mode, else unused [m/s]
-
-  static FieldList Fields() {
-    return {{"rest_length", &WinchState::rest_length, "m"},
-            {"motor_tension", &WinchState::motor_tension, "N"},
-            {"reel_speed", &WinchState::reel_speed, "m/s"}};
-  }
-};
-
-/// A cable-driven parallel robot: a platform on Simbody, 4 to 8 straight elastic cables, one winch each.
+/// A cable-driven parallel robot: a platform on Simbody, 4 or more straight elastic cables, one winch
+/// each.
 ///
 ///     ports in   command       tension asked of each winch [N]; below 0 counts as 0
 ///                payload       point mass on the platform (optional)
@@ -46,6 +34,10 @@ struct WinchState {
 ///                cables        length, rate, tension, rest length
 ///                energy        kinetic, potential, elastic [J]
 ///                geometry      what it looks like
+///     states     platform_state
+///                rest_length    l0, paid out [m]
+///                motor_tension  T_m, what the motor pulls at the drum [N]
+///                reel_speed     dl0/dt in torque mode, else unused [m/s]
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
 ///
@@ -84,8 +76,8 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   /// What the cables do, as several calculations need it.
   struct CableForces {
     CableSignals signals;
-    PlatformWrench wrench;  ///< of all cables, about the CoM
-    double energy = 0;      ///< elastic [J]
+    PlatformWrench wrench{};  ///< of all cables, about the CoM
+    double energy = 0;        ///< elastic [J]
   };
 
   InputPort<CableVector> command{this, {"command", "N"}};
@@ -93,9 +85,14 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   InputPort<PlatformWrench> wrench{this, {"wrench"}, PlatformWrench{}};
 
   ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
-  ContinuousState<WinchState> winch_state{this, {"winch_state"}, InitialWinches(params)};
+  ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, InitialRestLength(params)};
+  ContinuousState<Eigen::VectorXd> motor_tension{this, {"motor_tension", "N"}, params.initial_tension};
+  ContinuousState<Eigen::VectorXd> reel_speed{
+      this, {"reel_speed", "m/s"}, Eigen::VectorXd::Zero(params.robot.num_cables())};
 
-  Shared<CableForces> cable_forces{this, "cable_forces", Uses(platform_state, winch_state),
+  Shared<CableForces> cable_forces{this, "cable_forces",
+                                   CableForces{CableSignals::Zero(params.robot.num_cables())},
+                                   Uses(platform_state, rest_length, motor_tension, reel_speed),
                                    &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
@@ -120,29 +117,37 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
   TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
                                               &CdprPlant::CalcPlatformRate};
-  TimeDerivative<WinchState> winch_rate{winch_state, Uses(winch_state, cable_forces, command),
-                                        &CdprPlant::CalcWinchRate};
+  TimeDerivative<Eigen::VectorXd> rest_length_rate{
+      rest_length, Uses(cable_forces, motor_tension, reel_speed), &CdprPlant::CalcRestLengthRate};
+  TimeDerivative<Eigen::VectorXd> motor_tension_rate{motor_tension, Uses(motor_tension, command),
+                                                     &CdprPlant::CalcMotorTensionRate};
+  TimeDerivative<Eigen::VectorXd> reel_acceleration{
+      reel_speed, Uses(cable_forces, motor_tension, reel_speed), &CdprPlant::CalcReelAcceleration};
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);
-  static WinchState InitialWinches(const CdprPlantParams& params);
+  static Eigen::VectorXd InitialRestLength(const CdprPlantParams& params);
 
-  void CalcCableForces(const PlatformState& x, const WinchState& winches, CableForces* out) const;
+  void CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
+                       const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
+                       CableForces* out) const;
   void CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,
                 const PlatformWrench& wrench, FreeRigidBody* out) const;
   PlatformState CalcPlatform(const PlatformState& x) const;
   Vec<3> CalcEuler(const PlatformState& x) const;
   PlatformAcceleration CalcAcceleration(const FreeRigidBody& body) const { return body.acceleration(); }
-  CableSignals CalcCables(const CableForces& cables) const { return cables.signals; }
+  void CalcCables(const CableForces& cables, CableSignals* out) const { *out = cables.signals; }
   CdprEnergy CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
                         const Payload& payload) const;
   void CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
                     const PlatformWrench& wrench, Geometry* out) const;
   PlatformState CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const;
-  WinchState CalcWinchRate(const WinchState& winches, const CableForces& cables,
-                           const CableVector& command) const;
+  void CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
+                          const Eigen::VectorXd& reel_speed, Eigen::VectorXd* rate) const;
+  void CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const CableVector& command,
+                            Eigen::VectorXd* rate) const;
+  void CalcReelAcceleration(const CableForces& cables, const Eigen::VectorXd& motor_tension,
+                            const Eigen::VectorXd& reel_speed, Eigen::VectorXd* acceleration) const;
 };
 
 }  // namespace tenon
-
-TENON_DECLARE_SIGNAL(tenon::WinchState);

@@ -25,9 +25,9 @@ std::string Point(const Eigen::Vector3d& p) {
 }
 
 void CheckCables(const std::vector<CableDescription>& cables) {
-  if (cables.size() < kMinCables || cables.size() > kMaxCables)
-    throw ParameterError(fmt::format("the robot has {} cables but must have {} to {}; add or remove cables",
-                                     cables.size(), kMinCables, kMaxCables));
+  if (cables.size() < kMinCables)
+    throw ParameterError(fmt::format("the robot has {} cables but must have at least {}; add cables",
+                                     cables.size(), kMinCables));
   for (std::size_t i = 0; i < cables.size(); ++i) {
     const auto& [anchor, attachment] = cables[i];
     if (!anchor.allFinite() || !attachment.allFinite())

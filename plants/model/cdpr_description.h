@@ -12,10 +12,10 @@
 namespace tenon {
 
 inline constexpr int kMinCables = 4;
-inline constexpr int kMaxCables = 8;
 
-/// One value per cable, 4 to 8 of them; the storage is inside the object, so copies do not allocate.
-using CableVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, kMaxCables, 1>;
+/// One value per cable, of which there are as many as the description says. Assigning to a vector of the same
+/// size does not allocate.
+using CableVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign>;
 
 /// The straight cable between a platform attachment and an anchor.
 struct CableDescription {
@@ -72,7 +72,7 @@ struct WinchProperties {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A cable-driven parallel robot: one rigid platform, 4 to 8 straight cables, one winch each.
+/// A cable-driven parallel robot: one rigid platform, 4 or more straight cables, one winch each.
 ///
 /// Frames: W is the world, z up; B has its origin at the platform's CoM, so that a file gives attachments
 /// from there. The file's keys are those of Fields(); the inertia is a list of three rows or of the diagonal
@@ -96,7 +96,7 @@ struct CdprDescription {
             Required("winch", &CdprDescription::winch)};
   }
   /// Throws ParameterError for what no robot can have: a mass that is not positive, an inertia that no rigid
-  /// body has, too few or too many cables, two cables in one place, and what the parts refuse.
+  /// body has, too few cables, two cables in one place, and what the parts refuse.
   void Validate() const;
 };
 

@@ -1,5 +1,9 @@
 // Runs the binary as its users do.
 
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
 #include <tenon/tests/apps/run_app.h>
 
 namespace tenon {
@@ -77,6 +81,34 @@ TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
     EXPECT_EQ(result.exit_code, 0) << result.text;
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
   }
+}
+
+// Two rings of six anchors, in a file of the user's.
+TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
+  const fs::path robot = test::TemporaryPath("twelve.yaml");
+  {
+    std::ofstream file(robot);
+    file << "name: twelve\nmass_kg: 15\ninertia_kg_m2: [0.5, 0.5, 0.9]\ncables:\n";
+    for (int i = 0; i < 12; ++i) {
+      const int side = i % 2 == 0 ? 1 : -1;
+      const double anchor = i * std::numbers::pi / 6, attachment = anchor + side * std::numbers::pi / 6;
+      file << "  - {anchor_m: [" << 4 * std::cos(anchor) << ", " << 4 * std::sin(anchor) << ", "
+           << 3.75 + 0.25 * side << "], attachment_m: [" << 0.35 * std::cos(attachment) << ", "
+           << 0.35 * std::sin(attachment) << ", 0.1]}\n";
+    }
+    file << "cable_properties: {axial_stiffness_N: 27000, axial_damping_N_s: 135, tension_min_N: 5, "
+            "tension_max_N: 800}\n"
+            "winch: {mode: tension, time_constant_s: 0.02, reel_damping_N_s_per_m: 90}\n";
+  }
+  for (const char* controller : {"mpc_equilibrium", "pd"}) {
+    const Result result = RunApp("circle_6 --duration 1 --set robot=" + robot.string() + " --controller " +
+                                 controller + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
+    for (const double tension : test::Column(out, "loop.plant.cables.tension.11 [N]")) ASSERT_GT(tension, 0);
+    EXPECT_THAT(Read(out / "report.html"), HasSubstr("cable 11"));
+  }
+  fs::remove(robot);
 }
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {

@@ -59,7 +59,7 @@ TEST(CdprMpcSteps, GrowFromOnePeriodToTheHorizon) {
 }
 
 class CdprMpcOfRobots : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 8));
+INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 8, 12, 16));
 
 // At the equilibrium there is nothing to do; beside it the policy pulls back.
 TEST_P(CdprMpcOfRobots, HoldsTheEquilibriumAndPullsBackToIt) {
@@ -177,12 +177,14 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
 
 TEST(CdprMpc, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
-  TestRig<CdprMpc> rig(params);
-  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
-  const AllocationGuard guard;
-  rig.RunTo(0.05);
-  EXPECT_EQ(guard.count(), 0);
+  for (const int n : {4, 12}) {
+    const CdprMpcParams params = Holding(test::RobotWithCables(n), {0, 0, 2});
+    TestRig<CdprMpc> rig(params);
+    rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
+    const AllocationGuard guard;
+    rig.RunTo(0.05);
+    EXPECT_EQ(guard.count(), 0) << n << " cables";
+  }
 }
 
 TEST(CdprMpc, RefusesWhatMakesNoSense) {

@@ -27,19 +27,25 @@ CentroidalState SomeState() {
   return x;
 }
 
+/// A robot of so many cables, and the n of the model.
+template <int cables, int n = cables>
+struct Cables {
+  static constexpr int kCables = cables, kModel = n;
+};
+
 template <class Cables>
 class KinoCentroidalModelTest : public ::testing::Test {
  public:
-  static constexpr int n = Cables::value;
-  using Model = KinoCentroidalModel<n>;
+  static constexpr int n = Cables::kCables;
+  using Model = KinoCentroidalModel<Cables::kModel>;
   const CdprDescription robot = RobotWith(n);
   const Model model{robot};
-  const typename Model::Input u = Model::Input::LinSpaced(40, 130);
+  const typename Model::Input u = Model::Input::LinSpaced(n, 40, 130);
 };
 
-template <int n>
-using Cables = std::integral_constant<int, n>;
-using AllNumbers = ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>>;
+using AllNumbers = ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>,
+                                    Cables<4, Eigen::Dynamic>, Cables<8, Eigen::Dynamic>,
+                                    Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
 TYPED_TEST_SUITE(KinoCentroidalModelTest, AllNumbers);
 
 // Newton and Euler with the wrench of the cable kinematics, another piece of code.
@@ -58,15 +64,15 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
 }
 
 TYPED_TEST(KinoCentroidalModelTest, JacobiansAreThoseOfFiniteDifferences) {
-  using Model = KinoCentroidalModel<TestFixture::n>;
+  using Model = typename TestFixture::Model;
   const CentroidalState x = SomeState();
   CentroidalState dx, same;
-  typename Model::Linearization f;
+  typename Model::Linearization f(12, TestFixture::n);
   this->model.Linearize(x, this->u, dx, f);
   this->model.Derivative(x, this->u, same);
   EXPECT_THAT(dx, IsNear(same, 1e-13));
 
-  typename Model::Linearization::Tangent jacobian;
+  typename Model::Linearization::Tangent jacobian(12, 12 + TestFixture::n);
   f.MultiplyIdentity(jacobian);
   Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
   z << x, this->u;
@@ -79,17 +85,18 @@ TYPED_TEST(KinoCentroidalModelTest, JacobiansAreThoseOfFiniteDifferences) {
 }
 
 TYPED_TEST(KinoCentroidalModelTest, ProductsKnowTheStructure) {
-  using Linearization = typename KinoCentroidalModel<TestFixture::n>::Linearization;
+  using Linearization = typename TestFixture::Model::Linearization;
   CentroidalState dx;
-  Linearization f;
+  Linearization f(12, TestFixture::n);
   this->model.Linearize(SomeState(), this->u, dx, f);
-  typename Linearization::Tangent jacobian, rate;
+  typename Linearization::Tangent jacobian(12, 12 + TestFixture::n), rate = jacobian;
   f.MultiplyIdentity(jacobian);
   DenseLinearization<12, TestFixture::n> dense;
   dense.fx = jacobian.template leftCols<12>();
   dense.fu = jacobian.template rightCols<TestFixture::n>();
-  const typename Linearization::Tangent tangent = Linearization::Tangent::Random();
-  typename Linearization::Tangent expected;
+  const typename Linearization::Tangent tangent =
+      Linearization::Tangent::Random(12, 12 + TestFixture::n);
+  typename Linearization::Tangent expected = tangent;
   dense.Multiply(tangent, expected);
   f.Multiply(tangent, rate);
   EXPECT_THAT(rate, IsNear(expected, 1e-12));
@@ -97,7 +104,7 @@ TYPED_TEST(KinoCentroidalModelTest, ProductsKnowTheStructure) {
 
 // The derivatives of a step are those of that step itself, whatever its length.
 TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
-  using Model = KinoCentroidalModel<TestFixture::n>;
+  using Model = typename TestFixture::Model;
   Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
   z << SomeState(), this->u;
   RungeKutta<Model> step(12, TestFixture::n);
@@ -107,7 +114,7 @@ TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
       step.Step(this->model, method, 0.05, z.template head<12>(), z.template tail<TestFixture::n>(), out);
       return out;
     };
-    typename RungeKutta<Model>::Tangent tangent;
+    typename RungeKutta<Model>::Tangent tangent(12, 12 + TestFixture::n);
     CentroidalState out;
     step.Step(this->model, method, 0.05, SomeState(), this->u, out, tangent);
     EXPECT_THAT(out, IsNear(next(z), 1e-13));

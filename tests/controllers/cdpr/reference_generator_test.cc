@@ -4,6 +4,8 @@
 
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -32,6 +34,18 @@ TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
   EXPECT_EQ(geometry[0].kind, ShapeKind::kTrace);
   EXPECT_EQ(geometry[0].role, ShapeRole::kReference);
   EXPECT_THAT(geometry[0].p_W, IsNear(Vec<3>(0.2, 0, 2), 1e-12));
+}
+
+TEST(ReferenceGeneratorTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  const auto path = std::make_shared<EquilibriumPath>(test::TwoRingRobot(12),
+                                                      Path::Line({0, 0, 2}, {0.1, 0, 2}, 1),
+                                                      StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
+  TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path});
+  rig.RunTo(0.1);
+  const AllocationGuard guard;
+  rig.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST(ReferenceGeneratorTest, NeedsAPath) {

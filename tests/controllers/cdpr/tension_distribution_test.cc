@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Dense>
 #include <limits>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon {
 namespace {
@@ -119,8 +122,12 @@ TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
 
 // Random poses and bounds: those that are solved meet the optimality conditions and agree with NLopt, and
 // NLopt cannot balance those that are refused.
-TEST(TensionDistribution, EightCablesAgreeWithNloptAtRandomPoses) {
-  const CdprDescription robot = test::EightCableRobot();
+class TensionDistributionOfRobots : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Cables, TensionDistributionOfRobots, ::testing::Values(8, 12, 16));
+
+TEST_P(TensionDistributionOfRobots, AgreeWithNloptAtRandomPoses) {
+  const CdprDescription robot = test::RobotWithCables(GetParam());
+  TensionDistributor distributor(GetParam());
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int feasible = 0, bounded = 0;
@@ -132,7 +139,7 @@ TEST(TensionDistribution, EightCablesAgreeWithNloptAtRandomPoses) {
     for (int i = 0; i < 6; ++i) b[i] += (i < 3 ? 30 : 2) * uniform(random);
     const double lower = 10 + 5 * uniform(random), upper = 300 + 150 * uniform(random);
 
-    const TensionDistribution found = DistributeTension(W, b, lower, upper);
+    const TensionDistribution found = distributor.Solve(W, b, lower, upper);
     const VectorXd expected = SolveWithNlopt(W, b, lower, upper);
     const double miss = (W * expected - b).norm();
     if (found.feasible) {
@@ -205,6 +212,28 @@ TEST(TensionDistribution, BoundsThatMeetNowhereAreRefused) {
   EXPECT_FALSE(found.feasible);
   EXPECT_THAT(found.reason, HasSubstr("no tensions within [0, 20] N"));
   EXPECT_THAT(found.reason, HasSubstr("in the solution of least norm"));
+}
+
+TEST(TensionDistribution, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  for (const int n : {4, 8, 12}) {
+    const CdprDescription robot = test::RobotWithCables(n);
+    const CableMatrix6 W = Structure(robot, {0, 0, 2});
+    const Vector6d b = -GravityWrench(robot);
+    TensionDistributor distributor(n);
+    const double lower = n == 4 ? 0 : 15;  // which holds some of the eight and the twelve
+    const AllocationGuard guard;
+    const bool feasible = distributor.Solve(W, b, lower, 800).feasible;
+    EXPECT_EQ(guard.count(), 0) << n;
+    EXPECT_TRUE(feasible) << n;
+  }
+}
+
+TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
+  const CdprDescription robot = test::SixCableRobot();
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { TensionDistributor(4).Solve(Structure(robot, {0, 0, 2}), -GravityWrench(robot), 0, 800); },
+      "has 6 columns", "of 4 cables"));
 }
 
 }  // namespace

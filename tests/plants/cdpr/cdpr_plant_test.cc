@@ -35,9 +35,7 @@ CdprPlantParams Locked(CdprPlantParams params) {
 
 /// The rest lengths of all cables.
 void SetRestLength(Rig& rig, double rest_length) {
-  WinchState winches = rig[rig.system().winch_state];
-  winches.rest_length.head(rig.system().params.robot.num_cables()).setConstant(rest_length);
-  rig.Set(rig.system().winch_state, winches);
+  rig.Set(rig->rest_length, Eigen::VectorXd::Constant(rig->params.robot.num_cables(), rest_length));
 }
 
 double Total(Rig& rig) {
@@ -53,10 +51,7 @@ double VerticalTension(double rest_length, double rate, CdprDescription robot = 
   params.initial_tension = Same(0);
   params.v_W = {0, 0, -rate};
   Rig rig(params);
-  SetRestLength(rig, 100);
-  WinchState winches = rig[rig.system().winch_state];
-  winches.rest_length[0] = rest_length;
-  rig.Set(rig.system().winch_state, winches);
+  rig.Set(rig->rest_length, Eigen::Vector4d(rest_length, 100, 100, 100));
   const CableSignals& cables = rig[rig.system().cables];
   EXPECT_NEAR(cables.length[0], 2, 1e-15);
   EXPECT_NEAR(cables.length_rate[0], rate, 1e-15);
@@ -127,17 +122,21 @@ PlatformAcceleration NewtonEuler(const CdprDescription& robot, const PlatformSta
   return out;
 }
 
-TEST(CdprPlantTest, ObeysNewtonAndEuler) {
+class CdprPlantOfRobots : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Cables, CdprPlantOfRobots, ::testing::Values(4, 12));
+
+TEST_P(CdprPlantOfRobots, ObeysNewtonAndEuler) {
   RandomStream random(6);
-  Rig rig(Hanging());
+  Rig rig(Hanging(test::RobotWithCables(GetParam())));
   const CdprPlant& plant = rig.system();
+  const double rest_length = 1.02 * rig[plant.rest_length][0];
   double largest = 0;
   for (int i = 0; i < 200; ++i) {
     const PlatformState x = RandomPlatform(random);
     const Payload payload{i % 2 == 0 ? 0 : random.Uniform(0, 20), test::RandomVector(random, 0.5)};
     const PlatformWrench wrench{test::RandomVector(random, 50), test::RandomVector(random, 5)};
     rig.Set(plant.platform_state, x).Fix(plant.payload, payload).Fix(plant.wrench, wrench);
-    SetRestLength(rig, 6.2);
+    SetRestLength(rig, rest_length);
     const PlatformAcceleration expected =
         NewtonEuler(plant.params.robot, x, rig[plant.cables], payload, wrench);
     const double size = 1 + expected.a_W.norm() + expected.alpha_W.norm();
@@ -187,15 +186,16 @@ TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
   }
 }
 
-TEST(CdprPlantTest, UndampedCablesKeepEnergy) {
-  CdprDescription robot = FourCableRobot();
+TEST_P(CdprPlantOfRobots, UndampedCablesKeepEnergy) {
+  CdprDescription robot = test::RobotWithCables(GetParam());
   robot.cable.axial_damping = 0;
   for (const double payload : {0.0, 5.0}) {
     CdprPlantParams params = Locked(Hanging(robot));
     params.v_W = {0.3, 0.2, 0};
     params.w_W = {0.2, -0.3, 0.1};
     Rig rig(params);
-    rig.Fix(rig.system().command, Same(0)).Fix(rig.system().payload, Payload{payload, {0.1, 0, -0.2}});
+    rig.Fix(rig.system().command, Same(0, GetParam()));
+    rig.Fix(rig.system().payload, Payload{payload, {0.1, 0, -0.2}});
     const double before = Total(rig);
     EXPECT_GT(rig[rig.system().energy].elastic, 0);
     rig.RunTo(3);
@@ -268,7 +268,7 @@ TEST(CdprPlantTest, StartsWhereItIsTold) {
   const CableSignals cables = rig[rig.system().cables];
   EXPECT_THAT(CableVector(27e3 * (cables.length.array() / cables.rest_length.array() - 1)),
               IsNear(params.initial_tension, 1e-9));
-  EXPECT_THAT(rig[rig.system().winch_state].motor_tension.head(4), IsNear(params.initial_tension, 0));
+  EXPECT_THAT(rig[rig->motor_tension], IsNear(params.initial_tension, 0));
 }
 
 // --- Payload --------------------------------------------------------------------------------------------
@@ -324,14 +324,14 @@ TEST(CdprPlantTest, APayloadLeavesTheVelocityAsItIs) {
 
 TEST(CdprPlantTest, MotorsFollowTheCommandWithALag) {
   Rig rig(Hanging());
-  const double start = rig[rig.system().winch_state].motor_tension[0];
+  const double start = rig[rig->motor_tension][0];
   CableVector command(4);
   command << 100, 0, -50, start;
   rig.Fix(rig.system().command, command).RunTo(0.03);
   const double left = std::exp(-0.03 / 0.02);
-  Vec<8> expected = Vec<8>::Zero();
-  expected.head(4) << 100 + (start - 100) * left, start * left, start * left, start;  // below 0 counts as 0
-  EXPECT_THAT(rig[rig.system().winch_state].motor_tension, IsNear(expected, 1e-7));
+  Eigen::Vector4d expected;
+  expected << 100 + (start - 100) * left, start * left, start * left, start;  // below 0 counts as 0
+  EXPECT_THAT(rig[rig->motor_tension], IsNear(expected, 1e-7));
 }
 
 TEST(CdprPlantTest, InTensionModeDrumAndCableAgree) {
@@ -344,17 +344,18 @@ TEST(CdprPlantTest, InTensionModeDrumAndCableAgree) {
     PlatformState x = RandomPlatform(random);
     x.p_WB = {0, 0, 1.5 + random.Uniform(-0.01, 0.01)};
     x.q_WB = {1, 0, 0, 0};
-    WinchState winches = rig[plant.winch_state];
+    Eigen::VectorXd rest_length(4), motor_tension(4);
     for (int c = 0; c < 4; ++c) {
-      winches.rest_length[c] = random.Uniform(6.07, 6.11);
-      winches.motor_tension[c] = random.Uniform(0, 200);
+      rest_length[c] = random.Uniform(6.07, 6.11);
+      motor_tension[c] = random.Uniform(0, 200);
     }
-    rig.Set(plant.platform_state, x).Set(plant.winch_state, winches).Fix(plant.command, Same(0));
+    rig.Set(plant.platform_state, x).Set(plant.rest_length, rest_length);
+    rig.Set(plant.motor_tension, motor_tension).Fix(plant.command, Same(0));
     const CableSignals cables = rig[plant.cables];
-    const Vec<8> rest_rate = rig[plant.winch_rate].rest_length;
+    const Eigen::VectorXd rest_rate = rig.Derivative(plant.rest_length);
     for (int c = 0; c < 4; ++c) {
-      const double rest = winches.rest_length[c];
-      EXPECT_NEAR(rest_rate[c], (cables.tension[c] - winches.motor_tension[c]) / 90, 1e-12);
+      const double rest = rest_length[c];
+      EXPECT_NEAR(rest_rate[c], (cables.tension[c] - motor_tension[c]) / 90, 1e-12);
       const double law =
           (27e3 * (cables.length[c] - rest) + 135 * (cables.length_rate[c] - rest_rate[c])) / rest;
       EXPECT_NEAR(cables.tension[c], cables.length[c] > rest ? std::max(0.0, law) : 0, 1e-9);
@@ -373,7 +374,7 @@ TEST(CdprPlantTest, InTensionModeASlackCableIsReeledIn) {
   rig.Fix(rig.system().command, params.initial_tension);
   SetRestLength(rig, 20);
   rig.RunTo(0.5);
-  EXPECT_THAT(rig[rig.system().winch_state].rest_length.head(4), IsNear(Same(20 - 0.5 * pull / 90), 1e-9));
+  EXPECT_THAT(rig[rig->rest_length], IsNear(Same(20 - 0.5 * pull / 90), 1e-9));
 }
 
 TEST(CdprPlantTest, InTensionModeATautCableReachesTheCommand) {
@@ -395,9 +396,8 @@ TEST(CdprPlantTest, InTorqueModeTheDrumIsAMass) {
   SetRestLength(rig, 20);
   rig.RunTo(0.4);  // slack all the way: m v' = -T_m - b v
   const double fade = std::exp(-30.0 / 8 * 0.4);
-  const WinchState& winches = rig[rig.system().winch_state];
-  EXPECT_THAT(winches.reel_speed.head(4), IsNear(Same(-pull / 30 * (1 - fade)), 1e-9));
-  EXPECT_THAT(winches.rest_length.head(4),
+  EXPECT_THAT(rig[rig->reel_speed], IsNear(Same(-pull / 30 * (1 - fade)), 1e-9));
+  EXPECT_THAT(rig[rig->rest_length],
               IsNear(Same(20 - pull / 30 * (0.4 - 8.0 / 30 * (1 - fade))), 1e-9));
 }
 
@@ -406,39 +406,32 @@ TEST(CdprPlantTest, InTorqueModeTheReelSpeedDampsTheCable) {
   params.robot.winch.mode = WinchMode::kTorque;
   Rig rig(params);
   rig.Fix(rig.system().command, params.initial_tension);
-  WinchState winches = rig[rig.system().winch_state];
-  winches.reel_speed[1] = -0.2;
-  rig.Set(rig.system().winch_state, winches);
-  const double extra = 135 * 0.2 / winches.rest_length[1];
+  rig.Set(rig->reel_speed, Eigen::Vector4d(0, -0.2, 0, 0));
+  const double extra = 135 * 0.2 / rig[rig->rest_length][1];
   EXPECT_NEAR(rig[rig.system().cables].tension[1], params.initial_tension[1] + extra, 1e-9);
-  EXPECT_NEAR(rig[rig.system().winch_rate].reel_speed[1], (extra + 90 * 0.2) / 8, 1e-9);
-  EXPECT_EQ(rig[rig.system().winch_rate].rest_length[1], -0.2);
+  EXPECT_NEAR(rig.Derivative(rig->reel_speed)[1], (extra + 90 * 0.2) / 8, 1e-9);
+  EXPECT_EQ(rig.Derivative(rig->rest_length)[1], -0.2);
 }
 
 TEST(CdprPlantTest, LockedWinchesHoldTheirRestLength) {
   CdprPlantParams params = Locked(Hanging());
   params.v_W = {0, 0, 0.5};
   Rig rig(params);
-  const Vec<8> before = rig[rig.system().winch_state].rest_length;
+  const Eigen::VectorXd before = rig[rig->rest_length];
   rig.Fix(rig.system().command, Same(500)).RunTo(0.5);
-  EXPECT_EQ(rig[rig.system().winch_state].rest_length, before);
+  EXPECT_EQ(rig[rig->rest_length], before);
 }
 
 // --- As a block -----------------------------------------------------------------------------------------
 
 TEST(CdprPlantTest, HasOneEntryPerCable) {
-  CdprDescription robot = FourCableRobot();
-  for (int i = 0; i < 4; ++i) {
-    robot.cables.push_back(robot.cables[i]);
-    robot.cables.back().anchor_W[2] = 0;
-  }
-  CdprPlantParams params = Hanging(robot);
-  Rig rig(params);
-  rig.Fix(rig.system().command, Same(10, 8));
-  EXPECT_EQ(rig[rig.system().cables].length.size(), 8);
-  EXPECT_EQ(rig.system().cables.elements().size(), 32);
-  EXPECT_EQ(rig.diagram().num_continuous_states(), 13 + 24);
+  Rig rig(Hanging(test::TwoRingRobot(12)));
+  rig.Fix(rig.system().command, Same(10, 12));
+  EXPECT_EQ(rig[rig.system().cables].length.size(), 12);
+  EXPECT_EQ(rig.system().cables.elements().size(), 48);
+  EXPECT_EQ(rig.diagram().num_continuous_states(), 13 + 36);
   EXPECT_EQ(rig.diagram().ContinuousStateNames()[2], "block.platform_state.p_WB.z");
+  EXPECT_EQ(rig.diagram().ContinuousStateNames()[13 + 23], "block.motor_tension.11");
   rig.RunTo(0.01);
 }
 
@@ -487,10 +480,10 @@ TEST(CdprPlantTest, GoesOnBitForBitFromASnapshot) {
   EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
 }
 
-TEST(CdprPlantTest, DoesNotAllocate) {
+TEST_P(CdprPlantOfRobots, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  Rig rig(Hanging());
-  rig.Fix(rig.system().command, Same(60)).Fix(rig.system().payload, Payload{1, {0, 0, 0.1}});
+  Rig rig(Hanging(test::RobotWithCables(GetParam())));
+  rig.Fix(rig.system().command, Same(60, GetParam())).Fix(rig.system().payload, Payload{1, {0, 0, 0.1}});
   rig.RunTo(0.1);
   AllocationGuard guard;
   rig.RunTo(0.2);

@@ -3,6 +3,7 @@
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 #include <Eigen/Dense>
 #include <limits>
@@ -75,6 +76,16 @@ TEST_P(RobotFileTest, CarriesItsWeightWithinTheLimits) {
 
 INSTANTIATE_TEST_SUITE_P(All, RobotFileTest, ::testing::Values(4, 6, 8));
 
+TEST(CdprDescriptionTest, AnyNumberOfCablesIsReadFromText) {
+  for (const int n : {4, 12, 16, 40}) {
+    const CdprDescription robot = test::RobotWithCables(n);
+    const auto read = YamlDocument::Parse(WriteYaml(robot), "rings").Read<CdprDescription>();
+    ASSERT_EQ(read.num_cables(), n);
+    EXPECT_EQ(read.cables.back().anchor_W, robot.cables.back().anchor_W);
+    EXPECT_NO_THROW(read.Validate());
+  }
+}
+
 TEST(CdprDescriptionTest, TheSixCableFileStatesItsTension) {
   const auto tensions = TensionsAt(LoadCdpr(kRobots + "/cdpr_6.yaml"), {0, 0, 1.5}, 0);
   EXPECT_NEAR(tensions.minCoeff(), 46, 0.5);
@@ -143,8 +154,7 @@ TEST(CdprDescriptionTest, Inertia) {
 
 TEST(CdprDescriptionTest, Cables) {
   EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables.pop_back(); }),
-              HasSubstr("the robot has 3 cables but must have 4 to 8; add or remove cables"));
-  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables.resize(9); }), HasSubstr("the robot has 9 cables"));
+              HasSubstr("the robot has 3 cables but must have at least 4; add cables"));
   EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables[2] = robot.cables[1]; }),
               AllOf(HasSubstr("cables 1 and 2 both run from anchor (-3.5, 4.5, 4) m to attachment"),
                     HasSubstr("move or remove one")));

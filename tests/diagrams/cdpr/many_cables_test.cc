@@ -1,0 +1,127 @@
+// Robots of more cables than ship, from their YAML alone.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+/// Of so many cables, read from a file.
+CdprDescription RobotFromFile(int cables) {
+  CdprDescription robot = test::TwoRingRobot(cables);
+  robot.cable.tension_min = 10;
+  const auto file = test::TemporaryPath("robot.yaml");
+  std::ofstream(file) << WriteYaml(robot);
+  robot = LoadCdpr(file);
+  std::filesystem::remove(file);
+  return robot;
+}
+
+CdprLoopParams Circle(const CdprDescription& robot, bool mpc) {
+  CdprLoopParams params;
+  params.robot = robot;
+  params.path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.2, 4, 0.5),
+                                                  StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
+  params.pd_stiffness_N_per_m = 2000;
+  params.pd_damping_N_s_per_m = 200;
+  if (mpc) {
+    params.mpc.emplace();
+    params.mpc->path = params.path;
+    params.mpc->horizon = 0.5;
+    params.mpc->num_steps = 10;
+    params.mpc->weights = {
+        .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  }
+  return params;
+}
+
+class ManyCables : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Robots, ManyCables, ::testing::Values(12, 16));
+
+// W u + [m g; 0] = 0, with W made from the description here, and the plant of the same robot stays there.
+TEST_P(ManyCables, RestInBalance) {
+  const CdprDescription robot = RobotFromFile(GetParam());
+  ASSERT_EQ(robot.num_cables(), GetParam());
+  for (const bool free : {false, true}) {
+    StaticsOptions options;
+    if (!free) options.attitude = Eigen::Vector3d(0.05, -0.03, 0.1);
+    const StaticEquilibrium rest = SolveInverseGeometricoStatic(robot, {0.3, -0.2, 1.8}, options);
+    Eigen::Vector3d force(0, 0, -9.81 * robot.mass), torque = Eigen::Vector3d::Zero();
+    for (int i = 0; i < robot.num_cables(); ++i) {
+      const Eigen::Vector3d arm = RotationFromEuler(rest.euler) * robot.cables[i].attachment_B;
+      const Eigen::Vector3d pull =
+          rest.tension[i] * (robot.cables[i].anchor_W - rest.p_WB - arm).normalized();
+      force += pull;
+      torque += arm.cross(pull);
+      EXPECT_GE(rest.tension[i], 10);
+    }
+    EXPECT_THAT(force, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
+    EXPECT_THAT(torque, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
+
+    DiagramBuilder builder;
+    auto& plant = builder.Add<CdprPlant>("plant", CdprPlantParams{.robot = robot,
+                                                                  .p_WB = rest.p_WB,
+                                                                  .euler = rest.euler,
+                                                                  .initial_tension = rest.tension,
+                                                                  .lock_winches = true});
+    const auto diagram = builder.BuildWithOpenInputs();
+    auto context = diagram->CreateContext();
+    context->Set(plant.command, rest.tension);
+    Simulator simulator(std::move(context), {.order = 5, .rtol = 1e-9, .atol = 1e-11});
+    simulator.RunTo(0.5);
+    EXPECT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(rest.p_WB, 1e-8));
+  }
+}
+
+TEST_P(ManyCables, FollowTheCircleUnderPdAndMpc) {
+  const CdprDescription robot = RobotFromFile(GetParam());
+  for (const bool mpc : {false, true}) {
+    SCOPED_TRACE(mpc ? "MPC" : "PD");
+    DiagramBuilder builder;
+    auto& loop = builder.Add<CdprLoop>("loop", Circle(robot, mpc));
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    const auto log = simulator.AddLog(Hz(100), {&loop.command, &loop.cables});
+    const RunStatus status = simulator.AdvanceTo(1.5);
+    ASSERT_FALSE(status.ended) << status.reason;
+    const Vec<3> should = simulator.context().Eval(loop.reference.reference).position;
+    EXPECT_THAT(simulator.context().Eval(loop.platform).p_WB, IsNear(should, 0.01));
+    EXPECT_GT((should - Vec<3>(0.2, 0, 2)).norm(), 0.2);  // it has been under way
+    if (mpc) EXPECT_EQ(simulator.context().Eval(loop.mpc->diagnostics).fallbacks, 0);
+    const std::string last = std::to_string(GetParam() - 1);
+    EXPECT_THAT(log->column("loop.command." + last),
+                ::testing::Each(::testing::AllOf(::testing::Ge(10), ::testing::Le(800))));
+    EXPECT_THAT(log->column("loop.cables.tension." + last), ::testing::Each(::testing::Gt(0)));
+  }
+}
+
+TEST_P(ManyCables, RunWithoutAllocating) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  const CdprDescription robot = RobotFromFile(GetParam());
+  for (const bool mpc : {false, true}) {
+    DiagramBuilder builder;
+    builder.Add<CdprLoop>("loop", Circle(robot, mpc));
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    simulator.RunTo(0.02);
+    const AllocationGuard guard;
+    simulator.RunTo(0.04);
+    EXPECT_EQ(guard.count(), 0) << (mpc ? "MPC" : "PD");
+  }
+}
+
+}  // namespace
+}  // namespace tenon
