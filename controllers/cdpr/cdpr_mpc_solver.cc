@@ -66,7 +66,8 @@ void CopyEntries(const From& from, To& to) {
   std::copy_n(from.data(), to.size(), to.data());
 }
 
-/// What `make` gives for a number of cables, which the compiler knows for small robots, whose loops it unrolls.
+/// What `make` gives for a number of cables, which the compiler knows for small robots, whose loops it
+/// unrolls.
 template <class Make>
 auto ForCables(int cables, const Make& make) {
   switch (cables) {
@@ -97,7 +98,8 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
   typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
-  RungeKutta<Problem>(12, cables).Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
+  RungeKutta<Problem>(12, cables)
+      .Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
   const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
   return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
                               Eigen::MatrixXd((period * cost.Q).asDiagonal()),

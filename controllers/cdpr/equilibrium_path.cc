@@ -309,7 +309,7 @@ void EquilibriumPath::At(double time, CdprReference* reference) const {
   for (int i = 0; i < n; ++i) {
     const CableLine line = CalcCableLine(robot_, i, reference->position, R_WB);
     reference->length[i] = line.length;
-    reference->length_rate[i] = -line.wrench.dot(twist);
+    reference->length_rate[i] = (-line.wrench).dot(twist);
   }
 }
 

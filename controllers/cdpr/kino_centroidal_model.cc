@@ -24,7 +24,7 @@ int BlockSize(int cables, int first) {
   return n == Eigen::Dynamic ? std::min(kBlock<n>, cables - first) : n;
 }
 
-Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
+[[gnu::always_inline]] inline Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
   Eigen::Matrix3d cross;
   cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return cross;
@@ -65,8 +65,7 @@ struct KinoCentroidalModel<n>::Attitude {
 
 template <int n>
 KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
-    : mass_inverse_(1 / robot.mass),
-      inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
+    : mass_inverse_(1 / robot.mass), inertia_inverse_(robot.mass * robot.inertia_B.inverse()) {
   if (n != Eigen::Dynamic && robot.num_cables() != n)
     throw ParameterError(fmt::format("the model is made for {} cables but the robot '{}' has {}", n,
                                      robot.name, robot.num_cables()));
@@ -82,7 +81,8 @@ template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
   const Attitude attitude(x.template tail<3>());
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
-  for (int first = 0; first < num_inputs(); first += kBlock<n>) {
+  int first = 0;
+  do {
     const int size = BlockSize<n>(num_inputs(), first);
     double pull[6][kBlock<n>];
     for (int i = 0; i < size; ++i) {
@@ -105,7 +105,8 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, cons
         torque[r] += pull[3 + r][i];
       }
     }
-  }
+    first += size;
+  } while (n == Eigen::Dynamic && first < num_inputs());
   dx.template head<3>() = mass_inverse_ * force;
   dx[2] -= kGravity;
   dx.template segment<3>(3) = mass_inverse_ * torque;
@@ -130,19 +131,20 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearization::Multiply(const T
   }
   const double* S = tangent.data();
   double* K = rate.data();
-  for (Eigen::Index j = 0; j < tangent.cols(); ++j, S += 12, K += 12) {
+  for (int j = 0; j < 12 + cables(); ++j, S += 12, K += 12) {
     double momentum[8] = {}, euler[4] = {};
     for (int k = 0; k < 6; ++k) {
       for (int r = 0; r < 8; ++r) momentum[r] += J[k][r] * S[6 + k];
       for (int r = 0; r < 4; ++r) euler[r] += G[k][r] * S[k < 3 ? 3 + k : 6 + k];
     }
+    if (j >= 12)
+      for (int r = 0; r < 6; ++r) momentum[r] += momentum_by_tension(r, j - 12);
     for (int r = 0; r < 6; ++r) K[r] = momentum[r];
     for (int r = 0; r < 3; ++r) {
       K[6 + r] = S[r];
       K[9 + r] = euler[r];
     }
   }
-  rate.template topRightCorner<6, n>(6, momentum_by_tension.cols()) += momentum_by_tension;
 }
 
 // With a the arm, d the direction, m = a x d, u the tension, s = u / l, the derivatives of the wrench of a
@@ -156,9 +158,11 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
   const Attitude attitude(x.template tail<3>());
   const double cp = attitude.cp, sp = attitude.sp, cy = attitude.cy, sy = attitude.sy;
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force, lever = force;
-  Eigen::Matrix3d force_by_p = Eigen::Matrix3d::Zero(), force_by_turn = force_by_p, torque_by_turn = force_by_p;
+  Eigen::Matrix3d force_by_p = Eigen::Matrix3d::Zero(), force_by_turn = force_by_p,
+                  torque_by_turn = force_by_p;
   double stiffness = 0, trace = 0;
-  for (int first = 0; first < num_inputs(); first += kBlock<n>) {
+  int first = 0;
+  do {
     const int size = BlockSize<n>(num_inputs(), first);
     double a[3][kBlock<n>], d[3][kBlock<n>], m[3][kBlock<n>], t[kBlock<n>], s[kBlock<n>], mixed[kBlock<n>];
     for (int i = 0; i < size; ++i) {
@@ -200,7 +204,8 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
         f.momentum_by_tension(3 + r, first + i) = mass_inverse_ * m[r][i];
       }
     }
-  }
+    first += size;
+  } while (n == Eigen::Dynamic && first < num_inputs());
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < r; ++c) force_by_p(c, r) = force_by_p(r, c);
     force_by_p(r, r) -= stiffness;

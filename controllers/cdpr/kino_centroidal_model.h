@@ -43,12 +43,13 @@ class KinoCentroidalModel {
     using Tangent = typename DenseLinearization<12, n>::Tangent;
 
     explicit Linearization(int = kStates, int cables = n) : momentum_by_tension(6, cables) {}
+    int cables() const { return n == Eigen::Dynamic ? static_cast<int>(momentum_by_tension.cols()) : n; }
     void Multiply(const Tangent& tangent, Tangent& rate) const;
     void MultiplyIdentity(Tangent& rate) const {
       rate.setZero();
       for (int r = 0; r < 6; ++r) {
         for (int c = 0; c < 6; ++c) rate(r, 6 + c) = momentum_by_pose(r, c);
-        for (int c = 0; c < momentum_by_tension.cols(); ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
+        for (int c = 0; c < cables(); ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
       }
       for (int r = 0; r < 3; ++r) {
         rate(6 + r, r) = 1;
@@ -71,7 +72,7 @@ class KinoCentroidalModel {
  private:
   struct Attitude;
   double mass_inverse_;
-  Eigen::Matrix3d inertia_inverse_;                                         // m I^{-1}, in B
+  Eigen::Matrix3d inertia_inverse_;                                       // m I^{-1}, in B
   Eigen::Matrix<double, 3, n, Eigen::RowMajor> anchor_W_, attachment_B_;  // cables side by side
 };
 

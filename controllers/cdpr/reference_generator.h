@@ -36,9 +36,7 @@ class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
                                 &ReferenceGenerator::CalcGeometry};
 
  private:
-  void CalcReference(const double& time, CdprReference* reference) const {
-    params.path->At(time, reference);
-  }
+  void CalcReference(const double& time, CdprReference* reference) const { params.path->At(time, reference); }
   void CalcGeometry(const CdprReference& reference, Geometry* out) const {
     out->front().p_W = reference.position;
   }

@@ -27,8 +27,8 @@ double TautTension(const CdprPlantParams& params, double rest, double motor_tens
   const double strained = params.robot.cable.axial_stiffness / rest * (length - rest) + damping * length_rate;
   if (params.lock_winches) return std::max(0.0, strained);
   if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * reel_speed);
-  return std::max(0.0, (winch.reel_damping * strained + damping * motor_tension) /
-                           (winch.reel_damping + damping));
+  return std::max(0.0,
+                  (winch.reel_damping * strained + damping * motor_tension) / (winch.reel_damping + damping));
 }
 
 }  // namespace
@@ -179,8 +179,8 @@ void CdprPlant::CalcReelAcceleration(const CableForces& cables, const Eigen::Vec
   if (params.lock_winches || winch.mode == WinchMode::kTension) {
     acceleration->setZero(params.robot.num_cables());
   } else {
-    *acceleration = (cables.signals.tension - motor_tension - winch.reel_damping * reel_speed) /
-                    winch.effective_mass;
+    *acceleration =
+        (cables.signals.tension - motor_tension - winch.reel_damping * reel_speed) / winch.effective_mass;
   }
 }
 

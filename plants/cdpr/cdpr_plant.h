@@ -90,10 +90,9 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   ContinuousState<Eigen::VectorXd> reel_speed{
       this, {"reel_speed", "m/s"}, Eigen::VectorXd::Zero(params.robot.num_cables())};
 
-  Shared<CableForces> cable_forces{this, "cable_forces",
-                                   CableForces{CableSignals::Zero(params.robot.num_cables())},
-                                   Uses(platform_state, rest_length, motor_tension, reel_speed),
-                                   &CdprPlant::CalcCableForces};
+  Shared<CableForces> cable_forces{
+      this, "cable_forces", CableForces{CableSignals::Zero(params.robot.num_cables())},
+      Uses(platform_state, rest_length, motor_tension, reel_speed), &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
 
@@ -117,12 +116,12 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
   TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
                                               &CdprPlant::CalcPlatformRate};
-  TimeDerivative<Eigen::VectorXd> rest_length_rate{
-      rest_length, Uses(cable_forces, motor_tension, reel_speed), &CdprPlant::CalcRestLengthRate};
+  TimeDerivative<Eigen::VectorXd> rest_length_rate{rest_length, Uses(cable_forces, motor_tension, reel_speed),
+                                                   &CdprPlant::CalcRestLengthRate};
   TimeDerivative<Eigen::VectorXd> motor_tension_rate{motor_tension, Uses(motor_tension, command),
                                                      &CdprPlant::CalcMotorTensionRate};
-  TimeDerivative<Eigen::VectorXd> reel_acceleration{
-      reel_speed, Uses(cable_forces, motor_tension, reel_speed), &CdprPlant::CalcReelAcceleration};
+  TimeDerivative<Eigen::VectorXd> reel_acceleration{reel_speed, Uses(cable_forces, motor_tension, reel_speed),
+                                                    &CdprPlant::CalcReelAcceleration};
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);

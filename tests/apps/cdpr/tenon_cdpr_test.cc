@@ -101,8 +101,8 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
             "winch: {mode: tension, time_constant_s: 0.02, reel_damping_N_s_per_m: 90}\n";
   }
   for (const char* controller : {"mpc_equilibrium", "pd"}) {
-    const Result result = RunApp("circle_6 --duration 1 --set robot=" + robot.string() + " --controller " +
-                                 controller + Out());
+    const Result result =
+        RunApp("circle_6 --duration 1 --set robot=" + robot.string() + " --controller " + controller + Out());
     EXPECT_EQ(result.exit_code, 0) << result.text;
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
     for (const double tension : test::Column(out, "loop.plant.cables.tension.11 [N]")) ASSERT_GT(tension, 0);

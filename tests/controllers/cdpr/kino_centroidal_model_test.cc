@@ -43,9 +43,9 @@ class KinoCentroidalModelTest : public ::testing::Test {
   const typename Model::Input u = Model::Input::LinSpaced(n, 40, 130);
 };
 
-using AllNumbers = ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>,
-                                    Cables<4, Eigen::Dynamic>, Cables<8, Eigen::Dynamic>,
-                                    Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
+using AllNumbers =
+    ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>, Cables<4, Eigen::Dynamic>,
+                     Cables<8, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
 TYPED_TEST_SUITE(KinoCentroidalModelTest, AllNumbers);
 
 // Newton and Euler with the wrench of the cable kinematics, another piece of code.
@@ -89,13 +89,13 @@ TYPED_TEST(KinoCentroidalModelTest, ProductsKnowTheStructure) {
   CentroidalState dx;
   Linearization f(12, TestFixture::n);
   this->model.Linearize(SomeState(), this->u, dx, f);
-  typename Linearization::Tangent jacobian(12, 12 + TestFixture::n), rate = jacobian;
+  typename Linearization::Tangent jacobian = Linearization::Tangent::Zero(12, 12 + TestFixture::n);
+  typename Linearization::Tangent rate = jacobian;
   f.MultiplyIdentity(jacobian);
-  DenseLinearization<12, TestFixture::n> dense;
+  DenseLinearization<12, TypeParam::kModel> dense(12, TestFixture::n);
   dense.fx = jacobian.template leftCols<12>();
   dense.fu = jacobian.template rightCols<TestFixture::n>();
-  const typename Linearization::Tangent tangent =
-      Linearization::Tangent::Random(12, 12 + TestFixture::n);
+  const typename Linearization::Tangent tangent = Linearization::Tangent::Random(12, 12 + TestFixture::n);
   typename Linearization::Tangent expected = tangent;
   dense.Multiply(tangent, expected);
   f.Multiply(tangent, rate);

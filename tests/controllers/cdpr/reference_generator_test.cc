@@ -38,9 +38,9 @@ TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
 
 TEST(ReferenceGeneratorTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const auto path = std::make_shared<EquilibriumPath>(test::TwoRingRobot(12),
-                                                      Path::Line({0, 0, 2}, {0.1, 0, 2}, 1),
-                                                      StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
+  const auto path =
+      std::make_shared<EquilibriumPath>(test::TwoRingRobot(12), Path::Line({0, 0, 2}, {0.1, 0, 2}, 1),
+                                        StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
   TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path});
   rig.RunTo(0.1);
   const AllocationGuard guard;

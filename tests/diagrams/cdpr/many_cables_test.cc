@@ -22,7 +22,7 @@ namespace {
 /// Of so many cables, read from a file.
 CdprDescription RobotFromFile(int cables) {
   CdprDescription robot = test::TwoRingRobot(cables);
-  robot.cable.tension_min = 10;
+  robot.cable.tension_min = 1;
   const auto file = test::TemporaryPath("robot.yaml");
   std::ofstream(file) << WriteYaml(robot);
   robot = LoadCdpr(file);
@@ -33,7 +33,7 @@ CdprDescription RobotFromFile(int cables) {
 CdprLoopParams Circle(const CdprDescription& robot, bool mpc) {
   CdprLoopParams params;
   params.robot = robot;
-  params.path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.2, 4, 0.5),
+  params.path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.1, 4, 0.5),
                                                   StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
   params.pd_stiffness_N_per_m = 2000;
   params.pd_damping_N_s_per_m = 200;
@@ -66,7 +66,7 @@ TEST_P(ManyCables, RestInBalance) {
           rest.tension[i] * (robot.cables[i].anchor_W - rest.p_WB - arm).normalized();
       force += pull;
       torque += arm.cross(pull);
-      EXPECT_GE(rest.tension[i], 10);
+      EXPECT_GE(rest.tension[i], 1);
     }
     EXPECT_THAT(force, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
     EXPECT_THAT(torque, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
@@ -99,11 +99,13 @@ TEST_P(ManyCables, FollowTheCircleUnderPdAndMpc) {
     ASSERT_FALSE(status.ended) << status.reason;
     const Vec<3> should = simulator.context().Eval(loop.reference.reference).position;
     EXPECT_THAT(simulator.context().Eval(loop.platform).p_WB, IsNear(should, 0.01));
-    EXPECT_GT((should - Vec<3>(0.2, 0, 2)).norm(), 0.2);  // it has been under way
-    if (mpc) EXPECT_EQ(simulator.context().Eval(loop.mpc->diagnostics).fallbacks, 0);
+    EXPECT_GT((should - Vec<3>(0.1, 0, 2)).norm(), 0.1);  // it has been under way
+    if (mpc) {
+      EXPECT_EQ(simulator.context().Eval(loop.mpc->diagnostics).fallbacks, 0);
+    }
     const std::string last = std::to_string(GetParam() - 1);
     EXPECT_THAT(log->column("loop.command." + last),
-                ::testing::Each(::testing::AllOf(::testing::Ge(10), ::testing::Le(800))));
+                ::testing::Each(::testing::AllOf(::testing::Ge(1), ::testing::Le(800))));
     EXPECT_THAT(log->column("loop.cables.tension." + last), ::testing::Each(::testing::Gt(0)));
   }
 }

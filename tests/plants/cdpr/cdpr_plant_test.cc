@@ -397,8 +397,7 @@ TEST(CdprPlantTest, InTorqueModeTheDrumIsAMass) {
   rig.RunTo(0.4);  // slack all the way: m v' = -T_m - b v
   const double fade = std::exp(-30.0 / 8 * 0.4);
   EXPECT_THAT(rig[rig->reel_speed], IsNear(Same(-pull / 30 * (1 - fade)), 1e-9));
-  EXPECT_THAT(rig[rig->rest_length],
-              IsNear(Same(20 - pull / 30 * (0.4 - 8.0 / 30 * (1 - fade))), 1e-9));
+  EXPECT_THAT(rig[rig->rest_length], IsNear(Same(20 - pull / 30 * (0.4 - 8.0 / 30 * (1 - fade))), 1e-9));
 }
 
 TEST(CdprPlantTest, InTorqueModeTheReelSpeedDampsTheCable) {
@@ -516,8 +515,8 @@ TEST(CdprPlantTest, SaysWhyItCannotGoOn) {
   Rig rig(Hanging());
   const CdprPlant& plant = rig.system();
   rig.Fix(plant.command, Same(0, 5));
-  EXPECT_TRUE(
-      Throws<RunError>([&] { rig[plant.winch_rate]; }, "block", "the command has 5 entries", "4 cables"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Derivative(plant.motor_tension); }, "block",
+                               "the command has 5 entries", "4 cables"));
   rig.Fix(plant.payload, Payload{.mass = -1});
   EXPECT_TRUE(Throws<RunError>([&] { rig[plant.acceleration]; }, "payload's mass is -1 kg"));
   rig.Fix(plant.payload, Payload{});

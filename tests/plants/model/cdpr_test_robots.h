@@ -62,15 +62,16 @@ inline CdprDescription EightCableRobot() {
   return robot;
 }
 
-/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Those of one
-/// ring are led to attachments to the left of them, those of the other to the right.
+/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Those of
+/// one ring are led to attachments to the left of them, those of the other to the right.
 inline CdprDescription TwoRingRobot(int cables) {
   CdprDescription robot = FourCableRobot();
   robot.name = "rings";
   robot.cables.clear();
   for (int i = 0; i < cables; ++i) {
     const double side = i % 2 == 0 ? 1 : -1;
-    const double anchor = 2 * std::numbers::pi * i / cables, attachment = anchor + side * std::numbers::pi / 6;
+    const double anchor = 2 * std::numbers::pi * i / cables,
+                 attachment = anchor + side * std::numbers::pi / 6;
     robot.cables.push_back({{4 * std::cos(anchor), 4 * std::sin(anchor), 3.75 + 0.25 * side},
                             {0.4 * std::cos(attachment), 0.4 * std::sin(attachment), 0.1}});
   }
