@@ -106,7 +106,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, cons
       }
     }
     first += size;
-  } while (n == Eigen::Dynamic && first < num_inputs());
+  } while (n == Eigen::Dynamic && first < num_inputs());  // once if n is a constant
   dx.template head<3>() = mass_inverse_ * force;
   dx[2] -= kGravity;
   dx.template segment<3>(3) = mass_inverse_ * torque;
@@ -205,7 +205,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
       }
     }
     first += size;
-  } while (n == Eigen::Dynamic && first < num_inputs());
+  } while (n == Eigen::Dynamic && first < num_inputs());  // once if n is a constant
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < r; ++c) force_by_p(c, r) = force_by_p(r, c);
     force_by_p(r, r) -= stiffness;
