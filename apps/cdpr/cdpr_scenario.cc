@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -36,16 +37,45 @@ Path PathScenario::Make() const {
   return Path::Circle(center_m, radius_m, period_s, ramp_s);
 }
 
+void PdScenario::Validate() const {
+  DemandRate("rate_hz", rate_hz);
+}
+
+void MpcScenario::Validate() const {
+  DemandPositive("horizon_s", horizon_s);
+  DemandBetween("num_steps", num_steps, 1, 1000);
+  DemandRate("rate_hz", rate_hz);
+  DemandRate("command_rate_hz", command_rate_hz);
+  DemandNotNegative("max_fallbacks_in_a_row", max_fallbacks_in_a_row);
+}
+
+void PayloadScenario::Validate() const {
+  DemandNotNegative("mass_kg", mass_kg);
+  Demand(release_s >= attach_s, fmt::format("release_s = {} lies before attach_s = {}", release_s, attach_s));
+}
+
+void NoiseScenario::Validate() const {
+  DemandNotNegative("position_m", position_m);
+  DemandNotNegative("attitude_rad", attitude_rad);
+  DemandNotNegative("angular_velocity_rad_per_s", angular_velocity_rad_per_s);
+  DemandNotNegative("acceleration_m_per_s2", acceleration_m_per_s2);
+  DemandRate("pose_rate_hz", pose_rate_hz);
+  DemandRate("imu_rate_hz", imu_rate_hz);
+}
+
+void IntegratorScenario::Validate() const {
+  DemandBetween("rtol", rtol, 1e-14, 0.1);
+  DemandPositive("atol", atol);
+}
+
 void CdprScenario::Validate() const {
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(
       controller == CdprController::kPd || mpc.has_value(),
       fmt::format("controller is '{}' but there is no section mpc: give its weights", EnumName(controller)));
   Demand(!mpc || mpc->mass_error > -1, "mpc.mass_error must be above -1: the model would have no mass");
-  Demand(payload.mass_kg >= 0, fmt::format("payload.mass_kg = {} must not be negative", payload.mass_kg));
-  Demand(
-      payload.release_s >= payload.attach_s,
-      fmt::format("payload.release_s = {} lies before attach_s = {}", payload.release_s, payload.attach_s));
+  DemandRate("log_rate_hz", log_rate_hz);
+  Demand(max_tension_ratio >= 1, fmt::format("max_tension_ratio = {} must be at least 1", max_tension_ratio));
 }
 
 namespace {
@@ -100,6 +130,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.estimator.noise.angular_velocity = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
   params.estimator.noise.specific_force = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
   params.forbid_slack = scenario.forbid_slack;
+  params.max_tension_ratio = scenario.max_tension_ratio;
   return params;
 }
 

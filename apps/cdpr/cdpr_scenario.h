@@ -52,6 +52,7 @@ struct PdScenario {
             Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m),
             {"rate_hz", &PdScenario::rate_hz}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 struct MpcScenario {
@@ -74,6 +75,7 @@ struct MpcScenario {
             {"mass_error", &MpcScenario::mass_error},
             {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// A mass hung at the platform for part of the run; the controller does not know of it.
@@ -89,6 +91,7 @@ struct PayloadScenario {
             {"attach_s", &PayloadScenario::attach_s},
             {"release_s", &PayloadScenario::release_s}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 struct NoiseScenario {
@@ -107,6 +110,7 @@ struct NoiseScenario {
             {"pose_rate_hz", &NoiseScenario::pose_rate_hz},
             {"imu_rate_hz", &NoiseScenario::imu_rate_hz}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// The defaults take one step per millisecond on D1; the platform is then 3 micrometres off a run with order
@@ -121,6 +125,7 @@ struct IntegratorScenario {
             {"rtol", &IntegratorScenario::rtol},
             {"atol", &IntegratorScenario::atol}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 enum class CdprController { kPd, kMpcEquilibrium, kMpcZero };
@@ -147,7 +152,8 @@ struct CdprScenario {
   NoiseScenario noise;
   IntegratorScenario integrator;
   double log_rate_hz = 200;
-  bool forbid_slack = true;  ///< a slack cable ends the run, exit code 3
+  bool forbid_slack = true;        ///< a slack cable ends the run, exit code 3
+  double max_tension_ratio = 1.1;  ///< so does one pulled harder than this times the winches' maximum
   ReportScenario report;
 
   static FieldList Fields() {
@@ -168,6 +174,7 @@ struct CdprScenario {
             {"integrator", &CdprScenario::integrator},
             {"log_rate_hz", &CdprScenario::log_rate_hz},
             {"forbid_slack", &CdprScenario::forbid_slack},
+            {"max_tension_ratio", &CdprScenario::max_tension_ratio},
             {"report", &CdprScenario::report}};
   }
   void Validate() const;  ///< throws ParameterError

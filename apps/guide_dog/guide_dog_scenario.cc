@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <tenon/apps/common/checks.h>
+
 namespace tenon::apps {
 namespace {
 
@@ -26,6 +28,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 
 void GuideDogScenario::Validate() const {
   Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+  DemandRate("log_rate_hz", log_rate_hz);
 }
 
 double Duration(const GuideDogScenario& scenario) {

@@ -4,8 +4,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
+#include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
 
 namespace tenon::apps {
@@ -83,12 +85,80 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
     params.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
   params.min_height = scenario.fall.min_height_ratio * height;
   params.max_tilt = scenario.fall.max_tilt_rad;
+  params.max_height = scenario.fall.max_height_m;
   return params;
 }
 
 }  // namespace
 
+void JointPdScenario::Validate() const {
+  DemandNotNegative("stiffness_N_m_per_rad", stiffness_N_m_per_rad);
+  DemandNotNegative("damping_N_m_s_per_rad", damping_N_m_s_per_rad);
+  DemandRate("rate_hz", rate_hz);
+}
+
+void WalkScenario::Validate() const {
+  DemandPositive("friction", friction);
+  DemandNotNegative("judged_from_s", judged_from_s);
+  Demand(
+      std::isfinite(mass_error_ratio) && mass_error_ratio > -1,
+      fmt::format("mass_error_ratio = {} must be above -1: the robot would have no mass", mass_error_ratio));
+}
+
+void FallScenario::Validate() const {
+  Demand(min_height_ratio >= 0 && min_height_ratio < 1,
+         fmt::format("min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
+                     min_height_ratio));
+  DemandBetween("max_tilt_rad", max_tilt_rad, 1e-3, std::numbers::pi);
+  DemandPositive("max_height_m", max_height_m);
+}
+
+void EncoderScenario::Validate() const {
+  DemandRate("rate_hz", rate_hz);
+  DemandNotNegative("angle_noise_rad", angle_noise_rad);
+  DemandNotNegative("speed_noise_rad_per_s", speed_noise_rad_per_s);
+}
+
+void TorqueSensorScenario::Validate() const {
+  DemandRate("rate_hz", rate_hz);
+  DemandNotNegative("noise_ratio", noise_ratio);
+}
+
+void FootForceSensorScenario::Validate() const {
+  DemandRate("rate_hz", rate_hz);
+  DemandNotNegative("noise_ratio", noise_ratio);
+}
+
+void ImuScenario::Validate() const {
+  DemandRate("rate_hz", rate_hz);
+  DemandNotNegative("angular_velocity_noise_rad_per_s", angular_velocity_noise_rad_per_s);
+  DemandNotNegative("acceleration_noise_m_per_s2", acceleration_noise_m_per_s2);
+}
+
+void ForceScenario::Validate() const {
+  DemandBetween("height", height, 0, 1);
+  DemandNotNegative("duration_s", duration_s);
+  DemandNotNegative("frequency_rad_per_s", frequency_rad_per_s);
+}
+
+void TrunkLoadScenario::Validate() const {
+  DemandNotNegative("mass_kg", mass_kg);
+  Demand(edges_m.allFinite() && edges_m.minCoeff() >= 0,
+         fmt::format("edges_m = [{}, {}, {}] must not be negative", edges_m[0], edges_m[1], edges_m[2]));
+}
+
+void LeggedIntegratorScenario::Validate() const {
+  DemandBetween("rtol", rtol, 1e-14, 0.1);
+  DemandPositive("atol_position", atol_position);
+  DemandPositive("atol_velocity", atol_velocity);
+  DemandPositive("atol_bristles", atol_bristles);
+}
+
 void SweepScenario::Validate() const {
+  constexpr int kMost = 1000;  // of either
+  Demand(phases <= kMost && directions <= kMost,
+         fmt::format("a sweep over {} phases and {} directions: {} of either are the most", phases,
+                     directions, kMost));
   Demand(phases > 0 && directions > 0 && period_s > 0,
          fmt::format("a sweep over {} phases of {} s and {} directions: all must be positive", phases,
                      period_s, directions));
@@ -116,9 +186,7 @@ void QuadrupedScenario::Validate() const {
   Demand(start_height_m >= 0,
          fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
                      start_height_m));
-  Demand(fall.min_height_ratio >= 0 && fall.min_height_ratio < 1,
-         fmt::format("fall.min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",
-                     fall.min_height_ratio));
+  DemandRate("log_rate_hz", log_rate_hz);
 }
 
 double Duration(const QuadrupedScenario& scenario) {

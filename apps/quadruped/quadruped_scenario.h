@@ -29,6 +29,7 @@ struct JointPdScenario {
             {"gravity_compensation", &JointPdScenario::gravity_compensation},
             {"rate_hz", &JointPdScenario::rate_hz}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// What the walking controller knows of the robot's pose and motion.
@@ -61,6 +62,7 @@ struct WalkScenario {
             {"mass_error_ratio", &WalkScenario::mass_error_ratio},
             {"judged_from_s", &WalkScenario::judged_from_s}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// Runs of one scenario with its first force at several instants and in several directions around the
@@ -82,11 +84,14 @@ struct SweepScenario {
 struct FallScenario {
   double min_height_ratio = 0.5;  ///< of the trunk above the ground, to that in the nominal stance
   double max_tilt_rad = 1;
+  double max_height_m = 10;  ///< of the trunk above the ground: a robot that is higher was thrown
 
   static FieldList Fields() {
     return {{"min_height_ratio", &FallScenario::min_height_ratio},
-            {"max_tilt_rad", &FallScenario::max_tilt_rad}};
+            {"max_tilt_rad", &FallScenario::max_tilt_rad},
+            {"max_height_m", &FallScenario::max_height_m}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// One standard deviation of white noise, and a constant that all samples carry; every sensor draws from a
@@ -105,6 +110,7 @@ struct EncoderScenario {
             {"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
             {"speed_bias_rad_per_s", &EncoderScenario::speed_bias_rad_per_s}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// The noise grows with the signal: 0.1 is 10 % of it.
@@ -118,6 +124,7 @@ struct TorqueSensorScenario {
             {"noise_ratio", &TorqueSensorScenario::noise_ratio},
             {"bias_N_m", &TorqueSensorScenario::bias_N_m}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// The noise grows with the signal: 0.1 is 10 % of it.
@@ -131,6 +138,7 @@ struct FootForceSensorScenario {
             {"noise_ratio", &FootForceSensorScenario::noise_ratio},
             {"bias_N", &FootForceSensorScenario::bias_N}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 struct ImuScenario {
@@ -147,6 +155,7 @@ struct ImuScenario {
             {"acceleration_noise_m_per_s2", &ImuScenario::acceleration_noise_m_per_s2},
             {"acceleration_bias_m_per_s2", &ImuScenario::acceleration_bias_m_per_s2}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 struct SensorScenario {
@@ -189,6 +198,7 @@ struct ForceScenario {
             Required("duration_s", &ForceScenario::duration_s),
             {"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// A force that changes every period, see RandomForce.
@@ -218,6 +228,7 @@ struct TrunkLoadScenario {
             {"position_m", &TrunkLoadScenario::position_m},
             {"edges_m", &TrunkLoadScenario::edges_m}};
   }
+  void Validate() const;  ///< throws ParameterError
   RigidInertia Make() const;
 };
 
@@ -236,6 +247,7 @@ struct LeggedIntegratorScenario {
             {"atol_velocity", &LeggedIntegratorScenario::atol_velocity},
             {"atol_bristles", &LeggedIntegratorScenario::atol_bristles}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// A run of tenon-quadruped, as its YAML file says it.

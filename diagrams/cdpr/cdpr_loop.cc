@@ -27,7 +27,10 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
       plant(Add<CdprPlant>("plant", AtRest(params))),
       pose_sensor(Add<PoseSensor>("pose_sensor", params.pose_sensor)),
       imu(Add<Imu>("imu", params.imu)) {
-  auto& slack = Add<SlackMonitor>("slack", SlackMonitorParams{params.forbid_slack, params.control_rate});
+  auto& monitor = Add<CdprMonitor>("monitor", CdprMonitorParams{.robot = params.robot,
+                                                                .forbid_slack = params.forbid_slack,
+                                                                .max_tension_ratio = params.max_tension_ratio,
+                                                                .rate = params.control_rate});
 
   if (params.mpc) {
     estimator = &Add<CdprEstimator>("estimator", params.estimator);
@@ -46,7 +49,8 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
   }
   Connect(payload.payload, plant.payload);
 
-  Connect(plant.cables, slack.cables);
+  Connect(plant.cables, monitor.cables);
+  Connect(plant.platform, monitor.platform);
   Connect(plant.platform, pose_sensor.platform);
   Connect(plant.platform, imu.body);
   Connect(plant.acceleration, imu.acceleration);

@@ -8,9 +8,9 @@
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/cdpr/reference_generator.h>
+#include <tenon/plants/cdpr/cdpr_monitor.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/cdpr/payload_schedule.h>
-#include <tenon/plants/cdpr/slack_monitor.h>
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/systems/framework/diagram_builder.h>
@@ -31,7 +31,8 @@ struct CdprLoopParams {
   PayloadScheduleParams payload;
   PoseSensorParams pose_sensor;
   ImuParams imu;
-  bool forbid_slack = true;  ///< end the run when a cable goes slack
+  bool forbid_slack = true;        ///< end the run when a cable goes slack,
+  double max_tension_ratio = 1.1;  ///< or is pulled harder than this times the winches' maximum
 };
 
 /// A cable robot under its length controller (Morlando 2023, section 3.5.2),

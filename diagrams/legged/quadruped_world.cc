@@ -21,8 +21,9 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
       disturbances(Add<ForceBundle>(
           "disturbances",
           ForceBundleParams{1 + params.pulses.size() + params.sines.size() + params.random.size()})) {
-  auto& monitor = Add<FallMonitor>(
-      "monitor", FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt, Hz(1000)});
+  auto& monitor =
+      Add<FallMonitor>("monitor", FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt,
+                                                    params.max_height, Hz(1000)});
 
   std::size_t next = 0;
   Connect(pull, disturbances.force[next++]);

@@ -21,8 +21,9 @@ struct QuadrupedWorldParams {
   std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
   std::vector<SineForceParams> sines;
   std::vector<RandomForceParams> random;
-  double min_height = 0;  ///< of the trunk above the ground; below, the robot has fallen [m]
-  double max_tilt = 1;    ///< of the trunk; above, the robot has fallen [rad]
+  double min_height = 0;   ///< of the trunk above the ground; below, the robot has fallen [m]
+  double max_tilt = 1;     ///< of the trunk; above, the robot has fallen [rad]
+  double max_height = 10;  ///< of the trunk above the ground; no robot flies [m]
 };
 
 /// Everything of a quadruped's run that is not the controller's: the robot on its terrain, its sensors, the

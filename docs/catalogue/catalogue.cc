@@ -228,7 +228,7 @@ Shelf CdprPlants(const Shipped& shipped) {
       "CdprPlant",
       CdprPlantParams{.robot = robot, .initial_tension = CableVector::Zero(robot.num_cables())}));
   entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
-  entries.push_back(Make<SlackMonitor>("SlackMonitor"));
+  entries.push_back(Make<CdprMonitor>("CdprMonitor", CdprMonitorParams{.robot = robot}));
   entries.push_back(Make<PoseSensor>("PoseSensor"));
   entries.push_back({"Imu", "BasicImu", std::make_unique<Imu>()});
   return shelf;

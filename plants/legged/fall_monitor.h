@@ -11,18 +11,20 @@ namespace tenon {
 
 struct FallMonitorParams {
   TerrainParams terrain = {};
-  double min_height = 0;  ///< of B's origin above the ground [m]
-  double max_tilt = 1;    ///< of the trunk's z axis from the vertical [rad]
+  double min_height = 0;   ///< of B's origin above the ground [m]
+  double max_tilt = 1;     ///< of the trunk's z axis from the vertical [rad]
+  double max_height = 10;  ///< as min_height [m]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
 };
 
 /// Ends the run when a quadruped has fallen: B's origin comes closer to the ground straight below it than
-/// min_height, or the trunk tilts by more than max_tilt. The reason tells which and by how much.
+/// min_height, or the trunk tilts by more than max_tilt. Likewise when it goes where none can, higher than
+/// max_height. The reason tells which and by how much.
 ///
 ///     port in     state
-///     parameters  min_height [m], max_tilt [rad]
+///     parameters  min_height [m], max_tilt [rad], max_height [m]
 class FallMonitor final : public LeafSystem<FallMonitorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -32,10 +34,13 @@ class FallMonitor final : public LeafSystem<FallMonitorParams> {
       this, {"min_height", "m"}, params.min_height, "of B's origin above the ground"};
   Parameter<double> max_tilt{
       this, {"max_tilt", "rad"}, params.max_tilt, "of the trunk's z axis from the vertical"};
-  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt), &FallMonitor::Check};
+  Parameter<double> max_height{
+      this, {"max_height", "m"}, params.max_height, "of B's origin above the ground"};
+  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt, max_height),
+               &FallMonitor::Check};
 
  private:
-  Verdict Check(const LeggedState& x, double min_height, double max_tilt) const;
+  Verdict Check(const LeggedState& x, double min_height, double max_tilt, double max_height) const;
 };
 
 }  // namespace tenon

@@ -61,6 +61,7 @@ TEST(BlocksTest, ParametersSayWhatTheyAre) {
                                       "max_failures_in_a_row",
                                       "max_fallbacks_in_a_row",
                                       "forbid_slack",
+                                      "max_tension_ratio",
                                       "on_trunk",
                                       "gain"};
   int count = 0;

@@ -122,8 +122,7 @@ TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
 TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
   const Result result = RunApp(
       "D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set "
-      "integrator.rtol=1e-300 "
-      "--set integrator.atol=1e-300" +
+      "integrator.rtol=1e-14 --set integrator.atol=1e-300 --set max_tension_ratio=1e300" +
       Out());
   EXPECT_EQ(result.exit_code, 4) << result.text;
   EXPECT_THAT(Read(out / "summary.json"),
@@ -152,7 +151,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"},
         BadUsage{"D1 --set duration_s=-3", "duration_s = -3 must be positive"},
         BadUsage{"D1 --set app=tenon-walk", "a scenario of another app"},
-        BadUsage{"D1 --set payload.mass_kg=-1", "payload.mass_kg = -1"},
+        BadUsage{"D1 --set payload.mass_kg=-1", "mass_kg = -1"},
+        BadUsage{"D1 --set pd.rate_hz=0", "rate_hz: a rate of 0 Hz"},
+        BadUsage{"D1 --set noise.imu_rate_hz=-5", "imu_rate_hz: a rate of -5 Hz"},
+        BadUsage{"D1 --set mpc.num_steps=1000000", "num_steps = 1000000 must be from 1 to 1000"},
+        BadUsage{"D1 --set mpc.max_fallbacks_in_a_row=-1", "max_fallbacks_in_a_row = -1"},
+        BadUsage{"D1 --set integrator.rtol=1e308", "rtol = 1e+308"},
+        BadUsage{"D1 --set log_rate_hz=0", "log_rate_hz: a rate of 0 Hz"},
+        BadUsage{"D1 --set max_tension_ratio=0.5", "max_tension_ratio = 0.5"},
+        BadUsage{"D1 --set seed=010", "begins with a 0"},
+        BadUsage{"D1 --set seed=18446744073709551616", "expected an integer from 0"},
         BadUsage{"D1 --set 'payload={attach_s: 2, release_s: 1}'", "release_s = 1 lies before attach_s = 2"},
         BadUsage{"D1 --set path.kind=hold", "a path that holds needs one entry in points_m, found 0"},
         BadUsage{"D1 --set path.kind=line", "a line needs two entries in points_m, found 0"},
@@ -169,6 +177,19 @@ TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {
   const Result result = RunApp("D1 --out /proc/nowhere");
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(result.text, HasSubstr("cannot make the output directory '/proc/nowhere'"));
+}
+
+TEST_F(TenonCdprTest, WhatNoRobotDoesEndsTheRun) {
+  const auto ends = [&](const char* arguments, const char* reason) {
+    const Result result =
+        RunApp("D1 --controller pd --duration 2 --set forbid_slack=false " + std::string(arguments) + Out());
+    EXPECT_EQ(result.exit_code, 3) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr(reason));
+  };
+  ends("--set start_offset_m=[0,0,-2.5]", "the platform reaches");
+  ends("--set start_offset_m=[0,0,1e30]", "m away from the middle of the anchors");
+  ends("--set pd.stiffness_N_per_m=1e5 --set pd.damping_N_s_per_m=0 --set start_offset_m=[1,0,0]",
+       "more than the 880 N that its winch holds");
 }
 
 TEST(TenonCdprListTest, ListsScenariosWithTheirDescriptions) {

@@ -124,7 +124,7 @@ TEST(CdprLoopTest, SlackCableEndsTheRun) {
   Simulator simulator(*cell.diagram, kOptions);
   const RunStatus status = simulator.AdvanceTo(10);
   EXPECT_TRUE(status.ended);
-  EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.slack.slack: cable"));
+  EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.monitor.tension: cable"));
 }
 
 }  // namespace

@@ -48,7 +48,18 @@ TEST(FallMonitorTest, EndsTheRunWhenTheTrunkTilts) {
             "block.fall: the robot fell: its trunk is tilted by 0.810 rad, more than 0.800 rad");
 }
 
+TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
+  TestRig<FallMonitor> rig;
+  rig.Fix(rig->state, At({0, 0, 9.9}));
+  EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
+  rig.Fix(rig->state, At({0, 0, 21e3}));
+  EXPECT_EQ(rig.simulator().AdvanceTo(1).reason,
+            "block.fall: the robot left the ground: its trunk is 21000.000 m above it, more than 10.000 m");
+}
+
 TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
+  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.min_height = 1, .max_height = 1}); },
+                                     "max_height = 1", "above min_height"));
   EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 0}); }, "max_tilt = 0", "radians"));
   EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 45}); }, "max_tilt = 45", "radians"));
   EXPECT_TRUE(

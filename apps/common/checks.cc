@@ -1,0 +1,35 @@
+#include <tenon/apps/common/checks.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/rate.h>
+
+namespace tenon::apps {
+
+void DemandPositive(const char* key, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  throw ParameterError(fmt::format("{} = {} must be positive and finite", key, value));
+}
+
+void DemandNotNegative(const char* key, double value) {
+  if (std::isfinite(value) && value >= 0) return;
+  throw ParameterError(fmt::format("{} = {} must be finite and not negative", key, value));
+}
+
+void DemandRate(const char* key, double hz) {
+  try {
+    Hz(hz);
+  } catch (const ParameterError& error) {
+    throw ParameterError(fmt::format("{}: {}", key, error.what()));
+  }
+}
+
+void DemandBetween(const char* key, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw ParameterError(fmt::format("{} = {} must be from {} to {}", key, value, low, high));
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace tenon::apps {
+
+// What scenarios demand of their numbers; all throw ParameterError with the key.
+
+void DemandPositive(const char* key, double value);                          ///< and finite
+void DemandNotNegative(const char* key, double value);                       ///< and finite
+void DemandRate(const char* key, double hz);                                 ///< what Hz() takes
+void DemandBetween(const char* key, double value, double low, double high);  ///< or one of them
+
+}  // namespace tenon::apps

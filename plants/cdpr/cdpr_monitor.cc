@@ -1,0 +1,49 @@
+#include <tenon/plants/cdpr/cdpr_monitor.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+
+void CdprMonitorParams::Validate() const {
+  Demand(max_tension_ratio >= 1,
+         fmt::format("max_tension_ratio = {} must be at least 1: commands go up to tension_max",
+                     max_tension_ratio));
+  Demand(std::isfinite(floor), fmt::format("floor = {} must be finite: give metres", floor));
+}
+
+Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
+                                  double max_tension_ratio) const {
+  const double limit = max_tension_ratio * params.robot.cable.tension_max;
+  for (Eigen::Index i = 0; i < cables.tension.size(); ++i) {
+    if (forbid_slack && cables.tension[i] <= 0) return fmt::format("cable {} is slack", i);
+    if (cables.tension[i] > limit)
+      return fmt::format("cable {} pulls with {:.0f} N, more than the {:.0f} N that its winch holds", i,
+                         cables.tension[i], limit);
+  }
+  return {};
+}
+
+Verdict CdprMonitor::CheckPlace(const PlatformState& platform, double floor) const {
+  const Eigen::RowVector3d up = platform.R_WB().row(2);
+  double lowest = 0;
+  for (const CableDescription& cable : params.robot.cables)
+    lowest = std::min(lowest, up.dot(cable.attachment_B));
+  lowest += platform.p_WB[2];
+  if (lowest < floor) return fmt::format("the platform reaches {:.3f} m below the floor", floor - lowest);
+
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const CableDescription& cable : params.robot.cables)
+    middle += cable.anchor_W / params.robot.num_cables();
+  double reach = 0;
+  for (const CableDescription& cable : params.robot.cables)
+    reach = std::max(reach, (cable.anchor_W - middle).norm());
+  const double distance = (platform.p_WB - middle).norm();
+  if (distance <= 2 * reach) return {};
+  return fmt::format("the platform is {:.4g} m away from the middle of the anchors, more than {:.4g} m",
+                     distance, 2 * reach);
+}
+
+}  // namespace tenon

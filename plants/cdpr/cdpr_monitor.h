@@ -1,0 +1,50 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct CdprMonitorParams {
+  CdprDescription robot;
+  bool forbid_slack = true;        ///< if not, cables may be slack
+  double max_tension_ratio = 1.1;  ///< of a cable, to the winches' tension_max, which bounds the command
+  double floor = 0;                ///< height in W that no attachment may be below [m]
+  Rate rate = Hz(1000);
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Ends the run of a cable robot when it does what no robot could, or what is not asked of it:
+///  - a cable is slack, and cannot pull where it should;
+///  - a cable pulls harder than its winch holds, max_tension_ratio tension_max;
+///  - the platform, its CoM or an attachment, is below the floor;
+///  - its CoM is farther from the middle of the anchors than twice the farthest of them.
+///
+/// The reason tells which cable and by how much.
+///
+///     ports in    cables, platform
+///     parameters  forbid_slack, max_tension_ratio, floor [m]
+class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<CableSignals> cables{this, {"cables"}};
+  InputPort<PlatformState> platform{this, {"platform"}};
+  Parameter<bool> forbid_slack{this, {"forbid_slack"}, params.forbid_slack, "if not, cables may be slack"};
+  Parameter<double> max_tension_ratio{
+      this, {"max_tension_ratio"}, params.max_tension_ratio, "of a cable, to the winches' tension_max"};
+  Parameter<double> floor{this, {"floor", "m"}, params.floor, "height that no attachment may be below"};
+  Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
+                  &CdprMonitor::CheckTension};
+  Monitor place{this, "place", Sampled{params.rate}, Uses(platform, floor), &CdprMonitor::CheckPlace};
+
+ private:
+  Verdict CheckTension(const CableSignals& cables, bool forbid_slack, double max_tension_ratio) const;
+  Verdict CheckPlace(const PlatformState& platform, double floor) const;
+};
+
+}  // namespace tenon

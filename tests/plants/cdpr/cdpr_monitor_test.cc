@@ -1,0 +1,92 @@
+#include <tenon/plants/cdpr/cdpr_monitor.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// Holds four cables, 800 N at most, with 100 N each, 2 m above the floor.
+struct Rig : TestRig<CdprMonitor> {
+  explicit Rig(const CdprMonitorParams& params = {.robot = test::FourCableRobot()}) : TestRig(params) {
+    SetTension(100);
+    SetPlatform(2);
+  }
+  void SetTension(double of_cable_2) {
+    CableSignals cables = CableSignals::Zero(4);
+    cables.tension.setConstant(100);
+    cables.tension[2] = of_cable_2;
+    Fix(system().cables, cables);
+  }
+  void SetPlatform(double height, double roll = 0) {
+    PlatformState platform;
+    platform.p_WB[2] = height;
+    platform.q_WB = QuaternionFromRotationVector({roll, 0, 0});
+    Fix(system().platform, platform);
+  }
+  RunStatus RunOn() { return simulator().AdvanceTo(context().time() + 0.5); }
+};
+
+TEST(CdprMonitorTest, EndsTheRunWhenACableIsSlack) {
+  Rig rig;
+  rig.SetTension(0.1);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.SetTension(0);
+  EXPECT_EQ(rig.RunOn().reason, "block.tension: cable 2 is slack");
+}
+
+TEST(CdprMonitorTest, SlackMayBeAllowed) {
+  Rig rig;
+  rig.SetTension(0);
+  rig.Set(rig->forbid_slack, false);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.Set(rig->forbid_slack, true);
+  EXPECT_TRUE(rig.RunOn().ended);
+}
+
+TEST(CdprMonitorTest, EndsTheRunWhenAWinchIsOverpowered) {
+  Rig rig;
+  rig.SetTension(879);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.SetTension(881);
+  EXPECT_EQ(rig.RunOn().reason,
+            "block.tension: cable 2 pulls with 881 N, more than the 880 N that its winch holds");
+}
+
+// The attachments are 0.093 m above the CoM: upside down, that is below.
+TEST(CdprMonitorTest, EndsTheRunBelowTheFloor) {
+  Rig rig;
+  rig.SetPlatform(0.01);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.SetPlatform(-0.01);
+  EXPECT_EQ(rig.RunOn().reason, "block.place: the platform reaches 0.010 m below the floor");
+  Rig turned;
+  turned.SetPlatform(0.094, M_PI);
+  EXPECT_FALSE(turned.RunOn().ended);
+  turned.SetPlatform(0.092, M_PI);
+  EXPECT_TRUE(turned.RunOn().ended);
+}
+
+// The anchors are sqrt(3.5² + 4.5²) = 5.701 m from their middle, which is 4 m high.
+TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
+  Rig rig;
+  rig.SetPlatform(15.4);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.SetPlatform(1e30);
+  EXPECT_EQ(rig.RunOn().reason,
+            "block.place: the platform is 1e+30 m away from the middle of the anchors, more than 11.4 m");
+}
+
+TEST(CdprMonitorTest, RefusesLimitsThatMakeNoSense) {
+  EXPECT_TRUE(Throws<ParameterError>([] { Rig({.robot = test::FourCableRobot(), .max_tension_ratio = 0.9}); },
+                                     "max_tension_ratio = 0.9", "at least 1"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { Rig({.robot = test::FourCableRobot(), .floor = NAN}); }, "floor = nan"));
+}
+
+}  // namespace
+}  // namespace tenon
