@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <system_error>
 
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
@@ -31,6 +32,10 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
       "5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
 }
 
+void Say(const std::string& text) noexcept {
+  std::fputs(text.c_str(), stderr);
+}
+
 std::filesystem::path OutputPath(const CommonArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
   return std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
@@ -43,13 +48,13 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
     return app.exit(error) == 0 ? kRan : kBadUsage;
   }
   const auto fail = [&](const char* what, ExitCode code) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), what);
+    Say(fmt::format("{}: {}\n", app.get_name(), what));
     return code;
   };
   try {
     for (int i = 1; i < argc; ++i) CheckUtf8(argv[i], fmt::format("argument {} of the command line", i));
     const int code = body();
-    if (std::fflush(stdout) != 0)
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail("the figures cannot be printed: is the disk full?", kOutputFailed);
     return code;
   } catch (const OutputError& error) {
@@ -59,6 +64,8 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   } catch (const std::bad_alloc&) {
     return fail("out of memory before the run began: is a robot, a list or a horizon of the scenario huge?",
                 kNumericalFailure);
+  } catch (const std::system_error& error) {
+    return fail(error.what(), kOutputFailed);
   } catch (const std::exception& error) {
     return fail(error.what(), kBadUsage);
   }

@@ -36,6 +36,9 @@ struct CommonArguments {
 /// Declares the shared arguments on an app's command line; the app may add its own.
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
 
+/// On stderr; what cannot be told there is lost, and nothing else with it.
+void Say(const std::string& text) noexcept;
+
 /// Where the run writes: --out, or out/SCENARIO.
 std::filesystem::path OutputPath(const CommonArguments& arguments);
 

@@ -30,6 +30,7 @@ int Compare(const CommonArguments& arguments, Report report, const std::vector<V
   for (const Variant& variant : variants) names.push_back(variant.name);
   CheckVariantNames(names);
   const OutputDirectory out(OutputPath(arguments));
+  for (const std::string& name : names) OutputDirectory(out.path() / name);  // also of those that are not run
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
@@ -41,11 +42,11 @@ int Compare(const CommonArguments& arguments, Report report, const std::vector<V
     runs.emplace_back(variant.name, std::move(result.summary));
     if (reports.size() < kReported) reports.push_back(std::move(result.report));
     // After each: nothing is lost if the next is killed.
-    Summary::WriteComparison(runs, out.path() / "summary.json");
+    worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, out.path() / "summary.json"); }));
     if (worst >= kOutputFailed) break;
   }
   for (std::size_t i = 0; i < reports.size(); ++i) report.Add(runs[i].first, reports[i]);
-  report.Write(out.path() / "report.html");
+  worst = std::max(worst, TryToWrite([&] { report.Write(out.path() / "report.html"); }));
   Summary::PrintComparison(runs);
   return worst;
 }

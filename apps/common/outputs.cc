@@ -34,8 +34,14 @@ OutputDirectory::OutputDirectory(fs::path path) : path_(std::move(path)) {
         fmt::format("another run writes into the output directory '{}': wait for it, or choose another --out",
                     path_.string()));
   }
-  for (const char* name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
+  for (const std::string name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"}) {
     fs::remove(path_ / name, error);
+    for (const auto& entry :
+         fs::directory_iterator(path_, error)) {  // what a killed run did not come to rename
+      const std::string file = entry.path().filename().string();
+      if (file.starts_with("." + name + ".") && file.ends_with(".part")) fs::remove(entry.path(), error);
+    }
+  }
 }
 
 OutputDirectory::~OutputDirectory() {
@@ -70,9 +76,10 @@ void WriteGraph(const Diagram& diagram, const fs::path& file) {
   const fs::path text = fs::path(svg).replace_extension(".dot.part");
   WriteFile(text, diagram.Graphviz());
   const bool drawn = RunDot(text, svg);
-  fs::remove(text);
+  std::error_code ignored;
+  fs::remove(text, ignored);
   if (drawn) return;
-  fs::remove(svg);
+  fs::remove(svg, ignored);
   throw ParameterError(fmt::format(
       "--graph {}: Graphviz's `dot` failed; apt-get install graphviz, or write a .dot file", file.string()));
 }
@@ -163,18 +170,21 @@ void Summary::Print() const {
   for (const auto& [key, value] : json_->values.items()) fmt::print("{:<28} {}\n", key, Shown(value));
 }
 
+int TryToWrite(const std::function<void()>& write) {
+  try {
+    write();
+    return kRan;
+  } catch (const OutputError& error) {
+    Say(fmt::format("{}\n", error.what()));
+    return kOutputFailed;
+  }
+}
+
 void WriteResults(const fs::path& directory, Summary& summary, Report& report) {
   summary.AddTo(report);
-  const auto try_to = [&](const auto& write) {
-    try {
-      write();
-    } catch (const OutputError& error) {
-      fmt::print(stderr, "{}\n", error.what());
-      summary.set_exit_code(kOutputFailed);
-    }
-  };
-  try_to([&] { summary.Write(directory / "summary.json"); });
-  try_to([&] { report.Write(directory / "report.html"); });
+  int code = TryToWrite([&] { summary.Write(directory / "summary.json"); });
+  code = std::max(code, TryToWrite([&] { report.Write(directory / "report.html"); }));
+  if (code != kRan) summary.set_exit_code(code);
 }
 
 void Summary::WriteComparison(const Named& runs, const fs::path& file) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -92,6 +93,9 @@ Report ScenarioReport(const auto& scenario, const std::string& description) {
                  .bands = scenario.report.bands,
                  .signal_rate = Hz(scenario.log_rate_hz)});
 }
+
+/// Whether a file could be written: kRan or, told on stderr, kOutputFailed.
+int TryToWrite(const std::function<void()>& write);
 
 /// Adds the summary to the report and writes both into a directory. What cannot be written is said on stderr,
 /// and is the summary's exit code: there are still figures to print.

@@ -25,7 +25,7 @@ void ProgressSink::Row(std::span<const double> row) {
 void ProgressSink::Flush() {
   if (!terminal_ && !shown_any_) return;  // a short run needs no lines in a file
   Show();
-  if (terminal_) fmt::print(stderr, "\n");
+  if (terminal_) Say("\n");
 }
 
 void ProgressSink::Show() {
@@ -37,11 +37,11 @@ void ProgressSink::Show() {
   if (terminal_) {
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(kWidth * time_ / duration_);
-    fmt::print(stderr, "\r[{:<{}}] {:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left ",
-               std::string(filled, '#'), kWidth, time_, duration_, rate, left);
+    Say(fmt::format("\r[{:<{}}] {:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left ", std::string(filled, '#'),
+                    kWidth, time_, duration_, rate, left));
   } else {
-    fmt::print(stderr, "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left\n", time_,
-               duration_, rate, left);
+    Say(fmt::format("{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left\n", time_, duration_,
+                    rate, left));
   }
   std::fflush(stderr);
 }
@@ -50,7 +50,7 @@ namespace {
 
 volatile std::sig_atomic_t caught_signal = 0;
 
-/// While it lives, the first SIGINT or SIGTERM is noted; the next one does what it did before.
+/// While it lives, the first SIGINT or SIGTERM is noted; the next one ends the process.
 class SignalGuard {
  public:
   SignalGuard() {
@@ -89,18 +89,18 @@ RunOutcome Advance(Simulator& simulator, double duration) {
   const auto begin = std::chrono::steady_clock::now();
   try {
     outcome.status = simulator.AdvanceTo(duration);
-    if (outcome.status.ended && caught_signal != 0) {
-      outcome.status.reason = "interrupted";
-      outcome.exit_code = 128 + caught_signal;
-    } else if (outcome.status.ended) {
-      outcome.exit_code = kLimitBroken;
-    }
+    if (outcome.status.ended) outcome.exit_code = kLimitBroken;
   } catch (const OutputError& error) {
     fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
     fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
     fail(fmt::format("out of memory in the run at t = {} s", simulator.context().time()), kNumericalFailure);
+  }
+  // Also if it came with the last tick: who stops one run of several means all.
+  if (caught_signal != 0 && outcome.exit_code != kOutputFailed) {
+    outcome.exit_code = 128 + caught_signal;
+    outcome.status = {outcome.status.time, true, "interrupted"};
   }
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return outcome;

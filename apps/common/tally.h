@@ -41,8 +41,9 @@ inline std::optional<double> Microseconds(std::optional<double> seconds) {
 class TimeQuantiles {
  public:
   void Add(double seconds) {
-    const double bin = std::log(std::max(seconds, kShortest) / kShortest) / kWidth;
-    ++counts_[std::min(static_cast<std::size_t>(bin), counts_.size() - 1)];
+    const double bin = std::log(seconds / kShortest) / kWidth;
+    const auto last = static_cast<double>(counts_.size() - 1);
+    ++counts_[bin > 0 ? static_cast<std::size_t>(std::min(bin, last)) : 0];  // what is no number counts as 0
     ++count_;
   }
   /// What the part `share` of all does not exceed [s]; nothing of none.

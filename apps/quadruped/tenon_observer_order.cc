@@ -224,6 +224,7 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   CheckVariantNames(names);
   const OutputDirectory out(OutputPath(arguments));
   const std::filesystem::path& base = out.path();
+  for (const std::string& name : names) OutputDirectory(base / name);  // also of those that are refused
   WriteFile(base / "scenario.yaml", WriteYaml(scenario));
   std::vector<Result> results;
   for (const VariantScenario& variant : scenario.variants) {
@@ -255,7 +256,6 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
     } else {
       fmt::print("{:<20} {:>6} refused: unstable\n", variant.name, variant.gains_per_s.size());
     }
-    std::filesystem::create_directories(base / variant.name);
     result.summary.Write(base / variant.name / "summary.json");
     runs.emplace_back(variant.name, std::move(result.summary));
   }

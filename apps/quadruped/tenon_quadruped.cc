@@ -109,7 +109,7 @@ void CheckJudged(const CommonArguments& arguments, const QuadrupedScenario& scen
   const std::string what = fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s",
                                        Duration(scenario), scenario.walk->judged_from_s);
   if (!arguments.duration) throw ParameterError(what + ": lower that, or lengthen the walk");
-  fmt::print(stderr, "warning: {}: there is nothing to judge, its figures are null\n", what);
+  Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
 }
 
 int Run(const CommonArguments& arguments, const WalkArguments& walk) {

@@ -15,7 +15,7 @@ class OutputError : public RunError {
 };
 
 /// Writes a file as a whole: the text goes into a file beside it, `.NAME.PID.part`, which then takes its
-/// name. So a reader, or who comes after a crash, finds what was there before or all of the new. What is no
+/// name. So a reader, or who comes after a kill, finds what was there before or all of the new. What is no
 /// regular file, "/dev/stdout", is written as it is. Throws OutputError, and leaves nothing behind.
 void WriteFile(const std::filesystem::path& file, std::string_view text);
 

@@ -54,7 +54,8 @@ class CsvLog final : public LogSink {
   explicit CsvLog(std::filesystem::path file) : file_(std::move(file)) {}
   ~CsvLog() override;
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
-  /// Throws OutputError if the disk is full or gone; the rows before are in the file.
+  /// Throws OutputError if the disk is full or gone. The file ends with a whole row then; those since the
+  /// last flush are lost.
   void Row(std::span<const double> row) override;
   void Flush() override;
 

@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 #include <tenon/systems/simulation.h>
@@ -95,6 +96,7 @@ bool WithController(const Link& link, double end, const std::function<void()>& p
     }
     _exit(code);
   }
+  if (child < 0) throw std::runtime_error("no second process can be made");
   plant();
   int status = 1;
   waitpid(child, &status, 0);

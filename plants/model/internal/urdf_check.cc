@@ -90,7 +90,10 @@ class Check {
       XML_StopParser(check->parser_.get(), XML_FALSE);
     }
   }
-  static void OnEnd(void* self, const char*) { static_cast<Check*>(self)->open_.pop_back(); }
+  static void OnEnd(void* self, const char*) {
+    auto* check = static_cast<Check*>(self);
+    if (!check->failure_) check->open_.pop_back();  // it is called once more after a failure
+  }
 
   void Start(std::string_view element, const char** attributes) {
     if (open_.size() >= kMaxDepth)
@@ -123,26 +126,35 @@ class Check {
   }
 
   void RefuseRings() const {
-    std::map<std::string_view, const Joint*> above;
-    for (const Joint& joint : joints_) {
-      const auto [at, is_new] = above.emplace(joint.child, &joint);
+    std::map<std::string_view, std::size_t> above;  // the joint on which a link hangs
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      if (joints_[i].child.empty()) continue;  // the parser says so
+      const auto [at, is_new] = above.emplace(joints_[i].child, i);
       if (!is_new)
-        Fail(joint.line,
+        Fail(joints_[i].line,
              "the link '{}' hangs on two joints, '{}' and '{}'; the links must form a tree, take one out",
-             joint.child, at->second->name, joint.name);
+             joints_[i].child, joints_[at->second].name, joints_[i].name);
     }
-    for (const Joint& joint : joints_) {
-      std::string names;
-      const Joint* next = &joint;
-      for (std::size_t i = 0; i <= joints_.size(); ++i) {
-        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", next->name);
-        const auto found = above.find(next->parent);
+    std::vector<std::size_t> walk_of(joints_.size(), joints_.size());  // that came past the joint first
+    for (std::size_t start = 0; start < joints_.size(); ++start) {
+      for (std::size_t i = start; walk_of[i] == joints_.size();) {
+        walk_of[i] = start;
+        const auto found = above.find(joints_[i].parent);
         if (found == above.end()) break;
-        next = found->second;
-        if (next == &joint)
-          Fail(joint.line, "the joints {} form a loop; the links must form a tree, take one out", names);
+        i = found->second;
+        if (walk_of[i] == start) FailRing(i, above);
       }
     }
+  }
+
+  [[noreturn]] void FailRing(std::size_t start, const std::map<std::string_view, std::size_t>& above) const {
+    std::string names;
+    std::size_t i = start;
+    do {
+      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", joints_[i].name);
+      i = above.at(joints_[i].parent);
+    } while (i != start);
+    Fail(joints_[start].line, "the joints {} form a loop; the links must form a tree, take one out", names);
   }
 
   const std::string& file_;

@@ -40,8 +40,13 @@ void ColumnLog::Row(std::span<const double> row) {
   pending_ = (pending_ + 1) % interval;
   if (pending_ != 0 || rows() < max_rows_ + (trailing_ ? 1 : 0)) return;
   Truncate(max_rows_);
-  trailing_ = false;
-  thinning_ == Thinning::kPeaks ? MergePeaks() : DropRows();
+  if (thinning_ == Thinning::kPeaks) {
+    MergePeaks();
+  } else {
+    DropRows();
+    Append(row);
+    trailing_ = true;
+  }
   stride_ *= 2;
 }
 

@@ -161,8 +161,10 @@ void YamlNode::ReadDouble(double* value) const {
 template <class Integer>
 void YamlNode::ReadInteger(Integer* value) const {
   using Limits = std::numeric_limits<Integer>;
-  const std::size_t digit = tree_->text.find_first_of("0123456789");
-  if (tree_->kind == Kind::kScalar && digit + 1 < tree_->text.size() && tree_->text[digit] == '0')
+  std::string_view digits = tree_->text;
+  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+  const bool all_digits = digits.find_first_not_of("0123456789") == digits.npos;
+  if (tree_->kind == Kind::kScalar && all_digits && digits.size() > 1 && digits.front() == '0')
     Fail(fmt::format("{} begins with a 0, which some readers of YAML take for octal; leave the 0 away",
                      Describe(*tree_)));
   if (ParseNumber(*tree_, *value) == std::errc()) return;

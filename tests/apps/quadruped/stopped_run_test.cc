@@ -22,14 +22,19 @@ const std::string kApp = TENON_QUADRUPED;
 
 class TenonStoppedRunTest : public test::AppTest {
  protected:
-  /// Runs for ever, until rows are in the file; then `script`, in which $run is its process.
+  /// Runs for ever, until some rows are in the file; then `script`, in which $run is its process.
   Result WhileRunning(const std::string& script) const {
-    return RunCommand("sh -c '" + kApp + " flat --duration 100000" + Out() + " & run=$!; until [ -s " +
-                      (out / "signals.csv").string() + " ]; do sleep 0.02; done; sleep 0.7; " + script + "'");
+    fs::remove(out / "signals.csv");
+    const std::string rows = "$(wc -l 2>/dev/null < " + (out / "signals.csv").string() + " || echo 0)";
+    return RunCommand("bash -c '" + kApp + " flat --duration 100000" + Out() + " & run=$!; until [ " + rows +
+                      " -gt 12 ]; do kill -0 $run || exit 99; sleep 0.02; done 2>/dev/null; " + script + "'");
   }
   /// All rows are as long as the header.
   void ExpectWholeRows() const {
-    std::istringstream file(Read(out / "signals.csv"));
+    const std::string text = Read(out / "signals.csv");
+    ASSERT_FALSE(text.empty());
+    EXPECT_EQ(text.back(), '\n');
+    std::istringstream file(text);
     std::string line;
     std::getline(file, line);
     const auto cells = std::count(line.begin(), line.end(), ',');
@@ -37,7 +42,6 @@ class TenonStoppedRunTest : public test::AppTest {
     for (; std::getline(file, line); ++rows)
       ASSERT_EQ(std::count(line.begin(), line.end(), ','), cells) << rows;
     EXPECT_GT(rows, 10);
-    EXPECT_EQ(Read(out / "signals.csv").back(), '\n');
   }
 };
 
@@ -94,6 +98,11 @@ TEST_F(TenonStoppedRunTest, PlacesThatCannotBeWrittenAreExitCode5) {
   const Result figures = RunCommand("sh -c '" + kApp + " stand --duration 0.1" + Out() + " 2>&1 >/dev/full'");
   EXPECT_EQ(figures.exit_code, 5);
   EXPECT_THAT(figures.text, HasSubstr("the figures cannot be printed"));
+  const Result comparison =
+      RunCommand("sh -c '" + kApp + " A2 --compare --duration 0.1" + Out() + " 2>&1 >/dev/full'");
+  EXPECT_EQ(comparison.exit_code, 5) << "more than one buffer of figures; " << comparison.text;
+  const Result silent = RunCommand("sh -c '" + kApp + " stand --duration 0.1" + Out() + " 2>/dev/full'");
+  EXPECT_EQ(silent.exit_code, 0) << "nobody need see the progress";
   const Result graph = RunCommand(kApp + " stand --duration 0.1" + Out() + " --graph /nonexistent/a.svg");
   EXPECT_EQ(graph.exit_code, 5);
   EXPECT_THAT(graph.text, HasSubstr("cannot write '/nonexistent/a.svg'"));

@@ -284,6 +284,9 @@ TEST(QuadrupedDescriptionTest, RefusesNumbersThatAreNone) {
     EXPECT_TRUE(
         Refused(files, "dogbot.urdf:", "link 'body': <mass value=\"" + std::string(bad), "one number"));
   }
+  RobotFiles root("a1");
+  root.urdf = "<mass value=\"x\"/>";
+  EXPECT_TRUE(Refused(root, "a1.urdf:1", "<mass value=\"x\">", "one number"));
   RobotFiles axis("a1");
   axis.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0\"/>");
   EXPECT_TRUE(Refused(axis, "joint 'FL_hip_joint': <axis xyz=\"1 0\">", "three numbers"));

@@ -382,6 +382,17 @@ TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
   EXPECT_EQ(log.time(log.rows() - 1), 9999) << "the end is there";
 }
 
+TEST(ColumnLogTest, SamplesEndWithTheRun) {
+  for (const int rows : {1, 2, 63, 64, 65, 127, 128, 129, 8191, 8192, 8193}) {
+    internal::ColumnLog log(Thinning::kSample, 64, nullptr, nullptr);
+    log.Begin({"time", "a"}, {"s", ""});
+    for (int i = 0; i < rows; ++i) log.Row(std::vector<double>{1.0 * i, 2.0 * i});
+    EXPECT_EQ(log.time(log.rows() - 1), rows - 1);
+    EXPECT_EQ(log.at(log.rows() - 1, 0), 2.0F * static_cast<float>(rows - 1));
+    for (std::size_t row = 1; row < log.rows(); ++row) EXPECT_GT(log.time(row), log.time(row - 1)) << rows;
+  }
+}
+
 TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
   internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
