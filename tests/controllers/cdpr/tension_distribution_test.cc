@@ -168,8 +168,10 @@ TEST(TensionDistribution, TheOrderOfTheCablesIsOfNoMatter) {
   int feasible = 0;
   for (int trial = 0; trial < 100; ++trial) {
     CableMatrix6 W = CableMatrix6::Zero(6, 8);
-    for (int i = 0; i < 8; ++i)
-      W.col(i).head<3>() = Vector3d(uniform(random), uniform(random), 0.5 + uniform(random)).normalized();
+    for (int i = 0; i < 8; ++i) {
+      const double z = 0.5 + uniform(random), y = uniform(random), x = uniform(random);
+      W.col(i).head<3>() = Vector3d(x, y, z).normalized();
+    }
     Vector6d b = Vector6d::Zero();
     b.head<3>() << 50 * uniform(random), 50 * uniform(random), 150;
     const TensionDistribution found = DistributeTension(W, b, 20, 80);
