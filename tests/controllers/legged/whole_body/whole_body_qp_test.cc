@@ -389,7 +389,7 @@ TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.slack_weight = 0}.Validate(); },
                                      "slack_weight = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.friction = -1}.Validate(); }, "friction = -1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp(Vec<12>::Zero()); }, "torque limits"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp{Vec<12>::Zero()}; }, "torque limits"));
 }
 
 }  // namespace
