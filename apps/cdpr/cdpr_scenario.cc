@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -42,7 +43,7 @@ void PdScenario::Validate() const {
 }
 
 void MpcScenario::Validate() const {
-  DemandPositive("horizon_s", horizon_s);
+  DemandBetween("horizon_s", horizon_s, 1e-3, 100);
   DemandBetween("num_steps", num_steps, 1, 1000);
   DemandRate("rate_hz", rate_hz);
   DemandRate("command_rate_hz", command_rate_hz);
@@ -100,15 +101,18 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
 
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   CdprLoopParams params;
-  params.robot = LoadCdpr(FindResource("robots", scenario.robot));
+  params.robot = Blame("robot", [&] { return LoadCdpr(FindResource("robots", scenario.robot)); });
   CdprDescription believed = params.robot;
   if (scenario.mpc) {
     believed.mass *= 1 + scenario.mpc->mass_error;
     believed.inertia_B *= 1 + scenario.mpc->mass_error;
   }
-  params.path = std::make_shared<EquilibriumPath>(believed, scenario.path.Make(),
-                                                  StaticsOptions{.attitude = scenario.path.attitude_rad});
-  if (scenario.controller != CdprController::kPd) params.mpc = MakeMpcParams(scenario, params.path);
+  params.path = Blame("path", [&] {
+    return std::make_shared<EquilibriumPath>(believed, scenario.path.Make(),
+                                             StaticsOptions{.attitude = scenario.path.attitude_rad});
+  });
+  if (scenario.controller != CdprController::kPd)
+    params.mpc = Blame("mpc", [&] { return MakeMpcParams(scenario, params.path); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);

@@ -74,10 +74,12 @@ int Run(const CommonArguments& arguments, const std::string& controller, bool co
   auto scenario = document.Read<CdprScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  if (compare) return CompareControllers(arguments, scenario);
-  const Summary summary = RunOnce(arguments, scenario).summary;
-  summary.Print();
-  return summary.exit_code();
+  return RunBlaming(document, [&] {
+    if (compare) return CompareControllers(arguments, scenario);
+    const Summary summary = RunOnce(arguments, scenario).summary;
+    summary.Print();
+    return summary.exit_code();
+  });
 }
 
 }  // namespace

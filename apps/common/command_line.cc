@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <stdexcept>
 #include <system_error>
 
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
@@ -61,6 +63,8 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
     return fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
     return fail(error.what(), kNumericalFailure);
+  } catch (const std::length_error& error) {  // a size beyond all memory
+    return fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
     return fail("out of memory before the run began: is a robot, a list or a horizon of the scenario huge?",
                 kNumericalFailure);
@@ -103,8 +107,9 @@ YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& a
     document.Set(setting.substr(0, equals), setting.substr(equals + 1));
   }
   if (const std::string other = document.Text("app"); !other.empty() && other != app) {
-    throw ParameterError(fmt::format("app is '{}': '{}' is a scenario of another app, not of {}; run {} {}",
-                                     other, arguments.scenario, app, other, arguments.scenario));
+    throw ParameterError(fmt::format("{0}: '{1}' is a scenario of another app, not of {2}; run {3} {1}",
+                                     document.PlaceOf("app"), internal::Excerpt(arguments.scenario), app,
+                                     internal::Excerpt(other)));
   }
   return document;
 }

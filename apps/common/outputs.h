@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/systems/framework/diagram.h>
@@ -107,7 +108,7 @@ void WriteResults(const std::filesystem::path& directory, Summary& summary, Repo
 RunResult RunAndWrite(const CommonArguments& arguments, const auto& scenario, double duration,
                       Simulator& simulator, Report report, const std::vector<const Source*>& signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes, const auto& judge) {
-  report.Log(simulator, signals, shapes);
+  Blame("report", [&] { report.Log(simulator, signals, shapes); });
   const OutputDirectory out(OutputPath(arguments));
   WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
   WriteGraph(simulator.context().diagram(), arguments.graph);

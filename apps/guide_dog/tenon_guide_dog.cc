@@ -14,14 +14,7 @@
 namespace tenon::apps {
 namespace {
 
-int Run(const CommonArguments& arguments) {
-  if (arguments.list) {
-    ListScenarios("tenon-guide-dog");
-    return kRan;
-  }
-  auto scenario = LoadScenario(arguments, "tenon-guide-dog").Read<GuideDogScenario>();
-  if (arguments.seed) scenario.seed = *arguments.seed;
-  if (arguments.duration) scenario.duration_s = *arguments.duration;
+int RunOnce(const CommonArguments& arguments, const GuideDogScenario& scenario) {
   const double duration = Duration(scenario);
 
   DiagramBuilder builder;
@@ -52,6 +45,18 @@ int Run(const CommonArguments& arguments) {
           .summary;
   summary.Print();
   return summary.exit_code();
+}
+
+int Run(const CommonArguments& arguments) {
+  if (arguments.list) {
+    ListScenarios("tenon-guide-dog");
+    return kRan;
+  }
+  const YamlDocument document = LoadScenario(arguments, "tenon-guide-dog");
+  auto scenario = document.Read<GuideDogScenario>();
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  return RunBlaming(document, [&] { return RunOnce(arguments, scenario); });
 }
 
 }  // namespace

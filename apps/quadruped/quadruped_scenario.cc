@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
 
@@ -35,7 +36,7 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
 }
 
 QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
-  return LoadQuadruped(FindResource("robots", scenario.robot));
+  return Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
 }
 
 /// The filter knows its sensors' noise, but takes none for perfect; it does not know their biases.
@@ -165,7 +166,10 @@ void SweepScenario::Validate() const {
 }
 
 void RandomForceScenario::Validate() const {
-  Demand(period_s > 0, fmt::format("period_s = {} must be positive", period_s));
+  DemandPositive("period_s", period_s);
+  DemandNotNegative("lower_N", lower_N);
+  Demand(std::isfinite(upper_N) && upper_N >= lower_N,
+         fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
 }
 
 RigidInertia TrunkLoadScenario::Make() const {
@@ -210,9 +214,9 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.world = MakeWorldParams(scenario, robot);
   params.walk = walk.path;
   const QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
-  LocomotionProfile profile = LoadLocomotionProfile(scenario.profile);
+  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
   if (scenario.observer) profile.observer.kind = *scenario.observer;
-  params.locomotion = MakeLocomotion(believed, profile, walk.gaits);
+  params.locomotion = Blame("walk.gaits", [&] { return MakeLocomotion(believed, profile, walk.gaits); });
   params.observer = MakeObserver(believed, profile);
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;

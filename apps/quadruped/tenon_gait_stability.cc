@@ -75,12 +75,8 @@ void PrintMultipliers(const DiscreteLinearModel& map) {
   }
 }
 
-int Run(const CommonArguments& common, const StabilityArguments& arguments) {
-  if (common.list) {
-    ListScenarios("tenon-quadruped");
-    return kRan;
-  }
-  const auto scenario = LoadScenario(common, "tenon-quadruped").Read<QuadrupedScenario>();
+int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
+            const QuadrupedScenario& scenario) {
   const QuadrupedWalkParams params = EndlessWalk(scenario);
   const SimulatorOptions simulation = MakeSimulatorOptions(scenario);
   const WalkSegment& last = params.walk.segments.back();
@@ -140,6 +136,16 @@ int Run(const CommonArguments& common, const StabilityArguments& arguments) {
                100 * (simulated - linear).norm() / simulated.norm());
   }
   return kRan;
+}
+
+int Run(const CommonArguments& common, const StabilityArguments& arguments) {
+  if (common.list) {
+    ListScenarios("tenon-quadruped");
+    return kRan;
+  }
+  const YamlDocument document = LoadScenario(common, "tenon-quadruped");
+  const auto scenario = document.Read<QuadrupedScenario>();
+  return RunBlaming(document, [&] { return Analyse(common, arguments, scenario); });
 }
 
 }  // namespace

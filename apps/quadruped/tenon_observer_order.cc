@@ -269,12 +269,15 @@ int Run(const CommonArguments& arguments) {
     ListScenarios("tenon-observer-order");
     return kRan;
   }
-  auto scenario = LoadScenario(arguments, "tenon-observer-order").Read<ObserverOrderScenario>();
+  const YamlDocument document = LoadScenario(arguments, "tenon-observer-order");
+  auto scenario = document.Read<ObserverOrderScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  scenario.Validate();
-  for (VariantScenario& variant : scenario.variants) variant.Resolve();
-  return RunAll(arguments, scenario);
+  return RunBlaming(document, [&] {
+    scenario.Validate();
+    for (VariantScenario& variant : scenario.variants) variant.Resolve();
+    return RunAll(arguments, scenario);
+  });
 }
 
 }  // namespace

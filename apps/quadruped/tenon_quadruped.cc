@@ -82,10 +82,10 @@ int RunSweep(const CommonArguments& arguments, const QuadrupedScenario& scenario
 
 /// The scenario with what the command line says of its walk: every segment that walks gets the gait and,
 /// forwards, the speed.
-QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArguments& walk) {
+YamlDocument LoadWalk(const CommonArguments& arguments, const WalkArguments& walk) {
   YamlDocument document = LoadScenario(arguments, "tenon-quadruped");
+  if (!walk.any()) return document;
   const auto scenario = document.Read<QuadrupedScenario>();
-  if (!walk.any()) return scenario;
   if (!scenario.walk)
     throw ParameterError(
         fmt::format("'{}' does not walk: leave --gait, --speed, --observer and --compare away, or take a "
@@ -100,7 +100,7 @@ QuadrupedScenario ReadScenario(const CommonArguments& arguments, const WalkArgum
     if (walk.speed && segment.forward != 0)
       document.Set(key + ".forward_m_per_s", fmt::format("{}", *walk.speed));
   }
-  return document.Read<QuadrupedScenario>();
+  return document;
 }
 
 /// Refuses a walk of which nothing would be judged; says it, if it is --duration that cuts it short.
@@ -108,7 +108,7 @@ void CheckJudged(const CommonArguments& arguments, const QuadrupedScenario& scen
   if (!scenario.walk || scenario.walk->judged_from_s < Duration(scenario)) return;
   const std::string what = fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s",
                                        Duration(scenario), scenario.walk->judged_from_s);
-  if (!arguments.duration) throw ParameterError(what + ": lower that, or lengthen the walk");
+  if (!arguments.duration) throw KeyError("walk.judged_from_s", what + ": lower that, or lengthen the walk");
   Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
 }
 
@@ -117,15 +117,18 @@ int Run(const CommonArguments& arguments, const WalkArguments& walk) {
     ListScenarios("tenon-quadruped");
     return kRan;
   }
-  QuadrupedScenario scenario = ReadScenario(arguments, walk);
+  const YamlDocument document = LoadWalk(arguments, walk);
+  auto scenario = document.Read<QuadrupedScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  CheckJudged(arguments, scenario);
-  if (walk.compare) return CompareObservers(arguments, scenario);
-  if (scenario.sweep) return RunSweep(arguments, scenario);
-  const Summary summary = RunOnce(arguments, scenario).summary;
-  summary.Print();
-  return summary.exit_code();
+  return RunBlaming(document, [&] {
+    CheckJudged(arguments, scenario);
+    if (walk.compare) return CompareObservers(arguments, scenario);
+    if (scenario.sweep) return RunSweep(arguments, scenario);
+    const Summary summary = RunOnce(arguments, scenario).summary;
+    summary.Print();
+    return summary.exit_code();
+  });
 }
 
 }  // namespace

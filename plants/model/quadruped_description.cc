@@ -63,28 +63,28 @@ void CheckNotNegative(const char* key, double value) {
 
 /// Refuses legs in another order and a stance out of reach.
 void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
-                 const std::string& file) {
+                 const YamlDocument& document) {
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto at = static_cast<std::size_t>(leg);
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const JointDescription& joint = robot.legs[at].joints[static_cast<std::size_t>(i)];
       const double q = robot.stance[kJointsPerLeg * leg + i];
       if (q < joint.lower || q > joint.upper)
-        throw ParameterError(
-            fmt::format("{}: nominal_stance.{}.{}: the angle {} rad is outside the range {} to {} rad of the "
-                        "joint '{}' in "
-                        "the URDF; change one of them",
-                        file, kLegNames[at], i, q, joint.lower, joint.upper, joint.name));
+        throw ParameterError(fmt::format(
+            "{}: the angle {} rad is outside the range {} to {} rad of the joint '{}' in the URDF; "
+            "change one of them",
+            document.PlaceOf(fmt::format("nominal_stance.{}.{}", kLegNames[at], i)), q, joint.lower,
+            joint.upper, joint.name));
     }
     const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
     const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
     if ((p[0] > 0) != front || (p[1] > 0) != left)
       throw ParameterError(fmt::format(
-          "{}: feet.{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, "
-          "which is "
-          "{} {} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
-          file, kLegNames[at], feet.InOrder()[at], p[0], p[1], p[2], p[0] > 0 ? "front" : "rear",
-          p[1] > 0 ? "left" : "right"));
+          "{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is {} "
+          "{} "
+          "(x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
+          document.PlaceOf(fmt::format("feet.{}", kLegNames[at])), feet.InOrder()[at], p[0], p[1], p[2],
+          p[0] > 0 ? "front" : "rear", p[1] > 0 ? "left" : "right"));
   }
 }
 
@@ -169,7 +169,8 @@ QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
 }
 
 QuadrupedDescription LoadQuadruped(const std::string& path) {
-  const auto file = YamlDocument::Load(path).Read<RobotFile>();
+  const YamlDocument document = YamlDocument::Load(path);
+  const auto file = document.Read<RobotFile>();
   QuadrupedDescription robot;
   robot.name = file.name;
   robot.foot_radius = file.foot_radius;
@@ -180,7 +181,7 @@ QuadrupedDescription LoadQuadruped(const std::string& path) {
     robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
         file.stance.InOrder()[static_cast<std::size_t>(leg)];
   internal::ReadUrdf(std::filesystem::path(path).parent_path() / file.urdf, file.feet.InOrder(), &robot);
-  CheckStance(robot, file.feet, path);
+  CheckStance(robot, file.feet, document);
   return robot;
 }
 

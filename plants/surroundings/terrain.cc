@@ -12,6 +12,7 @@ namespace tenon {
 namespace {
 
 constexpr double kMaxCells = 1e6;
+constexpr double kMaxPlaces = 1e5;
 
 void CheckFriction(double friction) {
   if (!(std::isfinite(friction) && friction >= 0))
@@ -83,6 +84,11 @@ void BoxField::Validate() const {
   if (!(coverage >= 0 && coverage <= 1))
     throw ParameterError(
         fmt::format("coverage is {} but must be from 0 to 1; it is a probability", coverage));
+  const double places = ((upper - lower).array() / (size.array() + gap)).prod();
+  if (!(places <= kMaxPlaces))
+    throw ParameterError(fmt::format(
+        "the field has {:.3g} places for boxes, more than {}; give a smaller area or larger boxes", places,
+        kMaxPlaces));
   if (kinds.empty())
     throw ParameterError("the field has no kinds of boxes; list height_m and friction under kinds");
   for (const BoxKind& kind : kinds) {

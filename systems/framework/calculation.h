@@ -42,10 +42,9 @@ inline bool Exists(const Declared& member) {
 #ifdef __clang__
 template <class F>
 constexpr std::uint64_t HashOf() {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char* c = __PRETTY_FUNCTION__; *c != 0; ++c)
-    hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3u;
-  return hash;
+  Fnv1a hash;
+  hash.Add(__PRETTY_FUNCTION__);
+  return hash.value();
 }
 template <class F>
 using TagOf = std::integral_constant<std::uint64_t, HashOf<F>()>;

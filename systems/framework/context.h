@@ -90,10 +90,11 @@ class Context {
   /// by taking that step again; methods with a past (all but kErk) begin again at the last tick that
   /// restarted them. Throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
-  /// Takes over what Save gave, from a context of the same diagram; throws RunError, and changes nothing, if
-  /// it is another or cut short.
+  /// Takes over what Save gave, from a context of the same diagram; throws RunError that says why, and
+  /// changes nothing, if it is of another diagram or version, cut short or changed: it carries a checksum.
   void Restore(std::span<const std::byte> bytes);
-  /// The same with a file; throws RunError that names the file if it cannot be written or read.
+  /// The same with a file, written as a whole; throws RunError (OutputError) that names the file if it cannot
+  /// be written or read.
   void SaveFile(const std::string& file) const;
   void RestoreFile(const std::string& file);
 

@@ -1,14 +1,60 @@
 #include <fmt/core.h>
 
+#include <array>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 
 #include <tenon/systems/framework/context.h>
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/internal/fnv1a.h>
 #include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/io/output_file.h>
 
 namespace tenon {
 
 using internal::Cell;
+
+namespace {
+
+/// What a snapshot begins with. The checksum is of all that follows, so that no byte can change unseen.
+struct Header {
+  std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
+  std::uint64_t version = 3;
+  std::uint64_t size = 0;  ///< of what follows [bytes]
+  std::uint64_t checksum = 0;
+};
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 32, "it has no padding");
+
+std::uint64_t ChecksumOf(std::span<const std::byte> bytes) {
+  internal::Fnv1a checksum;
+  checksum.Add({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return checksum.value();
+}
+
+/// What follows the header. Throws RunError unless it is whole.
+std::span<const std::byte> CheckedPayload(std::span<const std::byte> snapshot) {
+  const Header mine;
+  Header header;
+  const std::size_t known = std::min(snapshot.size(), sizeof(Header));
+  if (known > 0) std::memcpy(&header, snapshot.data(), known);
+  if (header.magic != mine.magic) throw RunError("this is no snapshot: give what Context::Save wrote");
+  if (header.version != mine.version)
+    throw RunError(
+        fmt::format("the snapshot has format {}, this program reads {}: save it again with this one",
+                    header.version, mine.version));
+  const std::span<const std::byte> payload = snapshot.subspan(known);
+  if (known < sizeof(Header) || payload.size() < header.size)
+    throw RunError(fmt::format("the snapshot is cut short: {} bytes, more are needed", snapshot.size()));
+  if (payload.size() > header.size)
+    throw RunError(
+        fmt::format("the snapshot is damaged: {} bytes follow its end", payload.size() - header.size));
+  if (ChecksumOf(payload) != header.checksum)
+    throw RunError("the snapshot is damaged: its checksum is wrong; take another copy of it");
+  return payload;
+}
+
+}  // namespace
 
 std::vector<std::byte> Context::Save() const {
   const internal::Program& program = diagram_->program();
@@ -16,6 +62,7 @@ std::vector<std::byte> Context::Save() const {
     throw RunError(fmt::format("a run that failed cannot be saved: {}; save before", failure_));
   }
   internal::Archive archive;
+  archive.bytes().resize(sizeof(Header));
   internal::Save(program.signature, archive);
   internal::Save(time(), archive);
   internal::Save(seed_, archive);
@@ -35,7 +82,12 @@ std::vector<std::byte> Context::Save() const {
     }
   }
   for (const bool fixed : fixed_) internal::Save(fixed, archive);
-  return archive.bytes();
+  Header header;
+  const std::span<const std::byte> payload = std::span(archive.bytes()).subspan(sizeof(Header));
+  header.size = payload.size();
+  header.checksum = ChecksumOf(payload);
+  std::memcpy(archive.bytes().data(), &header, sizeof(Header));
+  return std::move(archive.bytes());
 }
 
 void Context::Restore(std::span<const std::byte> bytes) {
@@ -46,7 +98,8 @@ void Context::Restore(std::span<const std::byte> bytes) {
 void Context::Load(std::span<const std::byte> bytes) {
   const internal::Program& program = diagram_->program();
   internal::Archive archive;
-  archive.Write(bytes.data(), bytes.size());
+  const std::span<const std::byte> payload = CheckedPayload(bytes);
+  archive.Write(payload.data(), payload.size());
   std::uint64_t signature = 0;
   internal::Load(signature, archive);
   if (signature != program.signature) {
@@ -58,6 +111,8 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(progress_, archive);
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
+  if (!std::isfinite(time) || progress_ > Progress::kTickDue)
+    throw RunError("the snapshot is damaged: its time, or what has happened by then, makes no sense");
   SetTime(time);
   failure_.clear();
   internal::Load(step_start_.valid, archive);
@@ -87,10 +142,7 @@ void Context::Load(std::span<const std::byte> bytes) {
 
 void Context::SaveFile(const std::string& file) const {
   const std::vector<std::byte> bytes = Save();
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) throw RunError(fmt::format("cannot write the snapshot to '{}'", file));
+  WriteFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 void Context::RestoreFile(const std::string& file) {

@@ -1,5 +1,7 @@
 #include <tenon/systems/framework/random_stream.h>
 
+#include <tenon/systems/framework/internal/fnv1a.h>
+
 #include <bit>
 #include <cmath>
 
@@ -13,11 +15,10 @@ std::uint64_t SplitMix64(std::uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-/// FNV-1a.
 std::uint64_t Hash(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return hash;
+  internal::Fnv1a hash;
+  hash.Add(text);
+  return hash.value();
 }
 
 }  // namespace

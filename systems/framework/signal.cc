@@ -132,11 +132,20 @@ class Loader final : public ValueVisitor {
  public:
   explicit Loader(Archive& archive) : archive_(archive) {}
   void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
-    archive_.Read(data, SizeOf(kind) * rows * cols);
+    if (kind != ScalarKind::kBool) return archive_.Read(data, SizeOf(kind) * rows * cols);
+    for (std::size_t i = 0; i < rows * cols; ++i) Load(static_cast<bool*>(data)[i], archive_);
+  }
+  void Number(void* data, const TypeInfo& type) override {
+    Numbers(data, type.scalar, 1, 1);
+    if (type.names.empty() ||
+        std::ranges::count(type.names, LoadInteger(type.scalar, data), &NamedValue::value) > 0)
+      return;
+    throw RunError("the snapshot is damaged: an enumeration has a value without a name");
   }
   void Resize(std::size_t* rows, std::size_t* cols) override {
     *rows = LoadSize();
     *cols = LoadSize();
+    if (*rows > 0 && *cols > 0) archive_.Demand(*rows * *cols);
   }
   void Text(std::string& text) override {
     text.resize(LoadSize());
@@ -232,6 +241,13 @@ void Archive::Read(void* data, std::size_t size) {
   Demand(size);
   std::memcpy(data, bytes_.data() + cursor_, size);
   cursor_ += size;
+}
+
+void Load(bool& value, Archive& archive) {
+  std::uint8_t byte = 0;
+  archive.Read(&byte, sizeof(byte));
+  if (byte > 1) throw RunError("the snapshot is damaged: a truth value is neither");
+  value = byte == 1;
 }
 
 void Save(const TypeInfo& type, const void* value, Archive& archive) {

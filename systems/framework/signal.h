@@ -81,6 +81,7 @@ template <Scalar T>
 void Load(T& value, Archive& archive) {
   archive.Read(&value, sizeof(T));
 }
+void Load(bool& value, Archive& archive);  ///< throws RunError for a byte that is neither 0 nor 1
 
 void SetZero(const TypeInfo& type, void* value);
 

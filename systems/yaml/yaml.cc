@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <map>
+#include <ranges>
 #include <system_error>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
 
@@ -31,18 +34,40 @@ YamlDocument YamlDocument::Load(const std::string& file_name) {
         "cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute", file_name,
         std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
         std::filesystem::current_path().string()));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return Parse(text.str(), file_name);
+  std::string text;
+  std::array<char, 1 << 16> part;
+  while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may have no end
+    file.read(part.data(), part.size());
+    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  return Parse(std::move(text), file_name);
 }
 
 YamlDocument YamlDocument::Parse(std::string text, std::string name) {
   const auto place_of = [&](int line, int column) { return fmt::format("{}:{}:{}", name, line, column); };
-  return YamlDocument(std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)));
+  return {std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)), name};
 }
 
 void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
   internal::YamlNode(*tree_, "").Read(type, value);
+}
+
+std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
+  const YamlTree* node = tree_.get();
+  for (const auto part : std::views::split(dotted_key, '.')) {
+    const std::string_view key(part.begin(), part.end());
+    std::size_t index = 0;
+    if (node->kind == YamlTree::Kind::kList &&
+        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc() &&
+        index < node->children.size()) {
+      node = &node->children[index];
+      continue;
+    }
+    const auto found = YamlTree::FindKey(*node, key);
+    if (found == node->children.end()) break;
+    node = &*found;
+  }
+  return fmt::format("{}: {}", node->place, dotted_key);
 }
 
 std::string YamlDocument::Text(std::string_view key) const {
@@ -53,12 +78,16 @@ std::string YamlDocument::Text(std::string_view key) const {
 namespace {
 
 void AddMissingTo(YamlTree& tree, const YamlTree& base) {
+  std::map<std::string, std::size_t> places;
+  for (const YamlTree& child : tree.children) places.emplace(child.key, places.size());
   for (const YamlTree& entry : base.children) {
-    const auto own = YamlTree::FindKey(tree, entry.key);
-    if (own == tree.children.end())
+    const auto own = places.find(entry.key);
+    if (own == places.end()) {
       tree.children.push_back(entry);
-    else if (own->kind == YamlTree::Kind::kMap && entry.kind == YamlTree::Kind::kMap)
-      AddMissingTo(*own, entry);
+    } else if (YamlTree& child = tree.children[own->second];
+               child.kind == YamlTree::Kind::kMap && entry.kind == YamlTree::Kind::kMap) {
+      AddMissingTo(child, entry);
+    }
   }
 }
 
@@ -77,7 +106,8 @@ void YamlDocument::Remove(std::string_view key) {
 }
 
 void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text) {
-  const std::string place = fmt::format("--set {}={}", dotted_key, value_text);
+  const std::string place =
+      fmt::format("--set {}={}", internal::Excerpt(dotted_key), internal::Excerpt(value_text));
   YamlTree root = *tree_;
   YamlTree* node = &root;
   for (std::size_t begin = 0; begin <= dotted_key.size();) {
@@ -101,12 +131,13 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
       std::size_t index = 0;
       const auto [last, error] = std::from_chars(key.data(), key.data() + key.size(), index);
       if (error != std::errc() || last != key.data() + key.size() || index >= node->children.size())
-        internal::FailAt(place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", parent,
-                                            internal::Describe(*node), key));
+        internal::FailAt(
+            place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", internal::Excerpt(parent),
+                               internal::Describe(*node), internal::Excerpt(key)));
       node = &node->children[index];
     } else {
-      internal::FailAt(place, fmt::format("'{}' is {} and has nothing inside; set '{}' itself", parent,
-                                          internal::Describe(*node), parent));
+      internal::FailAt(place, fmt::format("'{0}' is {1} and has nothing inside; set '{0}' itself",
+                                          internal::Excerpt(parent), internal::Describe(*node)));
     }
   }
   const auto place_of = [&](int, int) { return place; };

@@ -46,6 +46,7 @@ class YamlDocument {
   static YamlDocument Load(const std::string& path);
   /// The same from text; errors call it `name`.
   static YamlDocument Parse(std::string text, std::string name);
+  const std::string& name() const { return name_; }
 
   /// Replaces one value, as `--set a.b=3` of a command line asks: `value_text` is YAML, the key a path of map
   /// keys and list indices (`anchors.2`). A map key that is missing is added, a list does not grow.
@@ -57,6 +58,10 @@ class YamlDocument {
   void AddMissing(const YamlDocument& base);
   /// Takes out a key at top level, if it is there.
   void Remove(std::string_view key);
+
+  /// Where the value of a key stands, as errors begin: "walk.yaml:12:5: path.points". For what is found wrong
+  /// after reading. Of a key that is not there, where it would be.
+  std::string PlaceOf(std::string_view dotted_key) const;
 
   /// The text of a scalar at top level; empty if there is none of that key.
   std::string Text(std::string_view key) const;
@@ -77,10 +82,12 @@ class YamlDocument {
   }
 
  private:
-  explicit YamlDocument(std::shared_ptr<const internal::YamlTree> tree) : tree_(std::move(tree)) {}
+  YamlDocument(std::shared_ptr<const internal::YamlTree> tree, std::string name)
+      : tree_(std::move(tree)), name_(std::move(name)) {}
   void Read(const internal::TypeInfo& type, void* value) const;
 
   std::shared_ptr<const internal::YamlTree> tree_;  ///< never changed, so copies may share it
+  std::string name_;
 };
 
 /// YAML text with every field of `value`: YamlDocument::Parse gives back an equal value, bit for bit.

@@ -69,7 +69,18 @@ class Reader {
  private:
   template <class... Args>
   [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
-    throw ParameterError(file_ + ": " + fmt::format(format, std::forward<Args>(args)...));
+    const std::string what = fmt::format(format, std::forward<Args>(args)...);
+    throw ParameterError(fmt::format("{}: {}", PlaceOf(what), what));
+  }
+
+  /// The file, with the line of the first link or joint that a message names, as 'this' or [this].
+  std::string PlaceOf(std::string_view what) const {
+    for (std::size_t begin; (begin = what.find_first_of("'[")) != what.npos;) {
+      what.remove_prefix(begin + 1);
+      const auto line = lines_.find(what.substr(0, what.find_first_of("']")));
+      if (line != lines_.end()) return fmt::format("{}:{}", file_, line->second);
+    }
+    return file_;
   }
 
   void Parse() {
@@ -77,7 +88,7 @@ class Reader {
     if (!in) Fail("the file cannot be read; name a URDF file beside the robot's YAML file");
     std::stringstream text;
     text << in.rdbuf();
-    CheckUrdf(text.str(), file_);
+    lines_ = CheckUrdf(text.str(), file_);
     static std::mutex mutex;  // the parser's log is the process's
     const std::lock_guard lock(mutex);
     ParserLog log;
@@ -209,6 +220,7 @@ class Reader {
   }
 
   const std::string file_;
+  UrdfLines lines_;
   QuadrupedDescription& robot_;
   urdf::ModelInterfaceSharedPtr model_;
   std::map<std::string, int> joints_;                // of the legs, by name

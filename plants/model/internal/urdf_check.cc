@@ -3,6 +3,7 @@
 #include <expat.h>
 #include <fmt/format.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 
 #include <charconv>
 #include <cmath>
@@ -21,23 +22,24 @@ namespace {
 constexpr std::size_t kMaxBytes = 16 << 20;
 constexpr std::size_t kMaxDepth = 32;  // a URDF has five or six
 
-/// The attributes that hold numbers, and how many.
+/// The attributes that hold numbers, how many, and how large they may be: beyond it there is no robot.
 struct Numbers {
   std::string_view element, attribute;
   int count;
+  double largest = 1e9;
 };
 constexpr Numbers kNumbers[] = {
     {"mass", "value", 1},   {"inertia", "ixx", 1},    {"inertia", "ixy", 1}, {"inertia", "ixz", 1},
-    {"inertia", "iyy", 1},  {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3},
+    {"inertia", "iyy", 1},  {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3, 100},
     {"origin", "rpy", 3},   {"axis", "xyz", 3},       {"limit", "lower", 1}, {"limit", "upper", 1},
     {"limit", "effort", 1}, {"limit", "velocity", 1},
 };
 
-/// How many finite numbers the text holds, between blanks; none if it holds anything else.
-std::optional<int> CountNumbers(std::string_view text) {
+/// The finite numbers of a text, between blanks; none if it holds anything else.
+std::optional<std::vector<double>> ReadNumbers(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
-  int count = 0;
-  for (std::size_t at; (at = text.find_first_not_of(kBlanks)) != text.npos; ++count) {
+  std::vector<double> numbers;
+  for (std::size_t at; (at = text.find_first_not_of(kBlanks)) != text.npos;) {
     text.remove_prefix(at);
     std::string_view word = text.substr(0, text.find_first_of(kBlanks));
     text.remove_prefix(word.size());
@@ -45,8 +47,9 @@ std::optional<int> CountNumbers(std::string_view text) {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return {};
+    numbers.push_back(value);
   }
-  return count;
+  return numbers;
 }
 
 class Check {
@@ -65,6 +68,8 @@ class Check {
       Fail(Line(), "this is no URDF: {}; correct the XML", XML_ErrorString(XML_GetErrorCode(parser_.get())));
     RefuseRings();
   }
+
+  UrdfLines TakeLines() { return std::move(lines_); }
 
  private:
   struct Joint {
@@ -105,7 +110,8 @@ class Check {
       return "";
     };
     if (open_.size() == 1) {
-      owner_ = fmt::format("{} '{}'", element, attribute("name"));
+      owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
+      if (element == "link" || element == "joint") lines_.emplace(attribute("name"), Line());
       if (element == "joint") joints_.push_back({attribute("name"), "", "", Line()});
     } else if (open_.size() == 2 && open_.back() == "joint") {
       if (element == "parent") joints_.back().parent = attribute("link");
@@ -118,10 +124,16 @@ class Check {
   void CheckNumbers(std::string_view element, std::string_view attribute, std::string_view text) const {
     for (const Numbers& numbers : kNumbers) {
       if (numbers.element != element || numbers.attribute != attribute) continue;
-      if (CountNumbers(text) != numbers.count)
-        Fail(Line(), "{}: <{} {}=\"{:.80}\">: write {}, without a unit and with a decimal point", owner_,
-             element, attribute, text,
+      const auto found = ReadNumbers(text);
+      if (!found || static_cast<int>(found->size()) != numbers.count)
+        Fail(Line(), "{}: <{} {}=\"{}\">: write {}, without a unit and with a decimal point", owner_, element,
+             attribute, Excerpt(text),
              numbers.count == 1 ? "one number" : "three numbers with blanks between");
+      for (const double number : *found) {
+        if (!(std::abs(number) <= numbers.largest))
+          Fail(Line(), "{}: <{} {}=\"{}\">: no robot is so large, {} is the most; is the unit an SI unit?",
+               owner_, element, attribute, Excerpt(text), numbers.largest);
+      }
     }
   }
 
@@ -163,13 +175,14 @@ class Check {
   std::vector<std::string> open_;  ///< elements
   std::string owner_;              ///< the link or joint that these are in
   std::vector<Joint> joints_;
+  UrdfLines lines_;
   std::exception_ptr failure_;
 };
 
 }  // namespace
 
-void CheckUrdf(const std::string& text, const std::string& file) {
-  Check(text, file);
+UrdfLines CheckUrdf(const std::string& text, const std::string& file) {
+  return Check(text, file).TakeLines();
 }
 
 }  // namespace tenon::internal

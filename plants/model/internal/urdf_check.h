@@ -1,12 +1,18 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <map>
 #include <string>
 
 namespace tenon::internal {
 
+/// The lines in which links and joints begin, by their names.
+using UrdfLines = std::map<std::string, std::size_t, std::less<>>;
+
 /// Refuses what urdfdom takes without a word: numbers that it drops, links in a ring, on which it never ends,
 /// and elements nested so deep, or files so large, that they are no robot. Throws ParameterError with `file`,
 /// line, and the link or joint.
-void CheckUrdf(const std::string& text, const std::string& file);
+UrdfLines CheckUrdf(const std::string& text, const std::string& file);
 
 }  // namespace tenon::internal

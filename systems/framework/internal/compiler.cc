@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/internal/fnv1a.h>
 
 namespace tenon::internal {
 namespace {
@@ -242,14 +243,10 @@ void Compiler::LayOut() {
       source->calculation_ = origin.calculation_;
     }
   }
-  constexpr std::uint64_t kSnapshotFormat = 2;
-  std::uint64_t hash = 0xcbf29ce484222325u ^ kSnapshotFormat;
-  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
+  Fnv1a checksum;
   for (const Cell& cell : program_.cells) {
     const Source& source = *cell.source;
-    mix(cell.offset);
-    mix(source.type_->size);
-    for (const char c : source.name()) mix(static_cast<unsigned char>(c));
+    checksum.Add(fmt::format("{} {} {}\n", source.path(), cell.offset, source.type_->size));
     const bool held = source.kind() == SourceKind::kOutput && source.is_sampled();
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
@@ -261,7 +258,7 @@ void Compiler::LayOut() {
                       });
     if (held || kept || warm) program_.saved.push_back(cell);
   }
-  program_.signature = hash;
+  program_.signature = checksum.value();
 }
 
 void Compiler::FillArguments() {

@@ -60,12 +60,23 @@ void WalkItems(const TypeInfo& item, void* first, std::size_t count, ValueVisito
   }
 }
 
-/// Lets the visitor change the size, if it can change.
+bool CanHave(const TypeInfo& type, std::size_t rows, std::size_t cols) {
+  if (type.kind == Kind::kOptional) return rows <= 1 && cols == 1;
+  if (type.kind == Kind::kList) return cols == 1;
+  const auto agrees = [](int fixed, std::size_t size) {
+    return fixed < 0 || static_cast<std::size_t>(fixed) == size;
+  };
+  return agrees(type.rows, rows) && agrees(type.cols, cols) && (rows == 0 || cols <= type.capacity / rows);
+}
+
+/// Lets the visitor change the size, if it can change. Throws RunError if the type has no such size.
 void Resize(const TypeInfo& type, void* value, ValueVisitor& visitor, std::size_t* rows, std::size_t* cols) {
   type.shape(value, rows, cols);
   std::size_t wanted_rows = *rows, wanted_cols = *cols;
   visitor.Resize(&wanted_rows, &wanted_cols);
   if (wanted_rows == *rows && wanted_cols == *cols) return;
+  if (!CanHave(type, wanted_rows, wanted_cols))
+    throw RunError(fmt::format("a {} cannot be {} by {}", TypeName(type), wanted_rows, wanted_cols));
   type.resize(value, wanted_rows, wanted_cols);
   *rows = wanted_rows, *cols = wanted_cols;
 }

@@ -136,6 +136,7 @@ struct TypeInfo {
   std::vector<NamedValue> names = {};
 
   int rows = 0, cols = 0;
+  std::size_t capacity = SIZE_MAX;       ///< how many numbers a matrix has room for
   void* (*data)(void* value) = nullptr;  ///< of a matrix, of a list or an optional: its first number, item
   void (*shape)(const void* value, std::size_t* rows, std::size_t* cols) = nullptr;  ///< cols of a list: 1
   void (*resize)(void* value, std::size_t rows, std::size_t cols) = nullptr;
@@ -223,6 +224,7 @@ void DescribeMatrix(TypeInfo& info) {
   info.rows = T::RowsAtCompileTime;
   info.cols = T::ColsAtCompileTime;
   info.data = [](void* value) -> void* { return static_cast<T*>(value)->data(); };
+  if constexpr (T::MaxSizeAtCompileTime != Eigen::Dynamic) info.capacity = T::MaxSizeAtCompileTime;
   if constexpr (T::SizeAtCompileTime == Eigen::Dynamic) {
     info.shape = [](const void* value, std::size_t* rows, std::size_t* cols) {
       *rows = static_cast<std::size_t>(static_cast<const T*>(value)->rows());

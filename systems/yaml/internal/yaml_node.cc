@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 
 namespace tenon::internal {
@@ -247,8 +248,12 @@ void YamlNode::ReadMap(const TypeInfo& type, void* value) const {
   }
 }
 
+std::string YamlNode::Below(std::string_view key) const {
+  return path_.empty() ? Excerpt(key) : fmt::format("{}.{}", path_, Excerpt(key));
+}
+
 YamlNode YamlNode::Child(const YamlTree& child, std::string_view key) const {
-  return {child, path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key)};
+  return {child, Below(key)};
 }
 
 std::vector<YamlNode> YamlNode::Items() const {
@@ -280,8 +285,7 @@ void YamlNode::CheckKeys(const FieldList& keys) const {
     if (std::ranges::find(keys, child.key, [](const Field& key) { return std::string_view(key.name); }) !=
         keys.end())
       continue;
-    const std::string path = path_.empty() ? child.key : fmt::format("{}.{}", path_, child.key);
-    FailAt(child.key_place, fmt::format("{}: unknown key; {}. Valid keys: {}", path,
+    FailAt(child.key_place, fmt::format("{}: unknown key; {}. Valid keys: {}", Below(child.key),
                                         SuggestKey(child.key, keys), JoinKeys(keys)));
   }
   FieldList missing;

@@ -38,6 +38,7 @@ class YamlNode {
   std::vector<YamlNode> Items(std::size_t count) const;  ///< of a list of that length
   std::optional<YamlNode> Find(std::string_view key) const;
   void CheckKeys(const FieldList& fields) const;  ///< throws on unknown and on missing ones
+  std::string Below(std::string_view key) const;  ///< the path to it
   YamlNode Child(const YamlTree& child, std::string_view key) const;
   [[noreturn]] void Fail(std::string_view what) const;
   [[noreturn]] void FailValidation(std::string_view what) const;

@@ -1,6 +1,6 @@
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <utf8.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 
 namespace tenon::internal {
 namespace {
@@ -47,6 +48,7 @@ class TreeBuilder final : public YAML::EventHandler {
     const auto it = anchors_.find(anchor);
     if (it == anchors_.end())
       FailAt(PlaceOf(mark), "the alias stands inside its own anchor; repeat the value");
+    Count(it->second, PlaceOf(mark));
     Add(it->second, 0);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -70,16 +72,44 @@ class TreeBuilder final : public YAML::EventHandler {
     std::optional<YamlTree> key = {};  // the key whose value comes next
   };
 
-  YamlTree Make(const YAML::Mark& mark, Kind kind) const {
+  YamlTree Make(const YAML::Mark& mark, Kind kind) {
     YamlTree tree;
     tree.kind = kind;
     tree.place = PlaceOf(mark);
     tree.overridden = overridden_;
+    Count(tree, tree.place);
     return tree;
+  }
+  /// Adds the values of a tree to those of the document.
+  void Count(const YamlTree& tree, const std::string& place) {
+    if (++values_ > kMaxYamlValues)
+      FailAt(place,
+             fmt::format("{}the document has more than {} values, aliases counted as what they repeat; "
+                         "shorten it",
+                         OpenKeys(), kMaxYamlValues));
+    for (const YamlTree& child : tree.children) Count(child, place);
+  }
+  /// "a.b: " of the keys whose values are being read.
+  std::string OpenKeys() const {
+    std::vector<std::string> keys;
+    for (const Level& level : open_) {
+      if (level.key) keys.push_back(Excerpt(level.key->text));
+    }
+    return keys.empty() ? "" : fmt::format("{}: ", fmt::join(keys, "."));
+  }
+  void RefuseDoubles(const YamlTree& map) const {
+    if (map.kind != Kind::kMap || !bad_key_.empty()) return;
+    std::vector<const YamlTree*> entries;
+    for (const YamlTree& entry : map.children) entries.push_back(&entry);
+    std::ranges::stable_sort(entries, {}, &YamlTree::key);
+    const auto twice = std::ranges::adjacent_find(entries, {}, &YamlTree::key);
+    if (twice == entries.end()) return;
+    FailAt(twice[1]->key_place, fmt::format("the key '{}' is given twice, first at {}; remove one of them",
+                                            Excerpt(twice[0]->key), twice[0]->key_place));
   }
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?" && tag != "!")
-      FailAt(PlaceOf(mark), fmt::format("the tag '{}' has no meaning here; remove it", tag));
+      FailAt(PlaceOf(mark), fmt::format("the tag '{}' has no meaning here; remove it", Excerpt(tag)));
   }
   bool ExpectsKey() const {
     return !open_.empty() && open_.back().tree.kind == Kind::kMap && !open_.back().key;
@@ -88,10 +118,14 @@ class TreeBuilder final : public YAML::EventHandler {
   void Close() {
     Level level = std::move(open_.back());
     open_.pop_back();
+    RefuseDoubles(level.tree);
     Add(std::move(level.tree), level.anchor);
   }
   void Add(YamlTree tree, YAML::anchor_t anchor) {
-    if (anchor != 0) anchors_[anchor] = tree;
+    if (anchor != 0) {
+      Count(tree, tree.place);
+      anchors_[anchor] = tree;
+    }
     if (open_.empty()) {
       root_ = std::move(tree);
       return;
@@ -100,10 +134,6 @@ class TreeBuilder final : public YAML::EventHandler {
     if (ExpectsKey()) {
       // The parser takes an unfinished list for a key before it finds the syntax error, so this must wait.
       if (tree.kind != Kind::kScalar && bad_key_.empty()) bad_key_ = tree.place;
-      const auto first = YamlTree::FindKey(level.tree, tree.text);
-      if (tree.kind == Kind::kScalar && first != level.tree.children.end())
-        FailAt(tree.place, fmt::format("the key '{}' is given twice, first at {}; remove one of them",
-                                       tree.text, first->key_place));
       level.key = std::move(tree);
       return;
     }
@@ -117,6 +147,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   const YamlPlaceOf& place_of_;
   bool overridden_;
+  std::size_t values_ = 0;  // so far
   YamlTree root_;
   std::string bad_key_;  // place of the first key that is no word
   int documents_ = 0;
@@ -138,6 +169,9 @@ void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of) {
 }
 
 YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden) {
+  if (text.size() > kMaxYamlBytes)
+    FailAt(place_of(1, 1),
+           fmt::format("the text has more than {} bytes; is it the right file?", kMaxYamlBytes));
   CheckUtf8(text, place_of);
   TreeBuilder builder(place_of, overridden);
   try {
@@ -147,7 +181,7 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
     }
   } catch (const YAML::Exception& error) {
     FailAt(place_of(error.mark.line + 1, error.mark.column + 1),
-           fmt::format("not valid YAML: {}; mend the text here or just before", error.msg));
+           fmt::format("not valid YAML: {}; mend the text here or just before", Excerpt(error.msg)));
   }
   return builder.Take();
 }
@@ -157,7 +191,7 @@ std::string Describe(const YamlTree& tree) {
     case Kind::kNull:
       return "nothing";
     case Kind::kScalar:
-      return (tree.quoted ? "the quoted text '" : "'") + tree.text + "'";
+      return (tree.quoted ? "the quoted text '" : "'") + Excerpt(tree.text) + "'";
     case Kind::kList:
       return fmt::format("a list of {}", tree.children.size());
     case Kind::kMap:

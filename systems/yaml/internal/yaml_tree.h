@@ -33,8 +33,12 @@ using YamlPlaceOf = std::function<std::string(int line, int column)>;
 /// Throws ParameterError with the place of the first byte that is not UTF-8.
 void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of);
 
+/// What a document may hold; a scenario has some hundred values. Aliases count as what they repeat.
+constexpr std::size_t kMaxYamlBytes = 16 << 20;
+constexpr std::size_t kMaxYamlValues = 500'000;
+
 /// Parses one document; an empty one is null. Throws ParameterError on a syntax error, a key given twice,
-/// a second document, a tag, text that is not UTF-8.
+/// a second document, a tag, text that is not UTF-8, and on more bytes or values than the above.
 YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden);
 
 /// "nothing", "'abc'", "a list of 3": what was found, for messages.

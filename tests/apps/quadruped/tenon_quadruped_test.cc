@@ -231,7 +231,15 @@ INSTANTIATE_TEST_SUITE_P(
                  "height = 2 must be from 0 to 1"},
         BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
                  "period_s = 0 must be positive"},
-        BadUsage{"stand --set 'terrain={friction: -1}'", "friction"}));
+        BadUsage{"stand --set 'random_forces=[{lower_N: 3, upper_N: 2}]'", "upper_N = 2 must not be below"},
+        BadUsage{"stand --set 'terrain={friction: -1}'", "friction"},
+        // What is found after reading has a place, too.
+        BadUsage{"stand --set robot=dogbt", "--set robot=dogbt: robot: there is no 'dogbt'"},
+        BadUsage{"flat --set profile=standrd", "--set profile=standrd: profile: there is no 'standrd'"},
+        BadUsage{"flat --set walk.gaits=none", "--set walk.gaits=none: walk.gaits: there is no 'none'"},
+        BadUsage{"stand --set 'report.plots=[{title: a, signals: [b]}]'",
+                 "stand.yaml:15:3: report: plot 'a'"},
+        BadUsage{"flat --set walk.path.segments.0.duration_s=0.01", "flat.yaml: "}));
 
 TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
   const Result result = RunApp("--list");

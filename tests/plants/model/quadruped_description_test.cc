@@ -317,6 +317,29 @@ TEST(QuadrupedDescriptionTest, RefusesWhatIsTooDeepOrTooLarge) {
   EXPECT_TRUE(Refused(large, "a1.urdf", "bytes", "no more than"));
 }
 
+TEST(QuadrupedDescriptionTest, RefusesWhatIsNoRobotsSize) {
+  RobotFiles files("dogbot");
+  files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"9.3e9\"/>");
+  EXPECT_TRUE(Refused(files, "link 'body': <mass value=\"9.3e9\">", "no robot is so large"));
+  RobotFiles far("a1");
+  far.Change(&RobotFiles::urdf, "<origin xyz=\"0.1805 0.047 0\"/>", "<origin xyz=\"0.1805 101 0\"/>");
+  EXPECT_TRUE(Refused(far, "a1.urdf:", "no robot is so large, 100 is the most", "SI unit"));
+}
+
+TEST(QuadrupedDescriptionTest, ErrorsGiveTheLine) {
+  RobotFiles files("dogbot");
+  const std::string link = "<link name=\"body\">";
+  const auto at = files.urdf.find(link);
+  ASSERT_NE(at, std::string::npos);
+  const auto line =
+      1 + std::count(files.urdf.begin(), files.urdf.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"-9.3\"/>");
+  EXPECT_TRUE(Refused(files, "dogbot.urdf:" + std::to_string(line) + ": link 'body' has the mass -9.3 kg"));
+  RobotFiles untyped("a1");  // what the parser says has the line, too
+  untyped.Change(&RobotFiles::urdf, "type=\"revolute\"", "type=\"screw\"");
+  EXPECT_TRUE(Refused(untyped, "a1.urdf:", ": this is no URDF: Joint [", "has no known type [screw]"));
+}
+
 // Momentum and inertia about B's origin add up.
 TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   const QuadrupedDescription robot = test::DogBot();

@@ -195,6 +195,7 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m is (0.4, 0) m", "must be positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction is nan"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "has no area", "upper_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e10; }, "places for boxes", "smaller area"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m is -1 m", "overlap"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage is 2", "from 0 to 1"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "no kinds", "under kinds"));

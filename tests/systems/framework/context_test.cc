@@ -4,10 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <thread>
 #include <vector>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -367,14 +369,64 @@ TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
   const auto diagram = builder.Build();
   const auto context = diagram->CreateContext();
   EXPECT_THAT([&] { context->SaveFile("/nonexistent/file"); },
-              ThrowsMessage<RunError>(HasSubstr("cannot write the snapshot to '/nonexistent/file'")));
+              ThrowsMessage<OutputError>(HasSubstr("cannot write '/nonexistent/file': No such file")));
   EXPECT_THAT([&] { context->RestoreFile("/nonexistent/file"); },
               ThrowsMessage<RunError>(HasSubstr("cannot read the snapshot '/nonexistent/file'")));
   const auto file = test::TemporaryPath("tenon_context_test.broken");
   std::ofstream(file) << "not a snapshot";
   EXPECT_THAT([&] { context->RestoreFile(file); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr(file.string()), HasSubstr("another diagram"))));
+              ThrowsMessage<RunError>(AllOf(HasSubstr(file.string()), HasSubstr("this is no snapshot"))));
   std::filesystem::remove(file);
+}
+
+TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
+  const Rich rich;
+  Simulator simulator(*rich.diagram, rich.options());
+  simulator.RunTo(0.3);
+  const std::vector<std::byte> good = simulator.context().Save();
+  simulator.RunTo(0.5);
+  const std::vector<std::byte> before = simulator.context().Save();
+
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t end) { return random() % end; };
+  for (int i = 0; i < 10'000; ++i) {
+    std::vector<std::byte> bad = good;
+    switch (i % 4) {
+      case 0:  // a bit
+        bad[below(bad.size())] ^= std::byte{1} << below(8);
+        break;
+      case 1:
+        bad.resize(below(bad.size()));
+        break;
+      case 2:
+        bad.insert(bad.begin() + static_cast<std::ptrdiff_t>(below(bad.size())), std::byte(below(256)));
+        break;
+      case 3:  // two places change theirs
+        for (std::size_t at = 0; at == 0 || bad == good; ++at)
+          std::swap(bad[below(bad.size())], bad[below(bad.size())]);
+        break;
+    }
+    EXPECT_THROW(simulator.context().Restore(bad), RunError) << i;
+  }
+  EXPECT_EQ(simulator.context().Save(), before);
+}
+
+TEST(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
+  const Rich rich;
+  const auto context = rich.diagram->CreateContext();
+  std::vector<std::byte> snapshot = context->Save();
+  snapshot[8] = std::byte{77};  // behind eight letters
+  EXPECT_THAT([&] { context->Restore(snapshot); },
+              ThrowsMessage<RunError>(HasSubstr("the snapshot has format 77, this program reads 3")));
+}
+
+TEST(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {
+  DiagramBuilder ones, others;
+  ones.Add<Oscillator>("one");
+  others.Add<Oscillator>("other");
+  const auto one = ones.Build(), other = others.Build();
+  EXPECT_THAT([&] { one->CreateContext()->Restore(other->CreateContext()->Save()); },
+              ThrowsMessage<RunError>(HasSubstr("another diagram")));
 }
 
 struct Opaque {

@@ -218,6 +218,36 @@ TEST(SignalTest, ArchivesEnd) {
               ThrowsMessage<RunError>(HasSubstr("cut short: 3 bytes, more are needed")));
 }
 
+/// The message of what is thrown when a T is loaded from these bytes.
+template <class T>
+std::string LoadError(const std::vector<std::uint64_t>& words) {
+  Archive archive;
+  archive.Write(words.data(), 8 * words.size());
+  T value{};
+  try {
+    internal::Load(TypeInfoOf<T>(), &value, archive);
+  } catch (const RunError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+enum class Side { kLeft, kRight };
+constexpr auto EnumNames(Side) {
+  return std::array{Named{Side::kLeft, "left"}, Named{Side::kRight, "right"}};
+}
+
+TEST(SignalTest, ArchivesRefuseWhatNoValueCanBe) {
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+  EXPECT_EQ(LoadError<Small>({2, 1, 7, 8}), "no error");
+  EXPECT_EQ(LoadError<Small>({5, 1, 7, 8, 9, 10, 11}), "a Vec<X> cannot be 5 by 1");
+  EXPECT_EQ(LoadError<Eigen::VectorXd>({1, 2, 7, 8}), "a Vec<X> cannot be 1 by 2");
+  EXPECT_EQ(LoadError<std::optional<double>>({2, 1, 7, 8}), "a std::optional<double> cannot be 2 by 1");
+  EXPECT_THAT(LoadError<Eigen::MatrixXd>({30, 30, 7, 8}), HasSubstr("cut short"));
+  EXPECT_EQ(LoadError<bool>({2}), "the snapshot is damaged: a truth value is neither");
+  EXPECT_EQ(LoadError<Side>({99}), "the snapshot is damaged: an enumeration has a value without a name");
+}
+
 // ---- Any type can travel ----
 
 TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {

@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -370,6 +371,16 @@ TEST(YamlSetTest, ValidationNamesFileAndOverride) {
       AllOf(StartsWith("--set tail.mass_kg=-1: tail: the mass must be positive"), Not(HasSubstr("with"))));
 }
 
+TEST(YamlPlaceTest, IsThatOfTheValueOrWhereItWouldBe) {
+  auto document = YamlDocument::Parse("steps: 3\nlegs:\n  - mass_kg: 2\n  - mass_kg: 3\n", "robot.yaml");
+  EXPECT_EQ(document.PlaceOf("steps"), "robot.yaml:1:8: steps");
+  EXPECT_EQ(document.PlaceOf("legs.1.mass_kg"), "robot.yaml:4:14: legs.1.mass_kg");
+  EXPECT_EQ(document.PlaceOf("legs.1.hip_m"), "robot.yaml:4:5: legs.1.hip_m");
+  EXPECT_EQ(document.PlaceOf("gait"), "robot.yaml:1:1: gait");
+  document.Set("steps", "4");
+  EXPECT_EQ(document.PlaceOf("steps"), "--set steps=4: steps");
+}
+
 TEST(YamlSetTest, PathsThatLeadNowhere) {
   EXPECT_THAT(SetError("knots: [1, 2]", "knots.2", "3"),
               AllOf(StartsWith("--set knots.2=3: 'knots' is a list of 2, '2' is no index of it"),
@@ -459,6 +470,54 @@ TEST(YamlReadTest, RefusesWhatIsNotUtf8) {
                 HasSubstr("robot.yaml:2:7: byte 0x"))
         << bad;
   }
+}
+
+// Size. What is refused here would take hours or all memory.
+
+std::string Repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST(YamlSizeTest, AHundredThousandKeysAreReadInASecond) {
+  std::string text = "spare:\n";
+  for (int i = 0; i < 99'999; ++i) text += "  leg_" + std::to_string(i) + ": {mass_kg: 1}\n";
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(ReadRobot(text).spare.size(), 99'999u);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));  // far from quadratic: 3 h
+}
+
+TEST(YamlSizeTest, LongListsAreRefusedByTheirKey) {
+  EXPECT_THAT(ReadError("steps: 1\nlegs:\n  - hip_m: [" + Repeated("1, ", 1'000'000) + "]"),
+              AllOf(StartsWith("robot.yaml:3:"), HasSubstr("legs.hip_m: the document has more than 500000")));
+}
+
+TEST(YamlSizeTest, AliasesCountAsWhatTheyRepeat) {
+  std::string text = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";  // ten times more in each line
+  for (int i = 1; i < 12; ++i) {
+    const std::string last = "*a" + std::to_string(i - 1);
+    text +=
+        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + Repeated(last + ", ", 9) + last + "]\n";
+  }
+  EXPECT_THAT(ReadError(text),
+              AllOf(StartsWith("robot.yaml:6:"), HasSubstr("a5: the document has more than")));
+}
+
+TEST(YamlSizeTest, FilesWithoutEndAreRefused) {
+  EXPECT_THAT(ErrorOf([] { YamlDocument::Load("/dev/zero"); }), HasSubstr("more than 16777216 bytes"));
+}
+
+TEST(YamlSizeTest, DeepNestingIsRefused) {
+  EXPECT_THAT(ReadError("legs: " + Repeated("[", 100'000)), StartsWith("robot.yaml:1:"));
+}
+
+TEST(YamlErrorTest, LongTextsAndControlCharactersAreCutAndEscaped) {
+  const std::string error = ReadError("steps: \"\\x1b[2J" + Repeated("é", 1000) + "\"");
+  EXPECT_THAT(error, AllOf(HasSubstr("'\\x1b[2Jé"), HasSubstr("é…'"), Not(HasSubstr("\x1b"))));
+  EXPECT_LT(error.size(), 300u);
+  EXPECT_LT(ReadError(Repeated("k", 500) + ": 1").size(), 500u);
+  EXPECT_LT(SetError("", Repeated("k", 5000), Repeated("v", 5000)).size(), 600u);
 }
 
 TEST(YamlWriteTest, RefusesWhatCannotBeReadAgain) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::apps {
+
+/// What a scenario says under a key cannot be had; found after the scenario was read.
+class KeyError : public ParameterError {
+ public:
+  KeyError(std::string key, const std::string& what) : ParameterError(what), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
+
+/// What `make` gives; what it refuses is the fault of what stands under `key`.
+template <class F>
+decltype(auto) Blame(const std::string& key, F make) {
+  try {
+    return make();
+  } catch (const KeyError&) {
+    throw;  // knows better
+  } catch (const ParameterError& error) {
+    throw KeyError(key, error.what());
+  }
+}
+
+/// Runs what a scenario asks for; what it refuses is thrown with file, line and column of the key that is to
+/// blame, or else with the file.
+int RunBlaming(const YamlDocument& scenario, const std::function<int()>& run);
+
+}  // namespace tenon::apps

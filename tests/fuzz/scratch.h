@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <unistd.h>
+
+#include <tenon/plants/model/resources.h>
+
+namespace tenon::fuzz {
+
+/// A directory of this process with the robots that ship in it.
+class Scratch {
+ public:
+  Scratch() : place_(std::filesystem::temp_directory_path() / ("tenon_fuzz_" + std::to_string(::getpid()))) {
+    std::filesystem::copy(DataDirectory() / "robots", place_,
+                          std::filesystem::copy_options::overwrite_existing);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(place_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  std::string place() const { return place_.string(); }
+  std::string Write(const std::string& name, const std::string& text) const {
+    const std::filesystem::path file = place_ / name;
+    std::ofstream(file, std::ios::binary) << text;
+    return file.string();
+  }
+
+ private:
+  std::filesystem::path place_;
+};
+
+}  // namespace tenon::fuzz
