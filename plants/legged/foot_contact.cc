@@ -56,20 +56,21 @@ FootContact CalcFootContact(const Terrain& terrain, const ContactProperties& con
   const Vec<3> to_surface = -arm / N * normal;
   out.p_W = foot.p_W + to_surface;
   out.force_W = sum;
-  if (friction == 0) return out;
 
   const Eigen::Matrix<double, 3, 2> tangents = Tangents(normal);
   const Vec<2> v = tangents.transpose() * (foot.v_W + foot.w_W.cross(to_surface));
   out.slip_W = tangents * v;
-  const double z_max = friction / contact.bristle_stiffness;
+  if (friction == 0) return out;
+  const double m = std::max(friction, contact.bristle_friction);
+  const double z_max = m / contact.bristle_stiffness;
   const double slip = SmoothStep((bristle.norm() / z_max - kElastic) / (1 - kElastic));
   const Vec<2> held = v - slip * std::max(0.0, bristle.dot(v)) / (z_max * z_max) * bristle;
   const double gate = SmoothStep(N / contact.full_friction);
   out.bristle_rate = gate * held + (1 - gate) * out.bristle_rate;
   const Vec<2> w = contact.bristle_stiffness * bristle + contact.bristle_damping * out.bristle_rate;
   const double size = w.norm();
-  const double scale = size > friction ? friction / size : 1;
-  out.force_W -= N * scale * (tangents * w);
+  const double scale = size > m ? m / size : 1;
+  out.force_W -= N * scale * (friction / m) * (tangents * w);
   return out;
 }
 

@@ -33,7 +33,7 @@ struct FootContact {
 /// sum of their forces, and friction across their mean normal with their mean coefficient mu (by force).
 ///
 /// **Bristle**, with v the tangential velocity of the sphere's material point in contact, so that rolling is
-/// not sliding, z_max = mu / sigma_0 and alpha a smoothstep of |z| / z_max from 0.7 to 1:
+/// not sliding, m = max(mu, mu_0), z_max = m / sigma_0 and alpha a smoothstep of |z| / z_max from 0.7 to 1:
 ///
 ///     z_c' = v - alpha max(0, z . v) / z_max^2 z,
 ///     z'   = g z_c' - (1 - g) z / tau,   g = smoothstep(N / N_0), 1 for N >= N_0.
@@ -41,7 +41,13 @@ struct FootContact {
 /// Below 0.7 z_max the bristle is elastic, so that it does not ratchet under small vibration as the LuGre
 /// model does (Dupont et al. 2002); at z_max it follows without growing further; in the air it is forgotten.
 ///
-/// **Friction** f = -N w min(1, mu / |w|) with w = sigma_0 z + sigma_1 z': a cone that is never left.
+/// **Friction** f = -N (mu / m) w min(1, m / |w|) with w = sigma_0 z + sigma_1 z': a cone that is never left.
+///
+/// **Slippery ground.** The Jacobian of z_c' by z is at most 5 |v| / z_max, so a bristle of mu / sigma_0
+/// would be stiff without bound as mu goes to 0. Below mu_0 friction is therefore that of mu_0 times mu /
+/// mu_0, both sigmas in proportion to mu: the bristle knows nothing of mu, and the force goes to 0 with it.
+/// What it costs is a foot that yields by mu_0 / sigma_0 before it slides, instead of less. Where mu is 0,
+/// the bristle is forgotten as in the air.
 ///
 /// What it cannot represent: a difference of static and sliding friction, spinning friction about the normal,
 /// and the heat of the deformed ground. z lies in the tangent plane, in the basis that the smallest rotation

@@ -81,7 +81,8 @@ struct LeggedEnergy {
 /// more there: what is left is the foot that touches down late in a step, unseen. Order 3 evaluates at the
 /// end of steps and so sees it: with all tolerances a hundredth of those it is within 0.004 mm, with 8 and 12
 /// evaluations per ms. A foot that slides is stiff, at the rate of its speed over z_max, and friction sees
-/// every error of its bristle: sliding at 1 m/s, it comes out 0.3 % too small.
+/// every error of its bristle: sliding at 1 m/s, it comes out 0.3 % too small. z_max has a lower bound, so
+/// that ground may be as slippery as one likes.
 ///
 /// Throws RunError for a force on a body that is not there.
 class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {

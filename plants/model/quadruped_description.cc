@@ -111,6 +111,7 @@ void ContactProperties::Validate() const {
   CheckPositive("bristle_stiffness_per_m", bristle_stiffness,
                 "give the friction coefficient over the deflection before sliding");
   CheckNotNegative("bristle_damping_s_per_m", bristle_damping);
+  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or less than ground has that matters");
   CheckPositive("full_friction_N", full_friction, "give a small part of the weight on a foot");
   CheckPositive("release_time_s", release_time, "give some milliseconds");
 }

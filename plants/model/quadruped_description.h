@@ -59,13 +59,14 @@ struct DriveProperties {
 
 /// A foot against the ground; what the numbers do is told in foot_contact.h.
 struct ContactProperties {
-  double stiffness = 0;          ///< k [N/m]
-  double dissipation = 0;        ///< c [s/m]
-  double blend = 0;              ///< depth over which the normal force sets in [m]
-  double bristle_stiffness = 0;  ///< sigma_0 [1/m]
-  double bristle_damping = 0;    ///< sigma_1 [s/m]
-  double full_friction = 0;      ///< N_0 [N]
-  double release_time = 0;       ///< tau [s]
+  double stiffness = 0;           ///< k [N/m]
+  double dissipation = 0;         ///< c [s/m]
+  double blend = 0;               ///< depth over which the normal force sets in [m]
+  double bristle_stiffness = 0;   ///< sigma_0 [1/m]
+  double bristle_damping = 0;     ///< sigma_1 [s/m]
+  double bristle_friction = 0.2;  ///< mu_0, the least coefficient that has a bristle of its own
+  double full_friction = 0;       ///< N_0 [N]
+  double release_time = 0;        ///< tau [s]
 
   static FieldList Fields() {
     return {Required("stiffness_N_per_m", &ContactProperties::stiffness),
@@ -73,6 +74,7 @@ struct ContactProperties {
             Required("blend_m", &ContactProperties::blend),
             Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness),
             Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping),
+            {"bristle_friction", &ContactProperties::bristle_friction},
             Required("full_friction_N", &ContactProperties::full_friction),
             Required("release_time_s", &ContactProperties::release_time)};
   }

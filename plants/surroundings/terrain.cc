@@ -13,11 +13,14 @@ namespace {
 
 constexpr double kMaxCells = 1e6;
 constexpr double kMaxPlaces = 1e5;
+constexpr double kMaxFriction = 10;
 
 void CheckFriction(double friction) {
-  if (!(std::isfinite(friction) && friction >= 0))
+  if (!(friction >= 0 && friction <= kMaxFriction))
     throw ParameterError(
-        fmt::format("friction is {} but must not be negative; give the coefficient", friction));
+        fmt::format("friction is {} but must be from 0 to {}; give the coefficient, about 1 for rubber on a "
+                    "dry floor",
+                    friction, kMaxFriction));
 }
 
 void CheckHeight(double height) {

@@ -15,7 +15,7 @@ struct TerrainBox {
   Vec<2> centre = Vec<2>::Zero();  ///< of its footprint [m]
   Vec<2> size = Vec<2>::Zero();    ///< of its footprint [m]
   double height = 0;               ///< of its top above the plane [m]
-  double friction = 0;             ///< coefficient of its faces
+  double friction = 0;             ///< coefficient of its faces, 0 to 10
 
   static FieldList Fields() {
     return {Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
@@ -27,7 +27,7 @@ struct TerrainBox {
 /// What a field of boxes is made of.
 struct BoxKind {
   double height = 0;    ///< [m]
-  double friction = 0;  ///< coefficient
+  double friction = 0;  ///< coefficient, 0 to 10
 
   static FieldList Fields() {
     return {Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
@@ -60,7 +60,7 @@ struct BoxField {
 /// A plane through the origin of W, with boxes on it. Defaults: level, without boxes.
 struct TerrainParams {
   Vec<2> grade = Vec<2>::Zero();  ///< slope of the plane, dz/dx and dz/dy
-  double friction = 1;            ///< coefficient of the plane
+  double friction = 1;            ///< coefficient of the plane, 0 to 10
   std::vector<TerrainBox>
       boxes;  ///< in coordinates of the plane: x up its slope seen from above, z its normal
   std::optional<BoxField> field;  ///< further boxes

@@ -257,7 +257,8 @@ TEST(QuadrupedDescriptionTest, RefusesDrivesAndContactsThatCannotBe) {
   for (const std::string key :
        {"rotor_inertia_kg_m2", "damping_N_m_s_per_rad", "friction_N_m", "stop_stiffness_N_m_per_rad",
         "stop_dissipation_s_per_rad", "stiffness_N_per_m", "dissipation_s_per_m", "blend_m",
-        "bristle_stiffness_per_m", "bristle_damping_s_per_m", "full_friction_N", "release_time_s"}) {
+        "bristle_stiffness_per_m", "bristle_damping_s_per_m", "bristle_friction", "full_friction_N",
+        "release_time_s"}) {
     RobotFiles files("dogbot");
     files.Change(&RobotFiles::yaml, "  " + key + ": ", "  " + key + ": -1  # ");
     EXPECT_TRUE(Refused(files, "dogbot.yaml", key + " is -", "must"));

@@ -190,10 +190,12 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
     return Throws<ParameterError>([&] { Terrain terrain(params); }, parts...);
   };
   EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = NAN; }, "grade is (nan", "finite slopes"));
-  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction is -0.1", "must not be negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction is -0.1", "must be from 0 to 10"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m is 0 m", "must be positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m is (0.4, 0) m", "must be positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction is nan"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.boxes[0].friction = 10.1; }, "friction is 10.1", "give the coefficient"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "has no area", "upper_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e10; }, "places for boxes", "smaller area"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m is -1 m", "overlap"));
