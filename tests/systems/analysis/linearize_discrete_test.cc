@@ -268,7 +268,6 @@ class Latch final : public LeafSystem<void> {
 };
 
 TEST(LinearizeDiscreteTest, FlipsAreNamed) {
-  CartLoop loop;
   DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& latch = builder.Add<Latch>("latch");
