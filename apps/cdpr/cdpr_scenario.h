@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
@@ -150,6 +151,7 @@ struct CdprScenario {
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
   NoiseScenario noise;
+  std::vector<CdprFault> faults;
   IntegratorScenario integrator;
   double log_rate_hz = 200;
   bool forbid_slack = true;        ///< a slack cable ends the run, exit code 3
@@ -171,6 +173,7 @@ struct CdprScenario {
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
             {"noise", &CdprScenario::noise},
+            {"faults", &CdprScenario::faults},
             {"integrator", &CdprScenario::integrator},
             {"log_rate_hz", &CdprScenario::log_rate_hz},
             {"forbid_slack", &CdprScenario::forbid_slack},

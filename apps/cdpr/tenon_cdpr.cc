@@ -21,14 +21,16 @@ Report MakeReport(const CdprScenario& scenario, const std::string& controllers) 
 RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario) {
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
+  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
-  const std::vector<const Source*> signals = CdprFigures::Signals(loop);
+  std::vector<const Source*> signals = CdprFigures::Signals(loop);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
   const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals,
                    {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
   if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
+  signals.insert(signals.end(), faults.begin(), faults.end());
 
   const std::string controller(EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {

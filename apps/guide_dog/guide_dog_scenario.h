@@ -28,6 +28,7 @@ struct GuideDogScenario {
   ObstacleDetectorParams surroundings;
   TerrainParams terrain;
   std::vector<ForceScenario> forces;
+  std::vector<LeggedFault> faults;
   SensorScenario sensors;
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
@@ -53,6 +54,7 @@ struct GuideDogScenario {
             {"surroundings", &S::surroundings},
             {"terrain", &S::terrain},
             {"forces", &S::forces},
+            {"faults", &S::faults},
             {"sensors", &S::sensors},
             {"fall", &S::fall},
             {"limit_speed", &S::limit_speed},

@@ -19,15 +19,17 @@ int RunOnce(const CommonArguments& arguments, const GuideDogScenario& scenario) 
 
   DiagramBuilder builder;
   auto& loop = builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
-  const std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
+  std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
   const auto leash =
       std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
   const auto walk = std::make_shared<WalkFigures>();
   std::vector<const Source*> judged = signals;
   judged.push_back(WalkFigures::Solves(loop.locomotion));
   simulator.AddLog(Hz(1000), judged, {leash, walk, std::make_shared<ProgressSink>(duration)});
+  signals.insert(signals.end(), faults.begin(), faults.end());
 
   const auto judge = [&](Summary& summary) {
     summary.Set("robot", scenario.robot);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/quadruped/quadruped_faults.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
@@ -268,6 +269,7 @@ struct QuadrupedScenario {
   std::vector<ForceScenario> forces;
   std::vector<RandomForceScenario> random_forces;
   TrunkLoadScenario payload;
+  std::vector<LeggedFault> faults;
   std::optional<SweepScenario> sweep;
   std::vector<ObserverKind> compare;  ///< what --compare runs; empty: all
   FallScenario fall;
@@ -293,6 +295,7 @@ struct QuadrupedScenario {
             {"forces", &QuadrupedScenario::forces},
             {"random_forces", &QuadrupedScenario::random_forces},
             {"payload", &QuadrupedScenario::payload},
+            {"faults", &QuadrupedScenario::faults},
             {"sweep", &QuadrupedScenario::sweep},
             {"compare", &QuadrupedScenario::compare},
             {"fall", &QuadrupedScenario::fall},

@@ -33,7 +33,8 @@ template <class Loop, class Figures>
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
-  const auto& loop = builder.Add<Loop>("loop", params);
+  auto& loop = builder.Add<Loop>("loop", params);
+  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   const double duration = Duration(scenario);
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
@@ -45,7 +46,9 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
     figures->AddTo(summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
   };
-  return RunAndWrite(arguments, scenario, duration, simulator, MakeReport(scenario), Figures::Signals(loop),
+  std::vector<const Source*> signals = Figures::Signals(loop);
+  signals.insert(signals.end(), faults.begin(), faults.end());
+  return RunAndWrite(arguments, scenario, duration, simulator, MakeReport(scenario), signals,
                      Figures::Shapes(loop), judge);
 }
 

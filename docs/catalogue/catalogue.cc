@@ -5,6 +5,8 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/plants/cdpr/cable_fault.h>
+#include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/io/external_input.h>
 #include <tenon/systems/network/lcm.h>
@@ -29,6 +31,7 @@
 #include <tenon/systems/primitives/rate_limiter.h>
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/systems/primitives/saturation.h>
+#include <tenon/systems/primitives/signal_fault.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/state_space.h>
 #include <tenon/systems/primitives/switch.h>
@@ -138,6 +141,7 @@ Shelf Primitives() {
                "`T` is any copyable type but bool."));
   entries.back().placeholders.emplace_back("std::vector<Vec<7>>", "std::vector<T>");
   put(WithNote(MakeOfType<Saturation<T>>("Saturation", SaturationParams<T>{.unit = "unit"}), number));
+  put(WithNote(MakeOfType<SignalFault<T>>("SignalFault", SignalFaultParams<T>{.unit = "unit"}), any));
   put(WithNote(MakeOfType<Sine<T>>("Sine", SineParams<T>{.unit = "unit"}), number));
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
   const StateSpaceParams model{
@@ -204,6 +208,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<SineForce>("SineForce"));
   entries.push_back(Make<RandomForce>("RandomForce", RandomForceParams{.robot = shipped.dog}));
   entries.push_back(Make<ForceBundle>("ForceBundle", ForceBundleParams{.count = 2}));
+  entries.push_back(Make<JointLock>("JointLock"));
   entries.push_back(Make<FallMonitor>("FallMonitor"));
   entries.push_back(Make<JointEncoders>("JointEncoders"));
   entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
@@ -227,6 +232,7 @@ Shelf CdprPlants(const Shipped& shipped) {
   entries.push_back(Make<CdprPlant>(
       "CdprPlant",
       CdprPlantParams{.robot = robot, .initial_tension = CableVector::Zero(robot.num_cables())}));
+  entries.push_back(Make<CableFault>("CableFault", CableFaultParams{.num_cables = robot.num_cables()}));
   entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
   entries.push_back(Make<CdprMonitor>("CdprMonitor", CdprMonitorParams{.robot = robot}));
   entries.push_back(Make<PoseSensor>("PoseSensor"));

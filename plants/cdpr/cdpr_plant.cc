@@ -21,11 +21,11 @@ void CheckFinite(const char* name, const Vec<3>& v) {
 
 /// The tension of a taut cable in tension or torque mode, see the header.
 double TautTension(const CdprPlantParams& params, double rest, double motor_tension, double reel_speed,
-                   double length, double length_rate) {
+                   double length, double length_rate, bool stuck) {
   const WinchProperties& winch = params.robot.winch;
   const double damping = params.robot.cable.axial_damping / rest;
   const double strained = params.robot.cable.axial_stiffness / rest * (length - rest) + damping * length_rate;
-  if (params.lock_winches) return std::max(0.0, strained);
+  if (params.lock_winches || stuck) return std::max(0.0, strained);
   if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * reel_speed);
   return std::max(0.0,
                   (winch.reel_damping * strained + damping * motor_tension) / (winch.reel_damping + damping));
@@ -72,8 +72,14 @@ Eigen::VectorXd CdprPlant::InitialRestLength(const CdprPlantParams& params) {
 
 void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
                                 const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
-                                CableForces* out) const {
+                                const CableFaults& faults, CableForces* out) const {
   const int n = params.robot.num_cables();
+  for (const CableVector* each : {&faults.stuck, &faults.broken}) {
+    if (each->size() != 0 && each->size() != n)
+      throw RunError(
+          fmt::format("the faults have {} entries but the robot has {} cables; give one entry each, or none",
+                      each->size(), n));
+  }
   CableSignals& signals = out->signals;
   signals.rest_length = rest_length;
   out->wrench = {};
@@ -97,9 +103,10 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
                       i, rest));
     const Vec<3> direction = span / length;
     const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
-    const bool taut = length > rest;
-    const double tension =
-        taut ? TautTension(params, rest, motor_tension[i], reel_speed[i], length, length_rate) : 0;
+    const bool taut = length > rest && !faults.is_broken(i);
+    const double tension = taut ? TautTension(params, rest, motor_tension[i], reel_speed[i], length,
+                                              length_rate, faults.is_stuck(i))
+                                : 0;
 
     signals.length[i] = length;
     signals.length_rate[i] = length_rate;
@@ -149,7 +156,8 @@ PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigi
 }
 
 void CdprPlant::CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
-                                   const Eigen::VectorXd& reel_speed, Eigen::VectorXd* rate) const {
+                                   const Eigen::VectorXd& reel_speed, const CableFaults& faults,
+                                   Eigen::VectorXd* rate) const {
   const WinchProperties& winch = params.robot.winch;
   if (params.lock_winches) {
     rate->setZero(params.robot.num_cables());
@@ -158,6 +166,8 @@ void CdprPlant::CalcRestLengthRate(const CableForces& cables, const Eigen::Vecto
   } else {
     *rate = reel_speed;
   }
+  for (Eigen::Index i = 0; i < rate->size(); ++i)
+    if (faults.is_stuck(i)) (*rate)[i] = 0;
 }
 
 void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const CableVector& command,
@@ -174,13 +184,16 @@ void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const
 }
 
 void CdprPlant::CalcReelAcceleration(const CableForces& cables, const Eigen::VectorXd& motor_tension,
-                                     const Eigen::VectorXd& reel_speed, Eigen::VectorXd* acceleration) const {
+                                     const Eigen::VectorXd& reel_speed, const CableFaults& faults,
+                                     Eigen::VectorXd* acceleration) const {
   const WinchProperties& winch = params.robot.winch;
   if (params.lock_winches || winch.mode == WinchMode::kTension) {
     acceleration->setZero(params.robot.num_cables());
   } else {
     *acceleration =
         (cables.signals.tension - motor_tension - winch.reel_damping * reel_speed) / winch.effective_mass;
+    for (Eigen::Index i = 0; i < acceleration->size(); ++i)
+      if (faults.is_stuck(i)) (*acceleration)[i] = -reel_speed[i] / winch.time_constant;
   }
 }
 

@@ -28,6 +28,7 @@ struct CdprPlantParams {
 ///     ports in   command       tension asked of each winch [N]; below 0 counts as 0
 ///                payload       point mass on the platform (optional)
 ///                wrench        external wrench about the CoM (optional)
+///                faults        winches that stick, cables that are broken, see cable_fault.h (optional)
 ///     ports out  platform      pose (unit quaternion) and velocity
 ///                euler         roll, pitch, yaw [rad]
 ///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
@@ -60,6 +61,10 @@ struct CdprPlantParams {
 ///    increases with T, there is no other solution.)
 ///  - torque mode: m_eff d2l0/dt2 = T - T_m - b dl0/dt, with dl0/dt a state.
 ///
+/// **Faults.** The drum of a winch that sticks does not turn, dl0/dt = 0, so that T = max(0, k (l - l0) + c
+/// dl/dt); a broken cable has T = 0, whatever its length, and its drum stands, too. The motors go on. In
+/// torque mode a drum that stands forgets its speed, with the motor's time constant.
+///
 /// **Payload.** When the signal changes, mass and inertia change at once and exactly while pose and velocity
 /// stay: a mass that joins does so at the speed of the point that takes it. Make the signal change at ticks,
 /// by a sampled source, so that no integration step straddles the change.
@@ -68,7 +73,7 @@ struct CdprPlantParams {
 /// Not modelled: sagging, the cables' mass, pulleys of finite radius, limits of the winches' speed.
 ///
 /// Throws RunError, if a cable has no length or is reeled in completely, if the command has not one entry per
-/// cable, and if the payload's mass is negative.
+/// cable, or the faults neither that nor none, and if the payload's mass is negative.
 class CdprPlant final : public LeafSystem<CdprPlantParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -83,6 +88,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   InputPort<CableVector> command{this, {"command", "N"}};
   InputPort<Payload> payload{this, {"payload"}, Payload{}};
   InputPort<PlatformWrench> wrench{this, {"wrench"}, PlatformWrench{}};
+  InputPort<CableFaults> faults{this, {"faults"}, CableFaults{}};
 
   ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
   ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, InitialRestLength(params)};
@@ -92,7 +98,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
   Shared<CableForces> cable_forces{
       this, "cable_forces", CableForces{CableSignals::Zero(params.robot.num_cables())},
-      Uses(platform_state, rest_length, motor_tension, reel_speed), &CdprPlant::CalcCableForces};
+      Uses(platform_state, rest_length, motor_tension, reel_speed, faults), &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
 
@@ -116,12 +122,12 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
   TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
                                               &CdprPlant::CalcPlatformRate};
-  TimeDerivative<Eigen::VectorXd> rest_length_rate{rest_length, Uses(cable_forces, motor_tension, reel_speed),
-                                                   &CdprPlant::CalcRestLengthRate};
+  TimeDerivative<Eigen::VectorXd> rest_length_rate{
+      rest_length, Uses(cable_forces, motor_tension, reel_speed, faults), &CdprPlant::CalcRestLengthRate};
   TimeDerivative<Eigen::VectorXd> motor_tension_rate{motor_tension, Uses(motor_tension, command),
                                                      &CdprPlant::CalcMotorTensionRate};
-  TimeDerivative<Eigen::VectorXd> reel_acceleration{reel_speed, Uses(cable_forces, motor_tension, reel_speed),
-                                                    &CdprPlant::CalcReelAcceleration};
+  TimeDerivative<Eigen::VectorXd> reel_acceleration{
+      reel_speed, Uses(cable_forces, motor_tension, reel_speed, faults), &CdprPlant::CalcReelAcceleration};
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);
@@ -129,7 +135,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
   void CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
                        const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
-                       CableForces* out) const;
+                       const CableFaults& faults, CableForces* out) const;
   void CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,
                 const PlatformWrench& wrench, FreeRigidBody* out) const;
   PlatformState CalcPlatform(const PlatformState& x) const;
@@ -142,11 +148,13 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                     const PlatformWrench& wrench, Geometry* out) const;
   PlatformState CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const;
   void CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
-                          const Eigen::VectorXd& reel_speed, Eigen::VectorXd* rate) const;
+                          const Eigen::VectorXd& reel_speed, const CableFaults& faults,
+                          Eigen::VectorXd* rate) const;
   void CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const CableVector& command,
                             Eigen::VectorXd* rate) const;
   void CalcReelAcceleration(const CableForces& cables, const Eigen::VectorXd& motor_tension,
-                            const Eigen::VectorXd& reel_speed, Eigen::VectorXd* acceleration) const;
+                            const Eigen::VectorXd& reel_speed, const CableFaults& faults,
+                            Eigen::VectorXd* acceleration) const;
 };
 
 }  // namespace tenon

@@ -84,7 +84,8 @@ Vec<12> QuadrupedPlant::CalcJointTorque(const LeggedState& x, const Vec<12>& com
 
 LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
                                                     const FootContacts& contacts, const Vec<12>& joint_torque,
-                                                    const ExternalForces& external) const {
+                                                    const ExternalForces& external,
+                                                    const JointLocks& locks) const {
   std::array<PointForce, kNumLegs + kMaxExternalForces> forces;
   std::size_t count = 0;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
@@ -102,8 +103,11 @@ LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const 
       forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W, force.torque_W};
   }
   Vec<12> torque;
-  for (int j = 0; j < kNumJoints; ++j)
+  for (int j = 0; j < kNumJoints; ++j) {
     torque[j] = joint_torque[j] + PassiveTorque(x.q[j], x.qd[j], params.robot.joint(j), params.robot.drive);
+    if (locks.stiffness[j] > 0)
+      torque[j] -= locks.stiffness[j] * (x.q[j] - locks.angle[j]) + locks.damping[j] * x.qd[j];
+  }
   return body.Acceleration(torque, {forces.data(), count}, params.gravity);
 }
 

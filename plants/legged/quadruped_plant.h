@@ -50,6 +50,7 @@ struct LeggedEnergy {
 ///
 ///     ports in   torque           command to the joints' drives [N m]
 ///                external         up to eight forces and torques on the robot; none if not connected
+///                locks            joints that are stuck, see joint_lock.h; none if not connected
 ///     ports out  state            pose and velocity of the trunk, joint angles and speeds
 ///                acceleration     of B's origin and of the joints, as an inertial unit needs it
 ///                foot_forces      of the ground on each foot [N]
@@ -96,6 +97,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  public:
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
+  InputPort<JointLocks> locks{this, {"locks"}, JointLocks{}};
 
   ContinuousState<LeggedState> motion{this, {"motion"}, params.initial};
   ContinuousState<FootBristles> bristles{this, {"bristles"}};
@@ -108,7 +110,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
       this, {"joint_torque", "N m"}, Uses(motion, torque), &QuadrupedPlant::CalcJointTorque};
   OutputPort<LeggedAcceleration> acceleration{this,
                                               {"acceleration"},
-                                              Uses(motion, body, contacts, joint_torque, external),
+                                              Uses(motion, body, contacts, joint_torque, external, locks),
                                               &QuadrupedPlant::CalcAcceleration};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}, Uses(contacts), &QuadrupedPlant::CalcFootForces};
   OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m"}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
@@ -136,7 +138,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   Vec<12> CalcJointTorque(const LeggedState& x, const Vec<12>& command) const;
   LeggedAcceleration CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
                                       const FootContacts& contacts, const Vec<12>& joint_torque,
-                                      const ExternalForces& external) const;
+                                      const ExternalForces& external, const JointLocks& locks) const;
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;

@@ -75,6 +75,22 @@ struct CableSignals {
   }
 };
 
+/// What is wrong with the cables and their winches, one entry each: 1 if so, else 0. Without entries all are
+/// sound.
+struct CableFaults {
+  CableVector stuck;   ///< the winch's drum does not turn
+  CableVector broken;  ///< the cable does not pull, nor does its drum turn
+
+  bool is_stuck(Eigen::Index cable) const { return Holds(stuck, cable) || is_broken(cable); }
+  bool is_broken(Eigen::Index cable) const { return Holds(broken, cable); }
+  static FieldList Fields() { return {{"stuck", &CableFaults::stuck}, {"broken", &CableFaults::broken}}; }
+
+ private:
+  static bool Holds(const CableVector& faults, Eigen::Index cable) {
+    return cable < faults.size() && faults[cable] != 0;
+  }
+};
+
 /// What a motion capture system reports of the platform.
 struct PoseMeasurement {
   Vec<3> p_WB = Vec<3>::Zero();  ///< CoM [m]
@@ -106,6 +122,7 @@ TENON_DECLARE_SIGNAL(tenon::PlatformState);
 TENON_DECLARE_SIGNAL(tenon::PlatformAcceleration);
 TENON_DECLARE_SIGNAL(tenon::PlatformWrench);
 TENON_DECLARE_SIGNAL(tenon::CableSignals);
+TENON_DECLARE_SIGNAL(tenon::CableFaults);
 TENON_DECLARE_SIGNAL(tenon::CdprEnergy);
 TENON_DECLARE_SIGNAL(tenon::PoseMeasurement);
 TENON_DECLARE_SIGNAL(tenon::Payload);

@@ -73,6 +73,20 @@ struct FootForces {
 inline constexpr std::array<Vec<3> FootForces::*, kNumLegs> FootForces::kMembers{
     &FootForces::front_left, &FootForces::front_right, &FootForces::rear_left, &FootForces::rear_right};
 
+/// Joints that are held by a spring and a damper beside their drive: torque -stiffness (q - angle) - damping
+/// qd. A stiffness of 0 leaves a joint free.
+struct JointLocks {
+  Vec<12> angle = Vec<12>::Zero();      ///< [rad]
+  Vec<12> stiffness = Vec<12>::Zero();  ///< [N m/rad]
+  Vec<12> damping = Vec<12>::Zero();    ///< [N m s/rad]
+
+  static FieldList Fields() {
+    return {{"angle", &JointLocks::angle, "rad"},
+            {"stiffness", &JointLocks::stiffness, "N m/rad"},
+            {"damping", &JointLocks::damping, "N m s/rad"}};
+  }
+};
+
 /// A force on a point of the robot, and a torque.
 struct ExternalForce {
   int body = 0;                      ///< 0 the trunk, 1 + j the body that joint j moves
@@ -98,5 +112,6 @@ TENON_DECLARE_SIGNAL(tenon::LeggedState);
 TENON_DECLARE_SIGNAL(tenon::LeggedAcceleration);
 TENON_DECLARE_SIGNAL(tenon::JointMotion);
 TENON_DECLARE_SIGNAL(tenon::FootForces);
+TENON_DECLARE_SIGNAL(tenon::JointLocks);
 TENON_DECLARE_SIGNAL(tenon::ExternalForce);
 TENON_DECLARE_SIGNAL(tenon::ExternalForces);

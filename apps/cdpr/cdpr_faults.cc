@@ -1,0 +1,78 @@
+#include <tenon/apps/cdpr/cdpr_faults.h>
+
+#include <tenon/plants/cdpr/cable_fault.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr const char* kOnlyPd =
+    "it is there for controller pd; choose command, winch, cable, pose, imu or estimate";
+constexpr const char* kOnlyMpc =
+    "it is there for the controllers mpc_…; choose command, winch, cable, lengths or reference";
+
+}  // namespace
+
+std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
+                                        const std::vector<CdprFault>& faults) {
+  const int num_cables = loop.plant.params.robot.num_cables();
+  const OutputPort<CableVector>& controller = loop.mpc != nullptr ? loop.mpc->command : loop.pd->command;
+  const Rate rate = loop.mpc != nullptr ? loop.mpc->params.command_rate : loop.pd->params.rate;
+  FaultPoint<CableVector> command(controller, {&loop.plant.command}, rate, "N",
+                                  CableVector::Zero(num_cables));
+  FaultPoint<CableSignals> lengths(kOnlyPd);
+  FaultPoint<CdprReference> reference(kOnlyPd);
+  FaultPoint<PoseMeasurement> pose(kOnlyMpc);
+  FaultPoint<ImuMeasurement> imu(kOnlyMpc);
+  FaultPoint<PlatformEstimate> estimate(kOnlyMpc);
+  if (loop.mpc != nullptr) {
+    pose = {loop.pose_sensor.pose, {&loop.estimator->pose}, loop.pose_sensor.params.rate};
+    imu = {loop.imu.measurement, {&loop.estimator->inertial}, loop.imu.params.rate};
+    estimate = {loop.estimator->estimate, {&loop.mpc->estimate}, loop.estimator->params.rate};
+  } else {
+    lengths = {loop.plant.cables, {&loop.pd->cables}, rate, "", CableSignals::Zero(num_cables)};
+    reference = {
+        loop.reference.reference, {&loop.pd->reference}, rate, "", loop.reference.params.path->At(0)};
+  }
+
+  FaultInserter inserter(builder);
+  CableFault* last = nullptr;
+  const auto insert = [&](const Fault& fault, const std::string& name, CableFaultKind kind) {
+    auto& block = builder.Add<CableFault>(name, {.kind = kind,
+                                                 .num_cables = num_cables,
+                                                 .cables = fault.Indices("cable", num_cables),
+                                                 .schedule = fault.schedule(),
+                                                 .rate = rate});
+    if (last != nullptr) {
+      builder.Disconnect(loop.plant.faults);
+      builder.Connect(last->faults, block.others);
+    }
+    builder.Connect(block.faults, loop.plant.faults);
+    last = &block;
+    inserter.signals.push_back(&block.acting);
+  };
+  inserter.InsertAll(faults, [&](const CdprFault& fault, const std::string& name) {
+    switch (fault.at) {
+      case CdprFaultPlace::kCommand:
+        return command.Insert(inserter, fault, name);
+      case CdprFaultPlace::kWinch:
+        DemandKind(fault, {FaultKind::kStuck});
+        return insert(fault, name, CableFaultKind::kStuck);
+      case CdprFaultPlace::kCable:
+        DemandKind(fault, {FaultKind::kBroken});
+        return insert(fault, name, CableFaultKind::kBroken);
+      case CdprFaultPlace::kLengths:
+        return lengths.Insert(inserter, fault, name);
+      case CdprFaultPlace::kReference:
+        return reference.Insert(inserter, fault, name);
+      case CdprFaultPlace::kPose:
+        return pose.Insert(inserter, fault, name);
+      case CdprFaultPlace::kImu:
+        return imu.Insert(inserter, fault, name);
+      case CdprFaultPlace::kEstimate:
+        return estimate.Insert(inserter, fault, name);
+    }
+  });
+  return std::move(inserter.signals);
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,94 @@
+#include <tenon/apps/common/faults.h>
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include <tenon/apps/common/checks.h>
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::apps {
+namespace {
+
+/// What was thrown first, without what blocks put in front.
+std::string FirstMessage(const std::exception& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const std::exception& inner) {
+    return FirstMessage(inner);
+  }
+  return error.what();
+}
+
+}  // namespace
+
+FieldList Fault::Fields() {
+  return {Required("kind", &Fault::kind), {"elements", &Fault::elements},
+          {"start_s", &Fault::start_s},   {"duration_s", &Fault::duration_s},
+          {"size", &Fault::size},         {"period_s", &Fault::period_s},
+          {"samples", &Fault::samples},   {"probability", &Fault::probability}};
+}
+
+void Fault::Validate() const {
+  const auto belongs = [&](const char* key, bool given, bool needed, const char* to) {
+    Demand(given || !needed, fmt::format("a fault of kind '{}' needs {}: give it", EnumName(kind), key));
+    Demand(!given || needed,
+           fmt::format("{} is for {}, not for a fault of kind '{}': leave it away", key, to, EnumName(kind)));
+  };
+  using enum FaultKind;
+  belongs("size", size.has_value(), kind == kSpike || kind == kOffset || kind == kLoss,
+          "spike, offset and loss");
+  belongs("samples", samples.has_value(), kind == kLate, "late");
+  belongs("probability", probability.has_value(), kind == kLost, "lost");
+  if (period_s) belongs("period_s", true, kind == kSpike, "spike");
+  DemandNotNegative("start_s", start_s);
+  if (duration_s) DemandNotNegative("duration_s", *duration_s);
+  if (period_s) DemandPositive("period_s", *period_s);
+  if (samples) DemandBetween("samples", *samples, 1, 1e6);
+  if (probability) DemandBetween("probability", *probability, 0, 1);
+}
+
+std::vector<int> Fault::Indices(const char* what, int count) const {
+  std::vector<int> indices;
+  for (const std::string& element : elements) {
+    int index = 0;
+    while (index < count && std::to_string(index) != element) ++index;
+    Demand(index < count,
+           fmt::format("elements: there is no {} '{}', give numbers from 0 to {}", what, element, count - 1));
+    indices.push_back(index);
+  }
+  return indices;
+}
+
+void FaultInserter::WithKey(std::size_t index, const char* place, const std::function<void()>& insert) {
+  try {
+    insert();
+  } catch (const ParameterError& error) {
+    throw ParameterError(fmt::format("faults.{} at '{}': {}", index, place, FirstMessage(error)));
+  }
+}
+
+void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible) {
+  std::vector<const char*> names;
+  for (const FaultKind kind : possible) {
+    if (kind == fault.kind) return;
+    names.push_back(EnumName(kind));
+  }
+  throw ParameterError(fmt::format("kind '{}' is not possible there: give {}", EnumName(fault.kind),
+                                   fmt::join(names, " or ")));
+}
+
+SignalFaultKind SignalKind(const Fault& fault) {
+  for (const auto& [kind, name] : EnumNames(SignalFaultKind{}))
+    if (std::string(name) == EnumName(fault.kind)) return kind;
+  throw ParameterError(
+      fmt::format("kind '{}' is not possible there: it is for things that break, not for signals; give "
+                  "another",
+                  EnumName(fault.kind)));
+}
+
+void ThrowUnread(const char* remedy) {
+  throw ParameterError(fmt::format("nothing in this scenario's diagram reads that signal: {}", remedy));
+}
+
+}  // namespace tenon::apps

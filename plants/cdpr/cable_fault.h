@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/primitives/fault_schedule.h>
+
+namespace tenon {
+
+enum class CableFaultKind {
+  kStuck,   ///< the drum of the winch does not turn: the cable keeps its rest length, and pulls by its strain
+  kBroken,  ///< the cable does not pull, from then on
+};
+constexpr auto EnumNames(CableFaultKind) {
+  return std::array{Named{CableFaultKind::kStuck, "stuck"}, Named{CableFaultKind::kBroken, "broken"}};
+}
+
+struct CableFaultParams {
+  CableFaultKind kind = CableFaultKind::kStuck;
+  int num_cables = 0;            ///< of the robot
+  std::vector<int> cables = {};  ///< that fail, from 0; empty: all
+  FaultSchedule schedule = {};   ///< the whole run, unless given; what broke stays broken
+  Rate rate = Hz(1000);
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Winches that stick, or cables that break; what that does is CdprPlant's to say.
+///
+///     builder.Connect(fault.faults, loop.plant.faults);
+///
+///     | port      | kind            | size          | unit     |
+///     | others    | input, optional | CableFaults   |          |
+///     | active    | input, optional | bool          |          |
+///     | schedule  | Parameter       | FaultSchedule | s        |
+///     | faults    | output, sampled | CableFaults   |          |
+///     | acting    | output, sampled | bool          |          |
+///
+/// `faults` are `others`, of another such block, and its own. The fault acts while t is within `schedule` and
+/// `active` is true; a cable that broke stays so. The tensions follow `faults` at once: an `active` that
+/// depends on them, a cable that breaks when it is pulled too hard, goes through a UnitDelay.
+class CableFault final : public LeafSystem<CableFaultParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<CableFaults> others{this, {"others"}, CableFaults{}};
+  InputPort<bool> active{this, {"active"}, true};
+  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "when it acts"};
+  Scratch<bool> acted{this, "acted"};
+  OutputPort<bool> acting{
+      this, {"acting"}, Sampled{params.rate}, Uses(time, schedule, active, acted), &CableFault::CalcActing};
+  OutputPort<CableFaults> faults{this,
+                                 {"faults"},
+                                 Sound(params.num_cables),
+                                 Sampled{params.rate},
+                                 Uses(others, acting),
+                                 &CableFault::CalcFaults};
+
+ private:
+  static CableFaults Sound(int num_cables) {
+    const CableVector none = CableVector::Zero(num_cables);
+    return {none, none};
+  }
+  bool CalcActing(double time, const FaultSchedule& schedule, bool active, bool& acted) const;
+  void CalcFaults(const CableFaults& others, bool acting, CableFaults* out) const;
+};
+
+}  // namespace tenon

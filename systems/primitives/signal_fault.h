@@ -1,0 +1,206 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/fault_schedule.h>
+#include <tenon/systems/primitives/internal/fault_elements.h>
+
+namespace tenon {
+
+/// What y is while a fault acts, from its first tick on.
+enum class SignalFaultKind {
+  kDropOut,  ///< 0
+  kStuck,    ///< u of the last tick before
+  kNan,      ///< not a number: the run ends with an error that names the block
+  kSpike,    ///< u + size at the first tick, and every `period` after it if that is not 0; else u
+  kOffset,   ///< u + size
+  kLoss,     ///< (1 - size) u
+  kLate,     ///< u of `samples` ticks ago
+  kLost,     ///< y of the last tick with `probability`, drawn at each tick, else u
+};
+constexpr auto EnumNames(SignalFaultKind) {
+  using enum SignalFaultKind;
+  return std::array{Named{kDropOut, "drop_out"}, Named{kStuck, "stuck"},   Named{kNan, "nan"},
+                    Named{kSpike, "spike"},      Named{kOffset, "offset"}, Named{kLoss, "loss"},
+                    Named{kLate, "late"},        Named{kLost, "lost"}};
+}
+
+template <class T = double>
+struct SignalFaultParams {
+  SignalFaultKind kind = SignalFaultKind::kDropOut;
+  FaultSchedule schedule = {};             ///< the whole run, unless given
+  std::vector<std::string> affected = {};  ///< elements as logs name them, or how names begin; empty: all
+  double size = 0;                         ///< of spike and offset [unit]; of loss: 1 loses everything
+  double period = 0;                       ///< of a spike [s], rounded to ticks; 0: a single one
+  int samples = 1;                         ///< of late, at least 1
+  double probability = 0.5;                ///< of lost, 0 to 1
+  T initial = internal::Zeroed<T>();  ///< y before the first tick, and the size of what has none by its type
+  Rate rate = Hz(1000);
+  std::string unit = "";      ///< of input and output
+  std::string elements = "";  ///< names of their elements
+  void Validate() const {
+    schedule.Validate();
+    Demand(std::isfinite(size), "size = " + std::to_string(size) + " must be finite");
+    Demand(std::isfinite(period) && (period == 0 || period > rate.period() / 2),
+           "period = " + std::to_string(period) + " must be 0 or at least that of a sample, in seconds");
+    Demand(samples >= 1, "samples = " + std::to_string(samples) + " must be 1 or more");
+    Demand(probability >= 0 && probability <= 1,
+           "probability = " + std::to_string(probability) + " must be from 0 to 1");
+  }
+};
+
+/// A fault of a sensor, a drive's command or a connection: y = u, but while the fault acts y is what its kind
+/// says (see SignalFaultKind), in the elements that are affected.
+///
+///     builder.Insert(loop.world.inertial, fault.u, fault.y);
+///
+/// It acts while t is within `schedule` and `active` is true; an `active` that is connected, with the
+/// schedule left as it is, decides alone.
+///
+///     | port     | kind              | size          | unit |
+///     | u        | input             | T             | unit |
+///     | active   | input, optional   | bool          |      |
+///     | size     | Parameter         | double        | unit |
+///     | schedule | Parameter         | FaultSchedule | s    |
+///     | y        | output, sampled   | T             | unit |
+///     | acting   | output, sampled   | bool          |      |
+///
+/// T is any copyable type, though nan, spike, offset and loss change real numbers alone; if only
+/// some elements are affected, integers among them are exact up to 2^53. Feedthrough at its ticks, without
+/// delay. It allocates nothing while it runs if T does not.
+/// Throws ParameterError for numbers and elements that make no sense, and RunError if u has another size than
+/// `initial`.
+template <class T = double>
+class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
+  using Kind = SignalFaultKind;
+
+ public:
+  struct Held {  // std::vector<bool> has no items that could be pointed at
+    T value = internal::Zeroed<T>();
+    static FieldList Fields() { return {{"value", &Held::value}}; }
+  };
+  /// What it remembers of u or y, a ring with its oldest value at `next`; ticks since it began to act.
+  struct Memory {
+    std::vector<Held> values;
+    int next = 0, ticks = -1;
+    bool started = false;
+    static FieldList Fields() {
+      return {{"values", &Memory::values},
+              {"next", &Memory::next},
+              {"ticks", &Memory::ticks},
+              {"started", &Memory::started}};
+    }
+  };
+
+  using LeafSystem<SignalFaultParams<T>>::LeafSystem;
+  using LeafSystem<SignalFaultParams<T>>::params;
+  using LeafSystem<SignalFaultParams<T>>::time;
+
+ private:
+  const std::vector<std::size_t> chosen_ = FindChosen();  ///< none if whole values are replaced
+  const int spacing_ =
+      std::max(1, static_cast<int>(std::lround(std::min(params.period / params.rate.period(), 1e9))));
+
+ public:
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  InputPort<bool> active{this, {"active"}, true};
+  Parameter<double> size{this, {"size"}, params.size, "of spike, offset and loss"};
+  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "when it acts"};
+  Random random{this, "random"};
+  Scratch<Memory> memory{
+      this,
+      "memory",
+      {std::vector<Held>(params.kind == Kind::kLate ? static_cast<std::size_t>(params.samples) : 1,
+                         Held{params.initial})}};
+  Workspace<std::vector<double>> numbers{this, "numbers", Numbers(params.initial)};
+  Workspace<std::vector<double>> held_numbers{this, "held_numbers", Numbers(params.initial)};
+  OutputPort<bool> acting{this,
+                          {"acting"},
+                          Sampled{params.rate},
+                          Uses(time, schedule, active),
+                          [this](double time, const FaultSchedule& schedule, bool active) {
+                            return active && schedule.Acts(time, params.rate);
+                          }};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  params.initial,
+                  Sampled{params.rate},
+                  Uses(u, acting, size, random, memory, numbers, held_numbers),
+                  &SignalFault::CalcY};
+
+ private:
+  bool changes_reals() const {
+    return params.kind == Kind::kNan || params.kind == Kind::kSpike || params.kind == Kind::kOffset ||
+           params.kind == Kind::kLoss;
+  }
+  std::vector<std::size_t> FindChosen() const {
+    if (params.affected.empty() && !changes_reals() && params.kind != Kind::kDropOut) return {};
+    return internal::FindElements(internal::ListElements(internal::TypeInfoOf<T>(), &params.initial,
+                                                         Spec("y", params.unit, params.elements)),
+                                  params.affected, changes_reals());
+  }
+
+  static std::vector<double> Numbers(const T& value) {
+    std::vector<double> numbers(internal::CountScalars(internal::TypeInfoOf<T>(), &value));
+    internal::ToDoubles(internal::TypeInfoOf<T>(), &value, numbers.data());
+    return numbers;
+  }
+
+  void CalcY(const T& u, bool acting, double size, RandomStream& random, Memory& memory,
+             std::vector<double>& numbers, std::vector<double>& held_numbers, T* y) const {
+    if (!memory.started) std::fill(memory.values.begin(), memory.values.end(), Held{u});
+    memory.started = true;
+    memory.ticks = acting ? memory.ticks + 1 : -1;
+    const bool lost = params.kind == Kind::kLost && random.Uniform() < params.probability;
+    T& held = memory.values[static_cast<std::size_t>(memory.next)].value;
+
+    const auto change = [&](auto to) { internal::ChangeElements(*y, chosen_, numbers, to); };
+    const auto hold = [&] {
+      if (chosen_.empty()) {
+        *y = held;
+        return;
+      }
+      internal::CopyElements(held, held_numbers);
+      change([&](double& x, std::size_t i) { x = held_numbers[i]; });
+    };
+    *y = u;
+    if (acting) {
+      switch (params.kind) {
+        case Kind::kDropOut:
+          change([](double& x, std::size_t) { x = 0; });
+          break;
+        case Kind::kNan:
+          change([](double& x, std::size_t) { x = std::numeric_limits<double>::quiet_NaN(); });
+          break;
+        case Kind::kSpike:
+          if (memory.ticks == 0 || (params.period > 0 && memory.ticks % spacing_ == 0))
+            change([size](double& x, std::size_t) { x += size; });
+          break;
+        case Kind::kOffset:
+          change([size](double& x, std::size_t) { x += size; });
+          break;
+        case Kind::kLoss:
+          change([size](double& x, std::size_t) { x *= 1 - size; });
+          break;
+        case Kind::kLost:
+          if (lost) hold();
+          break;
+        case Kind::kStuck:
+        case Kind::kLate:
+          hold();
+      }
+    }
+    if (params.kind == Kind::kLate || (params.kind == Kind::kStuck && !acting)) held = u;
+    if (params.kind == Kind::kLost) held = *y;
+    if (++memory.next == static_cast<int>(memory.values.size())) memory.next = 0;
+  }
+};
+
+}  // namespace tenon
