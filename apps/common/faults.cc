@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/systems/framework/errors.h>
 
@@ -64,7 +65,7 @@ void FaultInserter::WithKey(std::size_t index, const char* place, const std::fun
   try {
     insert();
   } catch (const ParameterError& error) {
-    throw ParameterError(fmt::format("faults.{} at '{}': {}", index, place, FirstMessage(error)));
+    throw KeyError(fmt::format("faults.{}", index), fmt::format("at '{}': {}", place, FirstMessage(error)));
   }
 }
 

@@ -62,7 +62,7 @@ class FaultInserter {
   DiagramBuilder& builder;
   std::vector<const Source*> signals;  ///< of all faults, for logs: whether they act, and what comes of it
 
-  /// Calls insert(fault, name) for each. What it throws gets the key of the fault in front.
+  /// Calls insert(fault, name) for each. What it throws is told with the key of the fault, see KeyError.
   template <NamedEnum Place>
   void InsertAll(const std::vector<FaultScenario<Place>>& faults, const auto& insert) {
     for (std::size_t i = 0; i < faults.size(); ++i)
