@@ -143,9 +143,12 @@ class Loader final : public ValueVisitor {
     throw RunError("the snapshot is damaged: an enumeration has a value without a name");
   }
   void Resize(std::size_t* rows, std::size_t* cols) override {
-    *rows = LoadSize();
-    *cols = LoadSize();
-    if (*rows > 0 && *cols > 0) archive_.Demand(*rows * *cols);
+    Load(*rows, archive_);
+    Load(*cols, archive_);
+    if (*rows == 0 || *cols == 0) return;  // nothing follows, perhaps not even another byte
+    archive_.Demand(*rows);                // so that their product is no overflow
+    archive_.Demand(*cols);
+    archive_.Demand(*rows * *cols);
   }
   void Text(std::string& text) override {
     text.resize(LoadSize());

@@ -194,6 +194,7 @@ TEST(SignalTest, ArchivesGiveBackWhatTheyTook) {
   EXPECT_EQ(StoreAndLoad(Vec<3>(1, 2, 3)), Vec<3>(1, 2, 3));
   EXPECT_EQ(StoreAndLoad(Eigen::VectorXd(Eigen::VectorXd::LinSpaced(5, 0, 1))),
             Eigen::VectorXd::LinSpaced(5, 0, 1));
+  EXPECT_EQ(StoreAndLoad(Eigen::VectorXd()).size(), 0);
   EXPECT_EQ(StoreAndLoad(Eigen::MatrixXd(Eigen::MatrixXd::Identity(2, 3))), Eigen::MatrixXd::Identity(2, 3));
   EXPECT_EQ(StoreAndLoad(std::vector<std::string>{"", "b"}), (std::vector<std::string>{"", "b"}));
   const Robot robot =
