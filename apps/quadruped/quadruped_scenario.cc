@@ -35,6 +35,11 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
   params.imu.specific_force_bias = imu.acceleration_bias_m_per_s2;
 }
 
+/// When it ends [s].
+double EndOfWalk(const WalkScenario& walk) {
+  return Blame("walk.path", [&] { return WalkSchedule(walk.path).end_time(); });
+}
+
 QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
   return Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
 }
@@ -195,7 +200,7 @@ void QuadrupedScenario::Validate() const {
 
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
-  return scenario.walk ? WalkSchedule(scenario.walk->path).end_time() + 1 : 10;
+  return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;
 }
 
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
@@ -212,6 +217,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   QuadrupedWalkParams params;
   const QuadrupedDescription robot = LoadRobot(scenario);
   params.world = MakeWorldParams(scenario, robot);
+  EndOfWalk(walk);  // what cannot be walked is refused here, with its key
   params.walk = walk.path;
   const QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
   LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
