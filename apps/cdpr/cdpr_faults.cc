@@ -59,6 +59,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
         return insert(fault, name, CableFaultKind::kStuck);
       case CdprFaultPlace::kCable:
         DemandKind(fault, {FaultKind::kBroken});
+        Demand(!fault.duration_s, "duration_s: a cable that broke stays broken, leave it away");
         return insert(fault, name, CableFaultKind::kBroken);
       case CdprFaultPlace::kLengths:
         return lengths.Insert(inserter, fault, name);

@@ -20,7 +20,8 @@ Report MakeReport(const CdprScenario& scenario, const std::string& controllers) 
 /// One run, into the directory of `arguments`.
 RunResult RunOnce(const CommonArguments& arguments, const CdprScenario& scenario) {
   DiagramBuilder builder;
-  auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
+  auto& loop =
+      Blame("", [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));

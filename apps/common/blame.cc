@@ -8,9 +8,8 @@ int RunBlaming(const YamlDocument& scenario, const std::function<int()>& run) {
   try {
     return run();
   } catch (const KeyError& error) {
-    throw ParameterError(fmt::format("{}: {}", scenario.PlaceOf(error.key()), error.what()));
-  } catch (const ParameterError& error) {
-    throw ParameterError(fmt::format("{}: {}", scenario.name(), error.what()));
+    const std::string place = error.key().empty() ? scenario.name() : scenario.PlaceOf(error.key());
+    throw ParameterError(fmt::format("{}: {}", place, error.what()));
   }
 }
 

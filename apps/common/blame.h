@@ -9,7 +9,8 @@
 
 namespace tenon::apps {
 
-/// What a scenario says under a key cannot be had; found after the scenario was read.
+/// What a scenario says under a key cannot be had; found after the scenario was read. An empty key is the
+/// scenario as a whole.
 class KeyError : public ParameterError {
  public:
   KeyError(std::string key, const std::string& what) : ParameterError(what), key_(std::move(key)) {}
@@ -31,8 +32,8 @@ decltype(auto) Blame(const std::string& key, F make) {
   }
 }
 
-/// Runs what a scenario asks for; what it refuses is thrown with file, line and column of the key that is to
-/// blame, or else with the file.
+/// Runs what a scenario asks for. A KeyError is thrown with file, line and column of the key; what has none,
+/// and may be the command line's, as it is.
 int RunBlaming(const YamlDocument& scenario, const std::function<int()>& run);
 
 }  // namespace tenon::apps

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
-#include <stdexcept>
 #include <system_error>
 
 #include <tenon/plants/model/resources.h>
@@ -63,8 +62,6 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
     return fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
     return fail(error.what(), kNumericalFailure);
-  } catch (const std::length_error& error) {  // a size beyond all memory
-    return fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
     return fail("out of memory before the run began: is a robot, a list or a horizon of the scenario huge?",
                 kNumericalFailure);
@@ -84,7 +81,7 @@ YamlDocument LoadExtended(const std::string& name) {
   for (std::string base; !(base = document.Text("extends")).empty();) {
     if (std::find(chain.begin(), chain.end(), base) != chain.end())
       throw ParameterError(fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
-                                       base, chain.back()));
+                                       internal::Excerpt(base), internal::Excerpt(chain.back())));
     chain.push_back(base);
     document.Remove("extends");
     document.AddMissing(YamlDocument::Load(FindResource("scenarios", base)));
@@ -102,7 +99,8 @@ YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& a
   for (const std::string& setting : arguments.settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500", setting));
+      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500",
+                                       internal::Excerpt(setting)));
     }
     document.Set(setting.substr(0, equals), setting.substr(equals + 1));
   }

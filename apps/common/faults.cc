@@ -79,9 +79,15 @@ void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible) {
                                    fmt::join(names, " or ")));
 }
 
+void DemandPeriod(const Fault& fault, const Rate& rate) {
+  Demand(fault.period_s.value_or(rate.period()) >= rate.period(),
+         fmt::format("period_s = {} is below the {} s between two samples", *fault.period_s, rate.period()));
+}
+
 SignalFaultKind SignalKind(const Fault& fault) {
-  for (const auto& [kind, name] : EnumNames(SignalFaultKind{}))
-    if (std::string(name) == EnumName(fault.kind)) return kind;
+  for (const auto& [kind, name] : EnumNames(SignalFaultKind{})) {
+    if (std::string_view(name) == EnumName(fault.kind)) return kind;
+  }
   throw ParameterError(
       fmt::format("kind '{}' is not possible there: it is for things that break, not for signals; give "
                   "another",

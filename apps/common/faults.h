@@ -13,7 +13,7 @@
 
 namespace tenon::apps {
 
-/// Those of SignalFaultKind, in its order, and one that breaks things.
+/// Those of SignalFaultKind, by their names, and one that breaks things.
 enum class FaultKind { kDropOut, kStuck, kNan, kSpike, kOffset, kLoss, kLate, kLost, kBroken };
 constexpr auto EnumNames(FaultKind) {
   using enum FaultKind;
@@ -60,7 +60,8 @@ class FaultInserter {
  public:
   explicit FaultInserter(DiagramBuilder& builder) : builder(builder) {}
   DiagramBuilder& builder;
-  std::vector<const Source*> signals;  ///< of all faults, for logs: whether they act, and what comes of it
+  std::vector<const Source*>
+      signals;  ///< of all faults, for logs: whether they act, and the signals that they change
 
   /// Calls insert(fault, name) for each. What it throws is told with the key of the fault, see KeyError.
   template <NamedEnum Place>
@@ -75,6 +76,8 @@ class FaultInserter {
 
 /// Throws ParameterError unless the kind is one of those that a mechanical part can have.
 void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible);
+/// Throws ParameterError if a spike comes more often than the signal's samples.
+void DemandPeriod(const Fault& fault, const Rate& rate);
 /// The kind of the fault of a signal; throws ParameterError if it is none.
 SignalFaultKind SignalKind(const Fault& fault);
 /// Throws ParameterError: nothing in this diagram reads the signal.
@@ -98,6 +101,7 @@ class FaultPoint {
   /// A fault behind those that are there already.
   void Insert(FaultInserter& inserter, const Fault& fault, const std::string& name) {
     if (output_ == nullptr) ThrowUnread(remedy_);
+    DemandPeriod(fault, rate_);
     const SignalFaultParams<T> defaults;
     auto& block = inserter.builder.Add<SignalFault<T>>(
         name, {.kind = SignalKind(fault),

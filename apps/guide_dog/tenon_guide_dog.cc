@@ -18,7 +18,8 @@ int RunOnce(const CommonArguments& arguments, const GuideDogScenario& scenario) 
   const double duration = Duration(scenario);
 
   DiagramBuilder builder;
-  auto& loop = builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  auto& loop =
+      Blame("", [&]() -> GuideDog& { return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));

@@ -75,7 +75,9 @@ void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::st
 std::vector<const Source*> Insert(DiagramBuilder& builder, Places places,
                                   const std::vector<LeggedFault>& faults) {
   FaultInserter inserter(builder);
-  inserter.InsertAll(faults, [&](const LeggedFault& fault, const std::string& name) {
+  bool breaks = false;
+  const auto insert = [&](const LeggedFault& fault, const std::string& name) {
+    if ((fault.at == LeggedFaultPlace::kJoint && fault.kind == FaultKind::kBroken) != breaks) return;
     switch (fault.at) {
       case LeggedFaultPlace::kTorque:
         return places.torque.Insert(inserter, fault, name);
@@ -96,7 +98,10 @@ std::vector<const Source*> Insert(DiagramBuilder& builder, Places places,
       case LeggedFaultPlace::kObstacle:
         return places.obstacle.Insert(inserter, fault, name);
     }
-  });
+  };
+  inserter.InsertAll(faults, insert);
+  breaks = true;  // last, next to the drives: what broke gives no torque, whatever the command is
+  inserter.InsertAll(faults, insert);
   return std::move(inserter.signals);
 }
 

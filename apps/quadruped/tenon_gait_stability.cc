@@ -27,15 +27,15 @@ struct StabilityArguments {
   std::vector<double> steps = {1e-5};
 };
 
-/// The walk of a scenario for ever: undisturbed, and its last segment that walks goes on.
+/// The walk of a scenario for ever: undisturbed, without faults, and its last segment that walks goes on.
 QuadrupedWalkParams EndlessWalk(const QuadrupedScenario& scenario) {
   if (!scenario.walk) throw ParameterError("this scenario does not walk: take one that does, flat say");
   QuadrupedWalkParams params = MakeWalkParams(scenario);
   std::vector<WalkSegment>& segments = params.walk.segments;
   while (!segments.empty() && segments.back().gait == Gait::kStand) segments.pop_back();
-  if (segments.empty()) throw ParameterError("walk.path.segments: none of them walks");
+  if (segments.empty()) throw KeyError("walk.path.segments", "none of them walks");
   if (segments.back().yaw_rate != 0)
-    throw ParameterError("walk.path.segments: the last one turns, but what is analysed goes straight on");
+    throw KeyError("walk.path.segments", "the last one turns, but what is analysed goes straight on");
   segments.back().length.reset();
   segments.back().duration = 1e4;
   params.world.pulses.clear();
@@ -77,7 +77,7 @@ void PrintMultipliers(const DiscreteLinearModel& map) {
 
 int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
             const QuadrupedScenario& scenario) {
-  const QuadrupedWalkParams params = EndlessWalk(scenario);
+  const QuadrupedWalkParams params = Blame("", [&] { return EndlessWalk(scenario); });
   const SimulatorOptions simulation = MakeSimulatorOptions(scenario);
   const WalkSegment& last = params.walk.segments.back();
   const double period = params.locomotion.scheduler.gaits[last.gait].Timing().cycle();

@@ -142,7 +142,7 @@ void Connect(DiagramBuilder& builder, QuadrupedWorld& world, JointPd& pd, LegMom
 
 QuadrupedWorldParams MakeWorld(const ObserverOrderScenario& scenario) {
   QuadrupedWorldParams world;
-  world.plant.robot = LoadQuadruped(FindResource("robots", scenario.robot));
+  world.plant.robot = Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
   world.plant.initial.p_WB[2] = world.plant.robot.StanceHeight();
   world.plant.initial.q = world.plant.robot.stance;
   world.min_height = 0.5 * world.plant.robot.StanceHeight();
@@ -273,11 +273,9 @@ int Run(const CommonArguments& arguments) {
   auto scenario = document.Read<ObserverOrderScenario>();
   if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
-  return RunBlaming(document, [&] {
-    scenario.Validate();
-    for (VariantScenario& variant : scenario.variants) variant.Resolve();
-    return RunAll(arguments, scenario);
-  });
+  scenario.Validate();
+  for (VariantScenario& variant : scenario.variants) variant.Resolve();
+  return RunBlaming(document, [&] { return RunAll(arguments, scenario); });
 }
 
 }  // namespace

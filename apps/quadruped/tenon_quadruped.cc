@@ -33,7 +33,7 @@ template <class Loop, class Figures>
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
-  auto& loop = builder.Add<Loop>("loop", params);
+  auto& loop = Blame("", [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   const auto diagram = builder.Build();
   const double duration = Duration(scenario);
@@ -54,9 +54,9 @@ RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& sce
 
 RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
   if (!scenario.walk)
-    return RunOnce<QuadrupedStand>(arguments, scenario, MakeStandParams(scenario), std::nullopt,
-                                   std::make_shared<StandFigures>());
-  const QuadrupedWalkParams params = MakeWalkParams(scenario);
+    return RunOnce<QuadrupedStand>(arguments, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
+                                   std::nullopt, std::make_shared<StandFigures>());
+  const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
                                 std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
 }

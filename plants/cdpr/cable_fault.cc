@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include <tenon/systems/framework/errors.h>
+
 namespace tenon {
 
 void CableFaultParams::Validate() const {
@@ -24,10 +26,13 @@ bool CableFault::CalcActing(double time, const FaultSchedule& schedule, bool act
 
 void CableFault::CalcFaults(const CableFaults& others, bool acting, CableFaults* out) const {
   const auto take_over = [&](const CableVector& from, CableVector& to) {
-    if (from.size() == to.size()) {
+    if (from.size() == 0) {
+      to.setZero();
+    } else if (from.size() == to.size()) {
       to = from;
     } else {
-      to.setZero();
+      throw RunError(fmt::format("`others` are of {} cables, but num_cables is {}: give both the robot's",
+                                 from.size(), to.size()));
     }
   };
   take_over(others.stuck, out->stuck);

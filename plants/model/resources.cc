@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 
 namespace tenon {
@@ -47,8 +48,8 @@ fs::path FindResource(const std::string& kind, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) != names.end())
     return DataDirectory() / kind / (name + ".yaml");
   throw ParameterError(
-      fmt::format("there is no '{}' in {}; did you mean '{}'? There are: {}. Or give a .yaml file", name,
-                  kind, internal::NearestName(name, names), fmt::join(names, ", ")));
+      fmt::format("there is no '{}' in {}; did you mean '{}'? There are: {}. Or give a .yaml file",
+                  internal::Excerpt(name), kind, internal::NearestName(name, names), fmt::join(names, ", ")));
 }
 
 }  // namespace tenon

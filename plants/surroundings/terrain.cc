@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMaxCells = 1e6;
 constexpr double kMaxPlaces = 1e5;
+constexpr double kLeastSide = 1e-3, kMaxExtent = 1e5;  // [m]
 constexpr double kMaxFriction = 10;
 
 void CheckFriction(double friction) {
@@ -30,9 +31,16 @@ void CheckHeight(double height) {
 }
 
 void CheckSize(const Vec<2>& size) {
-  if (!(size.allFinite() && size.minCoeff() > 0))
+  if (!(size.minCoeff() >= kLeastSide && size.maxCoeff() <= kMaxExtent))
     throw ParameterError(
-        fmt::format("size_m is ({}, {}) m; both sides of a box must be positive", size[0], size[1]));
+        fmt::format("size_m is ({}, {}) m; both sides of a box must be positive, from {} to {}", size[0],
+                    size[1], kLeastSide, kMaxExtent));
+}
+
+void CheckPlace(const char* key, const Vec<2>& place) {
+  if (!(place.cwiseAbs().maxCoeff() <= kMaxExtent))
+    throw ParameterError(fmt::format("{} is ({}, {}) m; no terrain reaches farther than {} m", key, place[0],
+                                     place[1], kMaxExtent));
 }
 
 /// The nearest point of a box to p, and the depth of a sphere there; p may be inside.
@@ -71,12 +79,15 @@ void Insert(const Terrain::Contact& contact, Terrain::Contacts* contacts) {
 }  // namespace
 
 void TerrainBox::Validate() const {
+  CheckPlace("centre_m", centre);
   CheckSize(size);
   CheckHeight(height);
   CheckFriction(friction);
 }
 
 void BoxField::Validate() const {
+  CheckPlace("lower_m", lower);
+  CheckPlace("upper_m", upper);
   CheckSize(size);
   if (!(lower.allFinite() && upper.allFinite() && (upper - lower).minCoeff() > 0))
     throw ParameterError(
@@ -87,7 +98,7 @@ void BoxField::Validate() const {
   if (!(coverage >= 0 && coverage <= 1))
     throw ParameterError(
         fmt::format("coverage is {} but must be from 0 to 1; it is a probability", coverage));
-  const double places = ((upper - lower).array() / (size.array() + gap)).prod();
+  const double places = ((upper - lower).array() / (size.array() + gap)).max(1).prod();
   if (!(places <= kMaxPlaces))
     throw ParameterError(fmt::format(
         "the field has {:.3g} places for boxes, more than {}; give a smaller area or larger boxes", places,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <tenon/systems/framework/internal/fnv1a.h>
 #include <tenon/systems/framework/source.h>
 
 namespace tenon {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <ranges>
 #include <system_error>
 
@@ -30,16 +31,20 @@ YamlDocument YamlDocument::Load(const std::string& file_name) {
   std::error_code ignored;
   std::ifstream file(path);
   if (!file || std::filesystem::is_directory(path, ignored))
-    throw ParameterError(fmt::format(
-        "cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute", file_name,
-        std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
-        std::filesystem::current_path().string()));
+    throw ParameterError(
+        fmt::format("cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute",
+                    internal::Excerpt(file_name),
+                    std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
+                    std::filesystem::current_path().string()));
   std::string text;
   std::array<char, 1 << 16> part;
   while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may have no end
     file.read(part.data(), part.size());
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }
+  if (file.bad())
+    throw ParameterError(fmt::format("cannot read '{}' to its end: is the disk or the network broken?",
+                                     internal::Excerpt(file_name)));
   return Parse(std::move(text), file_name);
 }
 
@@ -52,15 +57,25 @@ void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
   internal::YamlNode(*tree_, "").Read(type, value);
 }
 
+namespace {
+
+/// The index that a key is in a list; none if it is no number, or too large.
+std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
+  const bool is_index = error == std::errc() && end == key.data() + key.size();
+  if (list.kind != YamlTree::Kind::kList || !is_index || index >= list.children.size()) return {};
+  return index;
+}
+
+}  // namespace
+
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
   const YamlTree* node = tree_.get();
   for (const auto part : std::views::split(dotted_key, '.')) {
     const std::string_view key(part.begin(), part.end());
-    std::size_t index = 0;
-    if (node->kind == YamlTree::Kind::kList &&
-        std::from_chars(key.data(), key.data() + key.size(), index).ec == std::errc() &&
-        index < node->children.size()) {
-      node = &node->children[index];
+    if (const auto index = IndexIn(*node, key)) {
+      node = &node->children[*index];
       continue;
     }
     const auto found = YamlTree::FindKey(*node, key);
@@ -128,13 +143,12 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
       }
       node = &*it;
     } else if (node->kind == YamlTree::Kind::kList) {
-      std::size_t index = 0;
-      const auto [last, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-      if (error != std::errc() || last != key.data() + key.size() || index >= node->children.size())
+      const auto index = IndexIn(*node, key);
+      if (!index)
         internal::FailAt(
             place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", internal::Excerpt(parent),
                                internal::Describe(*node), internal::Excerpt(key)));
-      node = &node->children[index];
+      node = &node->children[*index];
     } else {
       internal::FailAt(place, fmt::format("'{0}' is {1} and has nothing inside; set '{0}' itself",
                                           internal::Excerpt(parent), internal::Describe(*node)));

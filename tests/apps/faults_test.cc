@@ -212,6 +212,13 @@ TEST_F(FaultTest, AStuckWinchKeepsItsRestLength) {
   }
 }
 
+TEST_F(FaultTest, ABrokenJointGivesNoTorqueWhateverIsCommanded) {
+  Run({kQuadruped, "A1", {}, ""},
+      "{at: joint, kind: broken, elements: [4]}, {at: torque, kind: offset, size: 5, elements: [4]}");
+  const std::vector<double> torque = Column(out, "loop.world.plant.joint_torque.4 [N m]");
+  for (std::size_t i = 1; i < torque.size(); ++i) EXPECT_EQ(torque[i], 0);
+}
+
 // scenario.yaml of a run is a scenario: it gives the same run again.
 TEST_F(FaultTest, IsWrittenDownAndReadAgain) {
   const std::string faults =
@@ -248,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: imu, kind: offset, size: 1, period_s: 1"),
                  "period_s is for spike"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: imu, kind: spike, size: 1, period_s: 1e-5"),
-                 "faults.0: at 'imu': period = "},
+                 "faults.0: at 'imu': period_s = 1e-05 is below the 0.001 s"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: imu, kind: stuck, start_s: -1"), "start_s = -1"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: imu, kind: stuck, duration_s: -1"), "duration_s = -1"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: imu, kind: stuck, elements: [gyro]"),
@@ -274,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{TENON_CDPR_FAULT("D1", "at: cable, kind: stuck"), "give broken"},
         BadUsage{TENON_CDPR_FAULT("D1", "at: cable, kind: broken, elements: [4]"), "there is no cable '4'"},
         BadUsage{TENON_CDPR_FAULT("D1", "at: cable, kind: broken, duration_s: 1"),
-                 "a cable that broke stays broken"}));
+                 "duration_s: a cable that broke stays broken"}));
 
 }  // namespace
 }  // namespace tenon

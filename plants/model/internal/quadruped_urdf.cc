@@ -8,11 +8,13 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
+#include <regex>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -73,11 +75,13 @@ class Reader {
     throw ParameterError(fmt::format("{}: {}", PlaceOf(what), what));
   }
 
-  /// The file, with the line of the first link or joint that a message names, as 'this' or [this].
-  std::string PlaceOf(std::string_view what) const {
-    for (std::size_t begin; (begin = what.find_first_of("'[")) != what.npos;) {
-      what.remove_prefix(begin + 1);
-      const auto line = lines_.find(what.substr(0, what.find_first_of("']")));
+  /// The file, with the line of the first link or joint that a message names: link 'this', or Joint [this].
+  std::string PlaceOf(const std::string& what) const {
+    static const std::regex kName(R"((link|joint) ['\[](.*?)['\]])", std::regex::icase);
+    for (auto at = std::sregex_iterator(what.begin(), what.end(), kName); at != std::sregex_iterator();
+         ++at) {
+      const bool is_link = std::tolower(at->str(1).front()) == 'l';
+      const auto line = lines_.find(fmt::format("{} {}", is_link ? "link" : "joint", at->str(2)));
       if (line != lines_.end()) return fmt::format("{}:{}", file_, line->second);
     }
     return file_;

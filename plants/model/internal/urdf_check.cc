@@ -26,13 +26,13 @@ constexpr std::size_t kMaxDepth = 32;  // a URDF has five or six
 struct Numbers {
   std::string_view element, attribute;
   int count;
-  double largest = 1e9;
+  double largest = HUGE_VAL;
 };
 constexpr Numbers kNumbers[] = {
-    {"mass", "value", 1},   {"inertia", "ixx", 1},    {"inertia", "ixy", 1}, {"inertia", "ixz", 1},
-    {"inertia", "iyy", 1},  {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3, 100},
-    {"origin", "rpy", 3},   {"axis", "xyz", 3},       {"limit", "lower", 1}, {"limit", "upper", 1},
-    {"limit", "effort", 1}, {"limit", "velocity", 1},
+    {"mass", "value", 1, 1e6}, {"inertia", "ixx", 1},    {"inertia", "ixy", 1}, {"inertia", "ixz", 1},
+    {"inertia", "iyy", 1},     {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3, 100},
+    {"origin", "rpy", 3},      {"axis", "xyz", 3},       {"limit", "lower", 1}, {"limit", "upper", 1},
+    {"limit", "effort", 1},    {"limit", "velocity", 1},
 };
 
 /// The finite numbers of a text, between blanks; none if it holds anything else.
@@ -111,7 +111,8 @@ class Check {
     };
     if (open_.size() == 1) {
       owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
-      if (element == "link" || element == "joint") lines_.emplace(attribute("name"), Line());
+      if (element == "link" || element == "joint")
+        lines_.emplace(fmt::format("{} {}", element, attribute("name")), Line());
       if (element == "joint") joints_.push_back({attribute("name"), "", "", Line()});
     } else if (open_.size() == 2 && open_.back() == "joint") {
       if (element == "parent") joints_.back().parent = attribute("link");

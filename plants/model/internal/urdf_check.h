@@ -7,7 +7,7 @@
 
 namespace tenon::internal {
 
-/// The lines in which links and joints begin, by their names.
+/// The lines in which links and joints begin, by "link NAME" and "joint NAME".
 using UrdfLines = std::map<std::string, std::size_t, std::less<>>;
 
 /// Refuses what urdfdom takes without a word: numbers that it drops, links in a ring, on which it never ends,

@@ -3,6 +3,7 @@
 #include <cxxabi.h>
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -64,7 +65,7 @@ bool CanHave(const TypeInfo& type, std::size_t rows, std::size_t cols) {
   if (type.kind == Kind::kOptional) return rows <= 1 && cols == 1;
   if (type.kind == Kind::kList) return cols == 1;
   const auto agrees = [](int fixed, std::size_t size) {
-    return fixed < 0 || static_cast<std::size_t>(fixed) == size;
+    return fixed < 0 ? size <= PTRDIFF_MAX : static_cast<std::size_t>(fixed) == size;
   };
   return agrees(type.rows, rows) && agrees(type.cols, cols) && (rows == 0 || cols <= type.capacity / rows);
 }

