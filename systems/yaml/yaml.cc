@@ -9,7 +9,6 @@
 #include <fstream>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <system_error>
 
 #include <tenon/systems/framework/errors.h>
@@ -72,8 +71,10 @@ std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
 
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
   const YamlTree* node = tree_.get();
-  for (const auto part : std::views::split(dotted_key, '.')) {
-    const std::string_view key(part.begin(), part.end());
+  for (std::size_t begin = 0; begin < dotted_key.size();) {
+    const std::size_t end = std::min(dotted_key.find('.', begin), dotted_key.size());
+    const std::string_view key = dotted_key.substr(begin, end - begin);
+    begin = end + 1;
     if (const auto index = IndexIn(*node, key)) {
       node = &node->children[*index];
       continue;

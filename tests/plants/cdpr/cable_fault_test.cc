@@ -33,6 +33,16 @@ TEST(CableFaultTest, SaysWhichAndWhen) {
   EXPECT_THAT(rig[rig->faults].broken, IsNear(Eigen::Vector3d(0, 0, 1), 0));
 }
 
+TEST(CableFaultTest, RefusesOthersOfAnotherRobot) {
+  TestRig<CableFault> rig({.num_cables = 4});
+  const CableVector none = CableVector::Zero(3);
+  EXPECT_TRUE(Throws<RunError>(
+      [&] {
+        rig.Fix(rig->others, CableFaults{none, none}).Tick();
+      },
+      "`others` are of 3 cables, but num_cables is 4"));
+}
+
 TEST(CableFaultTest, WhatBrokeStaysBroken) {
   TestRig<CableFault> rig({.kind = Kind::kBroken, .num_cables = 2});
   EXPECT_TRUE(rig.Fix(rig->active, false).Tick()[rig->faults].broken.isZero(0));

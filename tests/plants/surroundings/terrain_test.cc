@@ -201,7 +201,7 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper = {9e4, -2 + 1e-9}; }, "places for boxes"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e17; }, "upper_m is (1e+17, 2) m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->size[0] = 1e-4; }, "size_m is (0.0001, ", "from 0.001"));
-  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].centre[0] = 1e13; }, "centre_m is (1e+13, 0) m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].centre[0] = 1e13; }, "centre_m is (10000000000000, 0) m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m is -1 m", "overlap"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage is 2", "from 0 to 1"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "no kinds", "under kinds"));
