@@ -65,6 +65,7 @@ void NoiseScenario::Validate() const {
 }
 
 void IntegratorScenario::Validate() const {
+  DemandBetween("order", order, 2, 5);
   DemandBetween("rtol", rtol, 1e-14, 0.1);
   DemandPositive("atol", atol);
 }

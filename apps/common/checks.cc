@@ -20,6 +20,10 @@ void DemandNotNegative(const char* key, double value) {
 }
 
 void DemandRate(const char* key, double hz) {
+  constexpr double kMost = 1e5;
+  if (hz > kMost)
+    throw ParameterError(
+        fmt::format("{} = {} must be at most {}: nothing on a robot is sampled faster", key, hz, kMost));
   try {
     Hz(hz);
   } catch (const ParameterError& error) {

@@ -4,9 +4,9 @@ namespace tenon::apps {
 
 // What scenarios demand of their numbers; all throw ParameterError with the key.
 
-void DemandPositive(const char* key, double value);                          ///< and finite
-void DemandNotNegative(const char* key, double value);                       ///< and finite
-void DemandRate(const char* key, double hz);                                 ///< what Hz() takes
+void DemandPositive(const char* key, double value);     ///< and finite
+void DemandNotNegative(const char* key, double value);  ///< and finite
+void DemandRate(const char* key, double hz);            ///< what Hz() takes, and no more than 100 kHz
 void DemandBetween(const char* key, double value, double low, double high);  ///< or one of them
 
 }  // namespace tenon::apps

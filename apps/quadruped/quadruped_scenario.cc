@@ -154,6 +154,7 @@ void TrunkLoadScenario::Validate() const {
 }
 
 void LeggedIntegratorScenario::Validate() const {
+  DemandBetween("order", order, 2, 5);
   DemandBetween("rtol", rtol, 1e-14, 0.1);
   DemandPositive("atol_position", atol_position);
   DemandPositive("atol_velocity", atol_velocity);

@@ -45,7 +45,7 @@ class Kinds final : public tenon::LeafSystem<void> {
 std::shared_ptr<const tenon::Diagram> MakeDiagram() {
   tenon::DiagramBuilder builder;
   builder.Add<Kinds>("kinds");
-  auto& noise = builder.Add<tenon::Noise<double>>("noise", {});
+  auto& noise = builder.Add<tenon::WhiteNoise<double>>("noise", {});
   auto& delay = builder.Add<tenon::SampleDelay<double>>("delay", {.samples = 3});
   auto& integrator = builder.Add<tenon::Integrator<double>>("integrator", {});
   builder.Connect(noise.y, delay.u);

@@ -29,10 +29,11 @@ struct Numbers {
   double largest = HUGE_VAL;
 };
 constexpr Numbers kNumbers[] = {
-    {"mass", "value", 1, 1e6}, {"inertia", "ixx", 1},    {"inertia", "ixy", 1}, {"inertia", "ixz", 1},
-    {"inertia", "iyy", 1},     {"inertia", "iyz", 1},    {"inertia", "izz", 1}, {"origin", "xyz", 3, 100},
-    {"origin", "rpy", 3},      {"axis", "xyz", 3},       {"limit", "lower", 1}, {"limit", "upper", 1},
-    {"limit", "effort", 1},    {"limit", "velocity", 1},
+    {"mass", "value", 1, 1e6},  {"inertia", "ixx", 1, 1e9}, {"inertia", "ixy", 1, 1e9},
+    {"inertia", "ixz", 1, 1e9}, {"inertia", "iyy", 1, 1e9}, {"inertia", "iyz", 1, 1e9},
+    {"inertia", "izz", 1, 1e9}, {"origin", "xyz", 3, 100},  {"origin", "rpy", 3, 1e3},
+    {"axis", "xyz", 3, 1e3},    {"limit", "lower", 1},      {"limit", "upper", 1},
+    {"limit", "effort", 1},     {"limit", "velocity", 1},
 };
 
 /// The finite numbers of a text, between blanks; none if it holds anything else.

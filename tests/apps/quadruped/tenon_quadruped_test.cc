@@ -216,6 +216,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"stand --set sensors.imu.rate_hz=0", "rate_hz: a rate of 0 Hz"},
         BadUsage{"stand --set sensors.encoders.rate_hz=1e-30", "rate_hz: a rate of"},
         BadUsage{"stand --set integrator.rtol=1e308", "rtol = 1e+308"},
+        BadUsage{"stand --set integrator.order=0", "order = 0 must be from 2 to 5"},
+        BadUsage{"stand --set sensors.imu.rate_hz=1e9", "rate_hz = 1000000000 must be at most 100000"},
         BadUsage{"stand --set integrator.atol_bristles=0", "atol_bristles = 0"},
         BadUsage{"stand --set payload.edges_m=[-1,-1,-1]", "edges_m = [-1, -1, -1] must not be negative"},
         BadUsage{"flat --set walk.friction=0", "friction = 0"},
