@@ -242,6 +242,7 @@ void Archive::Demand(std::size_t size) const {
 
 void Archive::Read(void* data, std::size_t size) {
   Demand(size);
+  if (size == 0) return;  // an empty matrix has no data
   std::memcpy(data, bytes_.data() + cursor_, size);
   cursor_ += size;
 }

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const auto kScenario = tenon::YamlDocument::Load(tenon::FindResource("scenarios", "A1"));
+  static const auto kScenario = tenon::YamlDocument::Load(tenon::FindResource("scenarios", "flat"));
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t equals = std::min(text.find('='), text.size());
   return tenon::fuzz::Try("--set ", [&] {
