@@ -87,12 +87,14 @@ struct RunResult {
 
 /// A report with the title, plots, events and bands of a scenario.
 Report ScenarioReport(const auto& scenario, const std::string& description) {
-  return Report({.title = scenario.case_name + ": " + scenario.description,
-                 .description = description,
-                 .plots = scenario.report.plots,
-                 .events = scenario.report.events,
-                 .bands = scenario.report.bands,
-                 .signal_rate = Hz(scenario.log_rate_hz)});
+  return Blame("report", [&] {
+    return Report({.title = scenario.case_name + ": " + scenario.description,
+                   .description = description,
+                   .plots = scenario.report.plots,
+                   .events = scenario.report.events,
+                   .bands = scenario.report.bands,
+                   .signal_rate = Hz(scenario.log_rate_hz)});
+  });
 }
 
 /// Whether a file could be written: kRan or, told on stderr, kOutputFailed.

@@ -241,6 +241,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"flat --set walk.gaits=none", "--set walk.gaits=none: walk.gaits: there is no 'none'"},
         BadUsage{"stand --set 'report.plots=[{title: a, signals: [b]}]'",
                  "stand.yaml:15:3: report: plot 'a'"},
+        BadUsage{"stand --set report.plots.1.signals=[]", "report: the plot 'attitude"},
         BadUsage{"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
                  "flat.yaml:9:5: walk.path: segment 1"}));
 
