@@ -35,19 +35,14 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   }
 
   FaultInserter inserter(builder);
-  CableFault* last = nullptr;
+  FaultChain<CableFaults> chain(loop.plant.faults);
   const auto insert = [&](const Fault& fault, const std::string& name, CableFaultKind kind) {
     auto& block = builder.Add<CableFault>(name, {.kind = kind,
                                                  .num_cables = num_cables,
                                                  .cables = fault.Indices("cable", num_cables),
                                                  .schedule = fault.schedule(),
                                                  .rate = rate});
-    if (last != nullptr) {
-      builder.Disconnect(loop.plant.faults);
-      builder.Connect(last->faults, block.others);
-    }
-    builder.Connect(block.faults, loop.plant.faults);
-    last = &block;
+    chain.Append(builder, block.faults, block.others);
     inserter.signals.push_back(&block.acting);
   };
   inserter.InsertAll(faults, [&](const CdprFault& fault, const std::string& name) {

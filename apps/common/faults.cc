@@ -80,8 +80,9 @@ void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible) {
 }
 
 void DemandPeriod(const Fault& fault, const Rate& rate) {
-  Demand(fault.period_s.value_or(rate.period()) >= rate.period(),
-         fmt::format("period_s = {} is below the {} s between two samples", *fault.period_s, rate.period()));
+  if (!fault.period_s || *fault.period_s >= rate.period()) return;
+  throw ParameterError(
+      fmt::format("period_s = {} is below the {} s between two samples", *fault.period_s, rate.period()));
 }
 
 SignalFaultKind SignalKind(const Fault& fault) {

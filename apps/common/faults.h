@@ -74,6 +74,27 @@ class FaultInserter {
   static void WithKey(std::size_t index, const char* place, const std::function<void()>& insert);
 };
 
+/// The mechanical faults of one robot: each takes over what those before it say, the last one feeds the
+/// plant.
+template <class T>
+class FaultChain {
+ public:
+  explicit FaultChain(InputPort<T>& plant) : plant_(&plant) {}
+  /// `faults` and `others` are of one block.
+  void Append(DiagramBuilder& builder, const OutputPort<T>& faults, InputPort<T>& others) {
+    if (last_ != nullptr) {
+      builder.Disconnect(*plant_);
+      builder.Connect(*last_, others);
+    }
+    builder.Connect(faults, *plant_);
+    last_ = &faults;
+  }
+
+ private:
+  InputPort<T>* plant_;
+  const OutputPort<T>* last_ = nullptr;
+};
+
 /// Throws ParameterError unless the kind is one of those that a mechanical part can have.
 void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible);
 /// Throws ParameterError if a spike comes more often than the signal's samples.

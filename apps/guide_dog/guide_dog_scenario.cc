@@ -27,7 +27,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 }  // namespace
 
 void GuideDogScenario::Validate() const {
-  Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+  if (duration_s) DemandPositive("duration_s", *duration_s);
   DemandRate("log_rate_hz", log_rate_hz);
 }
 

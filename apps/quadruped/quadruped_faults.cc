@@ -19,7 +19,7 @@ struct Places {
   FaultPoint<LeggedState> state{kOnlyWalks};
   FaultPoint<WrenchEstimate> wrench{kOnlyWalks};
   FaultPoint<bool> obstacle{kOnlyGuideDogs};
-  JointLock* last_lock = nullptr;
+  FaultChain<JointLocks> locks{world->plant.locks};
 };
 
 /// Of what walks, QuadrupedWalk or GuideDog; these read state and wrench beside locomotion and observer.
@@ -63,12 +63,7 @@ void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::st
   }
   auto& lock = inserter.builder.Add<JointLock>(name, {.joints = joints, .schedule = fault.schedule()});
   inserter.builder.Connect(places.world->state, lock.state);
-  if (places.last_lock != nullptr) {
-    inserter.builder.Disconnect(places.world->plant.locks);
-    inserter.builder.Connect(places.last_lock->locks, lock.others);
-  }
-  inserter.builder.Connect(lock.locks, places.world->plant.locks);
-  places.last_lock = &lock;
+  places.locks.Append(inserter.builder, lock.locks, lock.others);
   inserter.signals.push_back(&lock.acting);
 }
 

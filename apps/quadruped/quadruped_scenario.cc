@@ -188,7 +188,7 @@ RigidInertia TrunkLoadScenario::Make() const {
 }
 
 void QuadrupedScenario::Validate() const {
-  Demand(duration_s.value_or(1) > 0, fmt::format("duration_s = {} must be positive", *duration_s));
+  if (duration_s) DemandPositive("duration_s", *duration_s);
   Demand(pd.has_value() != walk.has_value(),
          fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",
                      pd ? "both" : "none"));

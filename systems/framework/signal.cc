@@ -146,24 +146,21 @@ class Loader final : public ValueVisitor {
     Load(*rows, archive_);
     Load(*cols, archive_);
     if (*rows == 0 || *cols == 0) return;  // nothing follows, perhaps not even another byte
-    archive_.Demand(*rows);                // so that their product is no overflow
+    // Nothing takes less than a byte, and the product is no overflow.
+    archive_.Demand(*rows);
     archive_.Demand(*cols);
     archive_.Demand(*rows * *cols);
   }
   void Text(std::string& text) override {
-    text.resize(LoadSize());
+    std::size_t size = 0;
+    Load(size, archive_);
+    archive_.Demand(size);  // a size that is damaged does not ask for all memory
+    text.resize(size);
     archive_.Read(text.data(), text.size());
   }
   void Opaque() override { ThrowOpaque(); }
 
  private:
-  /// Nothing takes less than a byte: so a size that is damaged does not ask for all memory.
-  std::size_t LoadSize() {
-    std::size_t size = 0;
-    Load(size, archive_);
-    archive_.Demand(size);
-    return size;
-  }
   Archive& archive_;
 };
 
