@@ -4,13 +4,9 @@
 
 namespace tenon::apps {
 
-int RunBlaming(const YamlDocument& scenario, const std::function<int()>& run) {
-  try {
-    return run();
-  } catch (const KeyError& error) {
-    const std::string place = error.key().empty() ? scenario.name() : scenario.PlaceOf(error.key());
-    throw ParameterError(fmt::format("{}: {}", place, error.what()));
-  }
+void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error) {
+  const std::string place = error.key().empty() ? scenario.name() : scenario.PlaceOf(error.key());
+  throw ParameterError(fmt::format("{}: {}", place, error.what()));
 }
 
 }  // namespace tenon::apps

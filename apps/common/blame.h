@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -32,8 +31,18 @@ decltype(auto) Blame(const std::string& key, F make) {
   }
 }
 
-/// Runs what a scenario asks for. A KeyError is thrown with file, line and column of the key; what has none,
-/// and may be the command line's, as it is.
-int RunBlaming(const YamlDocument& scenario, const std::function<int()>& run);
+/// The error of a key with file, line and column.
+[[noreturn]] void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error);
+
+/// What `run` gives, which does what a scenario asks for. A KeyError is thrown with file, line and column of
+/// the key; what has none, and may be the command line's, as it is.
+template <class F>
+auto RunBlaming(const YamlDocument& scenario, F run) {
+  try {
+    return run();
+  } catch (const KeyError& error) {
+    ThrowWithPlace(scenario, error);
+  }
+}
 
 }  // namespace tenon::apps

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <new>
 #include <system_error>
@@ -37,9 +38,10 @@ void Say(const std::string& text) noexcept {
   std::fputs(text.c_str(), stderr);
 }
 
-std::filesystem::path OutputPath(const CommonArguments& arguments) {
-  if (!arguments.out.empty()) return arguments.out;
-  return std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
+RunOptions OptionsOf(const CommonArguments& arguments) {
+  const auto standard = std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
+  return {.out = arguments.out.empty() ? standard : std::filesystem::path(arguments.out),
+          .graph = arguments.graph};
 }
 
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
@@ -91,12 +93,10 @@ YamlDocument LoadExtended(const std::string& name) {
 
 }  // namespace
 
-YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
-  if (arguments.scenario.empty()) {
-    throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
-  }
-  YamlDocument document = LoadExtended(arguments.scenario);
-  for (const std::string& setting : arguments.settings) {
+YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
+                          const std::string& app) {
+  YamlDocument document = LoadExtended(name);
+  for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
       throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500",
@@ -106,10 +106,33 @@ YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& a
   }
   if (const std::string other = document.Text("app"); !other.empty() && other != app) {
     throw ParameterError(fmt::format("{0}: '{1}' is a scenario of another app, not of {2}; run {3} {1}",
-                                     document.PlaceOf("app"), internal::Excerpt(arguments.scenario), app,
+                                     document.PlaceOf("app"), internal::Excerpt(name), app,
                                      internal::Excerpt(other)));
   }
   return document;
+}
+
+YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
+  if (arguments.scenario.empty()) {
+    throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
+  }
+  YamlDocument document = LoadScenario(arguments.scenario, arguments.settings, app);
+  DrawScenario(document, arguments.seed);
+  return document;
+}
+
+std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
+                                                         std::optional<std::uint64_t> seed) {
+  if (seed) {
+    scenario.Set("seed", fmt::format("{}", *seed));
+  } else {
+    const std::string text = scenario.Text("seed");
+    std::uint64_t own =
+        1;  // that of a scenario which says none; what is no number is refused when it is read
+    std::from_chars(text.data(), text.data() + text.size(), own);
+    seed = own;
+  }
+  return scenario.Draw(*seed);
 }
 
 void ListScenarios(const std::string& app) {

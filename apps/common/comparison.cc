@@ -25,22 +25,22 @@ void CheckVariantNames(const std::vector<std::string>& names) {
   }
 }
 
-int Compare(const CommonArguments& arguments, Report report, const std::vector<Variant>& variants) {
+int Compare(const RunOptions& options, Report report, const std::vector<Variant>& variants) {
   std::vector<std::string> names;
   for (const Variant& variant : variants) names.push_back(variant.name);
   CheckVariantNames(names);
-  const OutputDirectory out(OutputPath(arguments));
+  const OutputDirectory out(options.out);
   for (const std::string& name : names) OutputDirectory(out.path() / name);  // also of those that are not run
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
   for (const Variant& variant : variants) {
-    CommonArguments each = arguments;
-    each.out = (out.path() / variant.name).string();
+    RunOptions each = options;
+    each.out = out.path() / variant.name;
     RunResult result = variant.run(each);
     worst = std::max(worst, result.summary.exit_code());
     runs.emplace_back(variant.name, std::move(result.summary));
-    if (reports.size() < kReported) reports.push_back(std::move(result.report));
+    if (result.report && reports.size() < kReported) reports.push_back(std::move(*result.report));
     // After each: nothing is lost if the next is killed.
     worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, out.path() / "summary.json"); }));
     if (worst >= kOutputFailed) break;

@@ -134,12 +134,39 @@ void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
   WriteFile(file, values.dump(2) + '\n');
 }
 
+/// Nested figures by dotted names, foot_error_max_m.front_left.
+std::vector<std::pair<std::string, nlohmann::ordered_json>> Flatten(const nlohmann::ordered_json& values) {
+  std::vector<std::pair<std::string, nlohmann::ordered_json>> flat;
+  for (const auto& [key, value] : values.items()) {
+    if (!value.is_object()) {
+      flat.emplace_back(key, value);
+      continue;
+    }
+    for (auto& [name, item] : Flatten(value)) flat.emplace_back(key + "." + name, std::move(item));
+  }
+  return flat;
+}
+
 std::string Shown(const nlohmann::ordered_json& value) {
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> Summary::Flat() const {
+  std::vector<std::pair<std::string, std::string>> flat;
+  for (const auto& [name, value] : Flatten(json_->values)) {
+    std::string text;
+    if (value.is_string()) {
+      text = value.get<std::string>();
+    } else if (!value.is_null()) {
+      text = value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
+    }
+    flat.emplace_back(name, std::move(text));
+  }
+  return flat;
+}
 
 void Summary::Write(const fs::path& file) const {
   WriteJson(json_->values, file);
@@ -153,10 +180,7 @@ void Summary::AddTo(Report& report) const {
   report.Conclude(finished, finished ? fmt::format("finished after {:.4g} s", end)
                                      : fmt::format("ended at {:.4g} s: {}", end, reason));
   if (!finished) report.AddEvent(end, reason);
-  const auto flat = values.flatten();
-  for (const auto& [key, value] : flat.items()) {
-    std::string name = key.substr(1);  // of "/foot_error_max_m/front_left"
-    std::replace(name.begin(), name.end(), '/', '.');
+  for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
     if (value.is_number() || value.is_null()) {
       report.AddFigure(name, value.is_null() ? std::nullopt : std::optional<double>(value));

@@ -65,6 +65,9 @@ class Summary {
   void Write(const std::filesystem::path& file) const;  ///< throws OutputError
   void Print() const;                                   ///< on stdout, one figure a line
   void AddTo(Report& report) const;                     ///< the figures and the verdict
+  /// Each figure by name, as text that reads back as the same value; nested ones by dotted names, "" for
+  /// none.
+  std::vector<std::pair<std::string, std::string>> Flat() const;
   int exit_code() const { return exit_code_; }
   void set_exit_code(int code) { exit_code_ = code; }
 
@@ -79,10 +82,10 @@ class Summary {
   int exit_code_;
 };
 
-/// What a run leaves.
+/// What a run leaves; a report only if it writes files.
 struct RunResult {
   Summary summary;
-  Report report;
+  std::optional<Report> report;
 };
 
 /// A report with the title, plots, events and bands of a scenario.
@@ -104,21 +107,28 @@ int TryToWrite(const std::function<void()>& write);
 /// and is the summary's exit code: there are still figures to print.
 void WriteResults(const std::filesystem::path& directory, Summary& summary, Report& report);
 
-/// Runs a scenario for `duration` [s] and writes all that it leaves into the directory of `arguments`; its
-/// scenario.yaml is there from the start, so that even a killed run says what it was.
-/// `signals` go to signals.csv and, with `shapes`, to the report; `judge` sets the figures of the summary.
-RunResult RunAndWrite(const CommonArguments& arguments, const auto& scenario, double duration,
-                      Simulator& simulator, Report report, const std::vector<const Source*>& signals,
+/// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all that it leaves
+/// into the directory of the options, if there is one; scenario.yaml is there from the start, so that even a
+/// killed run says what it was. `signals` go to signals.csv and, with `shapes`, to the report.
+RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
+                      double duration, Simulator& simulator, const std::vector<const Source*>& signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes, const auto& judge) {
-  Blame("report", [&] { report.Log(simulator, signals, shapes); });
-  const OutputDirectory out(OutputPath(arguments));
-  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
-  WriteGraph(simulator.context().diagram(), arguments.graph);
-  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
-  const RunOutcome outcome = Advance(simulator, duration);
+  const auto advance = [&] {
+    Summary summary(scenario.case_name, scenario.seed, Advance(simulator, duration, options.wall_limit));
+    judge(summary);
+    return summary;
+  };
+  if (options.out.empty()) return {advance(), std::nullopt};
 
-  Summary summary(scenario.case_name, scenario.seed, outcome);
-  judge(summary);
+  Report report = ScenarioReport(scenario, description);
+  Blame("report", [&] { report.Log(simulator, signals, shapes); });
+  const OutputDirectory out(options.out);
+  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
+  WriteGraph(simulator.context().diagram(), options.graph);
+  simulator.AddLog(
+      Hz(scenario.log_rate_hz), signals,
+      {std::make_shared<CsvLog>(out.path() / "signals.csv"), std::make_shared<ProgressSink>(duration)});
+  Summary summary = advance();
   WriteResults(out.path(), summary, report);
   return {std::move(summary), std::move(report)};
 }

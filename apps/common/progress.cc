@@ -4,8 +4,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <memory>
+#include <mutex>
 #include <new>
 #include <utility>
 
@@ -48,36 +51,41 @@ void ProgressSink::Show() {
 
 namespace {
 
-volatile std::sig_atomic_t caught_signal = 0;
+std::atomic<int> caught_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a handler of signals may set nothing else");
 
-/// While it lives, the first SIGINT or SIGTERM is noted; the next one ends the process.
-class SignalGuard {
- public:
-  SignalGuard() {
-    caught_signal = 0;
-    struct sigaction note = {};
-    note.sa_handler = [](int signal) {
-      caught_signal = signal;
-      // The other of the two as well: whoever insists is obeyed.
-      std::signal(SIGINT, SIG_DFL);
-      std::signal(SIGTERM, SIG_DFL);
-    };
-    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &note, &before_[i]);
-  }
-  ~SignalGuard() {
-    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
-  }
-  SignalGuard(const SignalGuard&) = delete;
-  SignalGuard& operator=(const SignalGuard&) = delete;
-
- private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM};
-  std::array<struct sigaction, kSignals.size()> before_{};
-};
+constexpr std::array kSignals{SIGINT, SIGTERM};
+std::mutex guard_mutex;
+int guards = 0;  ///< that live
+std::array<struct sigaction, kSignals.size()> actions_before{};
 
 }  // namespace
 
-RunOutcome Advance(Simulator& simulator, double duration) {
+SignalGuard::SignalGuard() {
+  const std::lock_guard lock(guard_mutex);
+  if (guards++ > 0) return;
+  caught_signal = 0;
+  struct sigaction note = {};
+  note.sa_handler = [](int signal) {
+    caught_signal = signal;
+    // The other of the two as well: whoever insists is obeyed.
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  };
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &note, &actions_before[i]);
+}
+
+SignalGuard::~SignalGuard() {
+  const std::lock_guard lock(guard_mutex);
+  if (--guards > 0) return;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &actions_before[i], nullptr);
+}
+
+int SignalGuard::caught() {
+  return caught_signal;
+}
+
+RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit) {
   RunOutcome outcome;
   const auto fail = [&](std::string failure, ExitCode code) {
     outcome.failure = std::move(failure);
@@ -85,11 +93,22 @@ RunOutcome Advance(Simulator& simulator, double duration) {
     outcome.exit_code = code;
   };
   const SignalGuard guard;
-  simulator.AddMonitor([](Context&) { return caught_signal == 0 ? Verdict() : Verdict("interrupted"); });
+  simulator.AddMonitor(
+      [](Context&) { return SignalGuard::caught() == 0 ? Verdict() : Verdict("interrupted"); });
   const auto begin = std::chrono::steady_clock::now();
+  const auto wall = [begin] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const auto too_long = std::make_shared<bool>(false);  // the monitor outlives this function
+  if (wall_limit) {
+    simulator.AddMonitor([=, limit = *wall_limit](Context&) {
+      *too_long = *too_long || wall() > limit;
+      return *too_long ? Verdict(fmt::format("took longer than {} s on the clock", limit)) : Verdict();
+    });
+  }
   try {
     outcome.status = simulator.AdvanceTo(duration);
-    if (outcome.status.ended) outcome.exit_code = kLimitBroken;
+    if (outcome.status.ended) outcome.exit_code = *too_long ? kNumericalFailure : kLimitBroken;
   } catch (const OutputError& error) {
     fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
@@ -98,11 +117,11 @@ RunOutcome Advance(Simulator& simulator, double duration) {
     fail(fmt::format("out of memory in the run at t = {} s", simulator.context().time()), kNumericalFailure);
   }
   // Also if it came with the last tick: who stops one run of several means all.
-  if (caught_signal != 0 && outcome.exit_code != kOutputFailed) {
-    outcome.exit_code = 128 + caught_signal;
+  if (const int caught = SignalGuard::caught(); caught != 0 && outcome.exit_code != kOutputFailed) {
+    outcome.exit_code = 128 + caught;
     outcome.status = {outcome.status.time, true, "interrupted"};
   }
-  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  outcome.wall_s = wall();
   return outcome;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include <tenon/systems/simulation/simulator.h>
@@ -36,9 +37,21 @@ struct RunOutcome {
   double wall_s = 0;    ///< of the advance alone
 };
 
-/// Advances to `duration` [s], or until SIGINT or SIGTERM comes, which ends the run as a monitor does; a
-/// second one ends the process. A RunError, or that memory is out, is caught and told in the outcome, so that
-/// the caller can still write what there is.
-RunOutcome Advance(Simulator& simulator, double duration);
+/// While one lives, the first SIGINT or SIGTERM is noted, and ends what Advance runs, in all threads; the
+/// next one ends the process. Of several at a time the first counts.
+class SignalGuard {
+ public:
+  SignalGuard();
+  ~SignalGuard();
+  SignalGuard(const SignalGuard&) = delete;
+  SignalGuard& operator=(const SignalGuard&) = delete;
+  /// The number of the signal that came; 0 for none.
+  static int caught();
+};
+
+/// Advances to `duration` [s], or until SIGINT or SIGTERM comes, see SignalGuard, or `wall_limit` [s] on the
+/// clock are over, which ends the run as a monitor does. A RunError, or that memory is out, is caught and
+/// told in the outcome, so that the caller can still write what there is.
+RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit = {});
 
 }  // namespace tenon::apps

@@ -81,6 +81,12 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
     ExternalForce push = PointOf(robot, force);
     push.force_W = force.force_N;
     push.torque_W = force.torque_N_m;
+    if (force.factor != 1 || force.turn_rad != 0) {
+      const Eigen::Matrix3d turn =
+          force.factor * Eigen::AngleAxisd(force.turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      push.force_W = turn * push.force_W;
+      push.torque_W = turn * push.torque_W;
+    }
     if (force.frequency_rad_per_s > 0)
       params.sines.push_back(
           {push, force.frequency_rad_per_s, force.start_s, force.start_s + force.duration_s});
@@ -148,9 +154,14 @@ void ForceScenario::Validate() const {
 }
 
 void TrunkLoadScenario::Validate() const {
-  DemandNotNegative("mass_kg", mass_kg);
-  Demand(edges_m.allFinite() && edges_m.minCoeff() >= 0,
-         fmt::format("edges_m = [{}, {}, {}] must not be negative", edges_m[0], edges_m[1], edges_m[2]));
+  DemandBetween("mass_kg", mass_kg, 0, 1e6);
+  constexpr double kFar = 100;  // m: beyond that it lies on no robot
+  Demand(position_m.allFinite() && position_m.cwiseAbs().maxCoeff() <= kFar,
+         fmt::format("position_m = [{}, {}, {}] must be within {} m", position_m[0], position_m[1],
+                     position_m[2], kFar));
+  Demand(edges_m.allFinite() && edges_m.minCoeff() >= 0 && edges_m.maxCoeff() <= kFar,
+         fmt::format("edges_m = [{}, {}, {}] must not be negative, and within {} m", edges_m[0], edges_m[1],
+                     edges_m[2], kFar));
 }
 
 void LeggedIntegratorScenario::Validate() const {

@@ -186,6 +186,8 @@ struct ForceScenario {
   double height = 0.5;  ///< on a leg: 0 the foot, 0.5 the knee, 1 the hip
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();
+  double factor = 1;    ///< of force and torque
+  double turn_rad = 0;  ///< both turned by this about the vertical
   double start_s = 0;
   double duration_s = 0;
   double frequency_rad_per_s = 0;
@@ -195,6 +197,8 @@ struct ForceScenario {
             {"height", &ForceScenario::height},
             {"force_N", &ForceScenario::force_N},
             {"torque_N_m", &ForceScenario::torque_N_m},
+            {"factor", &ForceScenario::factor},
+            {"turn_rad", &ForceScenario::turn_rad},
             {"start_s", &ForceScenario::start_s},
             Required("duration_s", &ForceScenario::duration_s),
             {"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};

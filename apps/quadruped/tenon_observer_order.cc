@@ -194,7 +194,7 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   Report report = MakeReport(scenario);
   report.Log(simulator, signals, {&world.plant.geometry});
   scenario.variants = {variant};
-  const OutputDirectory out(OutputPath(arguments));
+  const OutputDirectory out(OptionsOf(arguments).out);
   WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
   WriteGraph(*diagram, arguments.graph);
   const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
@@ -222,7 +222,7 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   std::vector<std::string> names;
   for (const VariantScenario& variant : scenario.variants) names.push_back(variant.name);
   CheckVariantNames(names);
-  const OutputDirectory out(OutputPath(arguments));
+  const OutputDirectory out(OptionsOf(arguments).out);
   const std::filesystem::path& base = out.path();
   for (const std::string& name : names) OutputDirectory(base / name);  // also of those that are refused
   WriteFile(base / "scenario.yaml", WriteYaml(scenario));
@@ -271,7 +271,6 @@ int Run(const CommonArguments& arguments) {
   }
   const YamlDocument document = LoadScenario(arguments, "tenon-observer-order");
   auto scenario = document.Read<ObserverOrderScenario>();
-  if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   scenario.Validate();
   for (VariantScenario& variant : scenario.variants) variant.Resolve();

@@ -5,10 +5,8 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/progress.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/apps/quadruped/stand_figures.h>
-#include <tenon/apps/quadruped/walk_figures.h>
 
 namespace tenon::apps {
 namespace {
@@ -23,49 +21,11 @@ struct WalkArguments {
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
 
-Report MakeReport(const QuadrupedScenario& scenario) {
-  return ScenarioReport(
-      scenario, fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed));
-}
-
-/// One run of a diagram, into the directory of `arguments`. A walk has an observer.
-template <class Loop, class Figures>
-RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario, const auto& params,
-                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
-  DiagramBuilder builder;
-  auto& loop = Blame("", [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
-  const auto diagram = builder.Build();
-  const double duration = Duration(scenario);
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
-  simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures, std::make_shared<ProgressSink>(duration)});
-
-  const auto judge = [&](Summary& summary) {
-    summary.Set("robot", scenario.robot);
-    if (observer) summary.Set("observer", std::string(EnumName(*observer)));
-    figures->AddTo(summary);
-    summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
-  };
-  std::vector<const Source*> signals = Figures::Signals(loop);
-  signals.insert(signals.end(), faults.begin(), faults.end());
-  return RunAndWrite(arguments, scenario, duration, simulator, MakeReport(scenario), signals,
-                     Figures::Shapes(loop), judge);
-}
-
-RunResult RunOnce(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
-  if (!scenario.walk)
-    return RunOnce<QuadrupedStand>(arguments, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
-                                   std::nullopt, std::make_shared<StandFigures>());
-  const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
-  return RunOnce<QuadrupedWalk>(arguments, scenario, params, params.observer.kind,
-                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
-}
-
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {
-  return {std::move(name), [scenario](const CommonArguments& each) { return RunOnce(each, scenario); }};
+  return {std::move(name), [scenario](const RunOptions& each) { return RunQuadruped(scenario, each); }};
 }
 
-int CompareObservers(const CommonArguments& arguments, QuadrupedScenario scenario) {
+int CompareObservers(const RunOptions& options, QuadrupedScenario scenario) {
   std::vector<ObserverKind> kinds = scenario.compare;
   if (kinds.empty())
     for (const auto& [kind, name] : EnumNames(ObserverKind{})) kinds.push_back(kind);
@@ -74,13 +34,13 @@ int CompareObservers(const CommonArguments& arguments, QuadrupedScenario scenari
     scenario.observer = kind;
     variants.push_back(MakeVariant(EnumName(kind), scenario));
   }
-  return Compare(arguments, MakeReport(scenario), variants);
+  return Compare(options, ScenarioReport(scenario, Describe(scenario)), variants);
 }
 
-int RunSweep(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
+int RunSweep(const RunOptions& options, const QuadrupedScenario& scenario) {
   std::vector<Variant> variants;
   for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run));
-  return Compare(arguments, MakeReport(scenario), variants);
+  return Compare(options, ScenarioReport(scenario, Describe(scenario)), variants);
 }
 
 /// The scenario with what the command line says of its walk: every segment that walks gets the gait and,
@@ -122,13 +82,13 @@ int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   }
   const YamlDocument document = LoadWalk(arguments, walk);
   auto scenario = document.Read<QuadrupedScenario>();
-  if (arguments.seed) scenario.seed = *arguments.seed;
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
     CheckJudged(arguments, scenario);
-    if (walk.compare) return CompareObservers(arguments, scenario);
-    if (scenario.sweep) return RunSweep(arguments, scenario);
-    const Summary summary = RunOnce(arguments, scenario).summary;
+    const RunOptions options = OptionsOf(arguments);
+    if (walk.compare) return CompareObservers(options, scenario);
+    if (scenario.sweep) return RunSweep(options, scenario);
+    const Summary summary = RunQuadruped(scenario, options).summary;
     summary.Print();
     return summary.exit_code();
   });

@@ -93,6 +93,11 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
 void DriveProperties::Validate() const {
   CheckNotNegative("rotor_inertia_kg_m2", rotor_inertia);
   CheckNotNegative("damping_N_m_s_per_rad", damping);
+  constexpr double kMostDamping = 1e4;  // N m s/rad; with a leg's inertia a time constant of microseconds
+  if (damping > kMostDamping)
+    throw ParameterError(
+        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: no joint moves against more",
+                    damping, kMostDamping));
   CheckNotNegative("friction_N_m", friction);
   if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
     throw ParameterError(

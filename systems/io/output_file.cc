@@ -20,9 +20,9 @@ namespace {
                                 file.string(), std::strerror(error)));
 }
 
-/// A new file, or an old one emptied; `wanted` is what an error names.
-int Open(const fs::path& file, const fs::path& wanted) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+/// A new file, or an old one, emptied unless `how` is 0; `wanted` is what an error names.
+int Open(const fs::path& file, const fs::path& wanted, int how = O_TRUNC) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | how | O_CLOEXEC, 0666);
   if (descriptor < 0) Fail(wanted, errno);
   return descriptor;
 }
@@ -55,7 +55,10 @@ void WriteFile(const fs::path& file, std::string_view text) {
   Fail(file, error);
 }
 
-GrowingFile::GrowingFile(fs::path path) : path_(std::move(path)), descriptor_(Open(path_, path_)) {}
+GrowingFile::GrowingFile(fs::path path, Start start)
+    : path_(std::move(path)), descriptor_(Open(path_, path_, start == Start::kEmpty ? O_TRUNC : 0)) {
+  if (const ::off_t end = ::lseek(descriptor_, 0, SEEK_END); end > 0) size_ = static_cast<std::size_t>(end);
+}
 
 GrowingFile::~GrowingFile() {
   ::close(descriptor_);

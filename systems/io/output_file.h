@@ -23,8 +23,10 @@ void WriteFile(const std::filesystem::path& file, std::string_view text);
 /// take as a whole is taken back.
 class GrowingFile {
  public:
-  /// An empty file, whatever was there. Throws OutputError if it cannot be opened.
-  explicit GrowingFile(std::filesystem::path path);
+  enum class Start { kEmpty, kKeep };
+  /// An empty file, whatever was there; or what was there, if it is to be kept. Throws OutputError if it
+  /// cannot be opened.
+  explicit GrowingFile(std::filesystem::path path, Start start = Start::kEmpty);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;

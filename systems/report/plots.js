@@ -13,19 +13,6 @@ function decode(text, Type) {
   return new Type(bytes.buffer);
 }
 
-function formatNumber(value) {
-  if (!Number.isFinite(value)) return '–';
-  if (value !== 0 && (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-4)) return value.toExponential(2);
-  return String(Number(value.toPrecision(4)));
-}
-
-function element(tag, className, text) {
-  const node = document.createElement(tag);
-  if (className) node.className = className;
-  if (text !== undefined) node.textContent = text;
-  return node;
-}
-
 // The colour with white mixed in, for the further signals of one run.
 function lighten(hex, amount) {
   const mix = (at) => Math.round(parseInt(hex.slice(at, at + 2), 16) * (1 - amount) + 255 * amount);

@@ -7,20 +7,6 @@
   const report = JSON.parse(document.getElementById('data').textContent);
   const runs = report.runs;
   const find = (selector) => document.querySelector(selector);
-  const UNITS = {
-    m: 'm', N: 'N', s: 's', rad: 'rad', us: 'µs', ms: 'ms', kg: 'kg', deg: '°', hz: 'Hz', m_per_s: 'm/s', m_per_s2: 'm/s²',
-    N_per_s: 'N/s', N_per_m: 'N/m', rad_per_s: 'rad/s', N_m: 'N m', W: 'W', J: 'J',
-  };
-
-  // "tracking_error_rms_m" -> ["tracking error rms", "m"]
-  function splitUnit(key) {
-    const words = key.split('_');
-    for (let n = Math.min(4, words.length - 1); n > 0; --n) {
-      const unit = UNITS[words.slice(-n).join('_')];
-      if (unit) return [words.slice(0, -n).join(' '), unit];
-    }
-    return [words.join(' '), ''];
-  }
 
   function showHeader() {
     document.title = report.title;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -13,6 +14,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
 
@@ -67,23 +69,37 @@ std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
   return index;
 }
 
+/// The value under a key, and true; or what of the path to it there is. A key with dots of its own, as
+/// campaigns have them, is found as a whole.
+std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dotted_key) {
+  if (dotted_key.empty()) return {&tree, true};
+  for (std::size_t end = dotted_key.size(); end != dotted_key.npos && end > 0;
+       end = dotted_key.rfind('.', end - 1)) {
+    const std::string_view key = dotted_key.substr(0, end);
+    const std::string_view rest = dotted_key.substr(std::min(end + 1, dotted_key.size()));
+    if (const auto index = IndexIn(tree, key)) return Find(tree.children[*index], rest);
+    const auto found = YamlTree::FindKey(tree, key);
+    if (found != tree.children.end()) return Find(*found, rest);
+  }
+  return {&tree, false};
+}
+
 }  // namespace
 
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
-  const YamlTree* node = tree_.get();
-  for (std::size_t begin = 0; begin < dotted_key.size();) {
-    const std::size_t end = std::min(dotted_key.find('.', begin), dotted_key.size());
-    const std::string_view key = dotted_key.substr(begin, end - begin);
-    begin = end + 1;
-    if (const auto index = IndexIn(*node, key)) {
-      node = &node->children[*index];
-      continue;
-    }
-    const auto found = YamlTree::FindKey(*node, key);
-    if (found == node->children.end()) break;
-    node = &*found;
-  }
-  return fmt::format("{}: {}", node->place, dotted_key);
+  return fmt::format("{}: {}", Find(*tree_, dotted_key).first->place, dotted_key);
+}
+
+std::string YamlDocument::Flow() const {
+  return internal::FlowText(*tree_);
+}
+
+std::vector<std::string> YamlDocument::Keys(std::string_view dotted_key) const {
+  std::vector<std::string> keys;
+  const auto [node, found] = Find(*tree_, dotted_key);
+  if (!found || node->kind != YamlTree::Kind::kMap) return keys;
+  for (const YamlTree& child : node->children) keys.push_back(child.key);
+  return keys;
 }
 
 std::string YamlDocument::Text(std::string_view key) const {
@@ -161,6 +177,58 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
   value.key_place = std::move(node->key_place);
   *node = std::move(value);
   tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+namespace {
+
+/// A number of a standard distribution, as {uniform: [0, 1]} asks for it.
+double DrawOne(const YamlTree& distribution, RandomStream& random) {
+  std::array<double, 2> parameters{};
+  internal::YamlNode(distribution, distribution.key)
+      .Read(internal::TypeInfoOf<std::array<double, 2>>(), &parameters);
+  const auto [first, second] = parameters;
+  if (distribution.key == "uniform") {
+    if (first > second)
+      internal::FailAt(distribution.place,
+                       fmt::format("uniform: [{}, {}]: give the lower bound first", first, second));
+    return random.Uniform(first, second);
+  }
+  if (second < 0)
+    internal::FailAt(
+        distribution.place,
+        fmt::format("{}: [{}, {}]: the second number is the standard deviation, and not negative",
+                    distribution.key, first, second));
+  const double value = first + second * random.Normal();
+  return distribution.key == "normal" ? value : std::exp(value);
+}
+
+void DrawIn(YamlTree& tree, const std::string& path, std::uint64_t seed,
+            std::vector<std::pair<std::string, double>>& drawn) {
+  constexpr std::array<std::string_view, 3> kDistributions{"uniform", "normal", "lognormal"};
+  if (tree.kind == YamlTree::Kind::kMap && tree.children.size() == 1 &&
+      std::ranges::count(kDistributions, std::string_view(tree.children[0].key)) > 0) {
+    RandomStream random(seed, path);
+    const double value = DrawOne(tree.children[0], random);
+    tree.kind = YamlTree::Kind::kScalar;
+    tree.text = fmt::format("{}", value);
+    tree.children.clear();
+    drawn.emplace_back(path, value);
+    return;
+  }
+  for (std::size_t i = 0; i < tree.children.size(); ++i) {
+    const std::string key = tree.kind == YamlTree::Kind::kList ? std::to_string(i) : tree.children[i].key;
+    DrawIn(tree.children[i], path.empty() ? key : path + "." + key, seed, drawn);
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, double>> YamlDocument::Draw(std::uint64_t seed) {
+  std::vector<std::pair<std::string, double>> drawn;
+  YamlTree root = *tree_;
+  DrawIn(root, "", seed, drawn);
+  if (!drawn.empty()) tree_ = std::make_shared<const YamlTree>(std::move(root));
+  return drawn;
 }
 
 }  // namespace tenon

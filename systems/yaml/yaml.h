@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/type_info.h>
@@ -16,6 +19,11 @@ std::string WriteYaml(const TypeInfo& type, const void* value);
 
 /// Throws ParameterError, with `place`, line and column, unless the text is UTF-8.
 void CheckUtf8(std::string_view text, const std::string& place);
+
+/// Any value of a YAML file, kept as text: a member of a struct whose type is not known when it is read.
+struct YamlText {
+  std::string text{};  ///< on one line, so that Set() takes it
+};
 
 /// A YAML file of parameters, read strictly into structs that describe themselves by a static `Fields()`:
 ///
@@ -33,8 +41,8 @@ void CheckUtf8(std::string_view text, const std::string& place);
 ///     const auto params = document.Read<WalkParams>();
 ///
 /// A member is a double, int, std::uint64_t, bool, std::string, an enum with EnumNames() (see NamedEnum), an
-/// Eigen vector or matrix of fixed size, another struct with Fields(), or a std::optional (null is empty),
-/// std::vector, std::array or std::map<std::string, ...> of those.
+/// Eigen vector or matrix of fixed size, another struct with Fields(), YamlText, or a std::optional (null is
+/// empty), std::vector, std::array or std::map<std::string, ...> of those.
 ///
 /// A key that is left out keeps its default unless it is Required. Refused are keys that the struct does not
 /// have, keys given twice, values of another type or length, numbers that are not finite, and what Validate()
@@ -65,6 +73,20 @@ class YamlDocument {
 
   /// The text of a scalar at top level; empty if there is none of that key.
   std::string Text(std::string_view key) const;
+  /// All of it on one line, in flow style and without comments.
+  std::string Flow() const;
+  /// The keys of the map under a key, in the order of the file; none if it is no map.
+  std::vector<std::string> Keys(std::string_view dotted_key) const;
+
+  /// Draws what the document leaves to chance: wherever it says one of
+  ///
+  ///     mass_error_ratio: {uniform: [-0.3, 0.3]}     # low, high
+  ///     mass_kg: {normal: [5, 0.5]}                  # mean, standard deviation
+  ///     friction: {lognormal: [-0.5, 0.2]}           # those of the logarithm
+  ///
+  /// a number takes its place, which follows from the seed and the key. Returns what was drawn, by dotted
+  /// keys. Throws ParameterError with the place of a distribution that makes no sense.
+  std::vector<std::pair<std::string, double>> Draw(std::uint64_t seed);
 
   /// Reads the document into a T that holds its defaults.
   template <HasFields T>

@@ -61,7 +61,7 @@ void CheckPageParts() {
   for (const Part& part : kParts) FindPart(part);
 }
 
-void WritePage(const fs::path& file, const std::string& title, std::string data_json) {
+void WritePage(const fs::path& file, const std::string& title, std::string data_json, PageKind kind) {
   ReplaceAll(data_json, "</", "<\\/");  // nothing in the data ends the script that holds it
   ReplaceAll(data_json, "<!--", "<\\u0021--");
   std::string escaped_title = title;
@@ -70,7 +70,7 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
 
   std::string out;
   // The template's slots are written as {{name}}.
-  std::string_view rest = kPageHtml;
+  std::string_view rest = kind == PageKind::kRun ? kPageHtml : kCampaignHtml;
   for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
     out += rest.substr(0, open);
     const std::size_t close = rest.find("}}", open);
@@ -78,6 +78,8 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
     rest.remove_prefix(close + 2);
     if (slot == "title") out += escaped_title;
     if (slot == "report.css") out += kPageCss;
+    if (slot == "common.js") out += kCommonJs;
+    if (slot == "campaign.js") out += kCampaignJs;
     if (slot == "report.js") out.append(kPlotsJs).append(kShapesJs).append(kReplayJs).append(kReportJs);
     if (slot == "data") out += data_json;
     for (const Part& part : kParts) {

@@ -13,6 +13,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {
 namespace {
@@ -123,6 +124,10 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
     case TypeInfo::Kind::kMap:
       return ReadMap(type, value);
     case TypeInfo::Kind::kOpaque:
+      if (*type.id == typeid(YamlText)) {
+        static_cast<YamlText*>(value)->text = FlowText(*tree_);
+        return;
+      }
       Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
   }
 }

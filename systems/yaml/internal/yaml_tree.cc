@@ -186,6 +186,41 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
   return builder.Take();
 }
 
+namespace {
+
+/// Text that stands in flow style as it is, and is read again as the same.
+bool IsPlainInFlow(const YamlTree& scalar) {
+  return !scalar.quoted && !scalar.text.empty() &&
+         scalar.text.find_first_of(",[]{}#:'\"&*!|>%@`\\\n\t?") == std::string::npos;
+}
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7f) {
+      quoted += fmt::format("\\x{:02x}", code);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+std::string FlowText(const YamlTree& tree) {
+  if (tree.kind == Kind::kNull) return "null";
+  if (tree.kind == Kind::kScalar) return IsPlainInFlow(tree) ? tree.text : Quoted(tree.text);
+  std::string text;
+  for (const YamlTree& child : tree.children) {
+    if (!text.empty()) text += ", ";
+    if (tree.kind == Kind::kMap) text += Quoted(child.key) + ": ";
+    text += FlowText(child);
+  }
+  return tree.kind == Kind::kMap ? "{" + text + "}" : "[" + text + "]";
+}
+
 std::string Describe(const YamlTree& tree) {
   switch (tree.kind) {
     case Kind::kNull:

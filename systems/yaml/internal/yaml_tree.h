@@ -42,6 +42,9 @@ constexpr std::size_t kMaxYamlValues = 500'000;
 /// a second document, a tag, text that is not UTF-8, and on more bytes or values than the above.
 YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden);
 
+/// The value on one line, as YAML in flow style.
+std::string FlowText(const YamlTree& tree);
+
 /// "nothing", "'abc'", "a list of 3": what was found, for messages.
 std::string Describe(const YamlTree& tree);
 

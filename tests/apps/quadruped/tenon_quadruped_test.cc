@@ -220,6 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"stand --set sensors.imu.rate_hz=1e9", "rate_hz = 1000000000 must be at most 100000"},
         BadUsage{"stand --set integrator.atol_bristles=0", "atol_bristles = 0"},
         BadUsage{"stand --set payload.edges_m=[-1,-1,-1]", "edges_m = [-1, -1, -1] must not be negative"},
+        BadUsage{"stand --set payload.position_m=[0,-1e308,0]",
+                 "position_m = [0, -1e+308, 0] must be within 100 m"},
         BadUsage{"flat --set walk.friction=0", "friction = 0"},
         BadUsage{"flat --set walk.mass_error_ratio=-1", "the robot would have no mass"},
         BadUsage{"A3-sweep --set sweep.phases=100000", "1000 of either are the most"},

@@ -263,6 +263,9 @@ TEST(QuadrupedDescriptionTest, RefusesDrivesAndContactsThatCannotBe) {
     files.Change(&RobotFiles::yaml, "  " + key + ": ", "  " + key + ": -1  # ");
     EXPECT_TRUE(Refused(files, "dogbot.yaml", key + " is -", "must"));
   }
+  RobotFiles damping("dogbot");
+  damping.Change(&RobotFiles::yaml, "damping_N_m_s_per_rad: 0", "damping_N_m_s_per_rad: 1e6");
+  EXPECT_TRUE(Refused(damping, "dogbot.yaml", "damping_N_m_s_per_rad is 1", "must be at most 10000"));
   RobotFiles ratio("dogbot");
   ratio.Change(&RobotFiles::yaml, "full_torque_speed_ratio: 0.5", "full_torque_speed_ratio: 1");
   EXPECT_TRUE(Refused(ratio, "dogbot.yaml", "full_torque_speed_ratio is 1", "below 1"));

@@ -1,0 +1,105 @@
+#include <tenon/apps/campaign/campaign_desk.h>
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/progress.h>
+
+namespace tenon::apps {
+
+CampaignDesk::CampaignDesk(CampaignSchedule& schedule, CampaignTable& table, std::size_t done)
+    : schedule_(schedule), table_(table), before_(done), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+bool CampaignDesk::ClosedNow() const {
+  return Stopped() || schedule_.finished();
+}
+
+bool CampaignDesk::Stopped() const {
+  return failure_ || interrupted_ || SignalGuard::caught() != 0;
+}
+
+bool CampaignDesk::closed() {
+  const std::lock_guard lock(mutex_);
+  return ClosedNow();
+}
+
+std::optional<std::size_t> CampaignDesk::Take() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    if (Stopped()) return {};
+    if (const auto run = schedule_.Next()) return run;
+    if (schedule_.finished()) return {};
+    changed_.wait_for(lock, std::chrono::milliseconds(100));  // a signal wakes nobody
+  }
+}
+
+std::optional<std::size_t> CampaignDesk::TryTake() {
+  const std::lock_guard lock(mutex_);
+  if (Stopped()) return {};
+  return schedule_.Next();
+}
+
+void CampaignDesk::Put(std::size_t run, const std::optional<CampaignResult>& result) {
+  const std::lock_guard lock(mutex_);
+  if (!result) {  // a signal stopped it, here or on another machine
+    interrupted_ = true;
+    changed_.notify_all();
+    return;
+  }
+  try {
+    if (!failure_) table_.Append(run, result->row);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+  schedule_.Done(run, result->survived);
+  ++ended_;
+  failures_ += result->survived ? 0 : 1;
+  const std::chrono::duration<double> since = Clock::now() - shown_;
+  if (since.count() >= (terminal_ ? 0.1 : 5.0)) Show(false);
+  changed_.notify_all();
+}
+
+void CampaignDesk::Close() {
+  const std::lock_guard lock(mutex_);
+  if (terminal_ || shown_any_) Show(true);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void CampaignDesk::Show(bool last) {
+  shown_ = Clock::now();
+  shown_any_ = true;
+  const double wall = std::chrono::duration<double>(shown_ - begin_).count();
+  const double rate = wall > 0 ? static_cast<double>(ended_) / wall : 0;
+  std::string text;
+  if (const auto total = schedule_.total()) {
+    const std::size_t done = before_ + ended_;
+    const double left = rate > 0 ? static_cast<double>(*total - std::min(done, *total)) / rate : 0;
+    if (terminal_) {
+      constexpr std::size_t kWidth = 30;
+      text = fmt::format("[{:<{}}] ",
+                         std::string(kWidth * std::min(done, *total) / std::max<std::size_t>(*total, 1), '#'),
+                         kWidth);
+    }
+    text += fmt::format("{} of {} runs, {:.1f} a second, {:.0f} s left, {} failed", done, *total, rate, left,
+                        failures_);
+  } else {
+    text = fmt::format("{} runs, {:.1f} a second, {} failed", before_ + ended_, rate, failures_);
+  }
+  Say(terminal_ ? "\r" + text + "   " + (last ? "\n" : "") : text + "\n");
+}
+
+void WorkInThreads(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {
+  const auto work = [&] {
+    while (const auto run = desk.Take()) desk.Put(*run, runner.Run(*run));
+  };
+  std::vector<std::jthread> others;
+  for (int i = 1; i < jobs; ++i) others.emplace_back(work);
+  work();
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,107 @@
+#include <tenon/apps/campaign/campaign_file.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+
+#include <tenon/apps/common/checks.h>
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr std::size_t kMostRuns = 100'000'000;
+
+void DemandFactors(const std::map<std::string, double>& sets) {
+  for (const auto& [key, factor] : sets)
+    if (factor == 0) throw ParameterError(fmt::format("sets: the factor of {} is 0: it would not vary", key));
+}
+
+}  // namespace
+
+FieldList Variation::Fields() {
+  return {{"grid", &Variation::grid},
+          {"linspace", &Variation::linspace},
+          {"list", &Variation::list},
+          {"choices", &Variation::choices},
+          {"uniform", &Variation::uniform},
+          {"normal", &Variation::normal},
+          {"lognormal", &Variation::lognormal},
+          {"sobol", &Variation::sobol},
+          {"latin_hypercube", &Variation::latin_hypercube},
+          {"sets", &Variation::sets}};
+}
+
+void Variation::Validate() const {
+  const int ways = !grid.empty() + linspace.has_value() + !list.empty() + !choices.empty() +
+                   uniform.has_value() + normal.has_value() + lognormal.has_value() + sobol.has_value() +
+                   latin_hypercube.has_value();
+  if (ways != 1)
+    throw ParameterError(
+        fmt::format("{} ways to vary: give one of grid, linspace, list, choices, uniform, normal, lognormal, "
+                    "sobol, latin_hypercube",
+                    ways));
+  if (!sets.empty() && (!list.empty() || !choices.empty()))
+    throw ParameterError("sets: factors are for numbers; a choice says by itself what it sets");
+  DemandFactors(sets);
+  if (linspace) {
+    const double count = (*linspace)[2];
+    if (count != std::floor(count) || count < 2 || count > 1e6)
+      throw ParameterError(
+          fmt::format("linspace: [from, to, count] has a count of {}: give an integer from 2 on", count));
+  }
+  for (const auto& range : {uniform, sobol, latin_hypercube})
+    if (range && (*range)[0] > (*range)[1])
+      throw ParameterError(fmt::format("[{}, {}]: give the lower bound first", (*range)[0], (*range)[1]));
+  for (const auto& moments : {normal, lognormal})
+    if (moments && (*moments)[1] < 0)
+      throw ParameterError(
+          fmt::format("[{}, {}]: the second number is the standard deviation, and not negative",
+                      (*moments)[0], (*moments)[1]));
+}
+
+void SeedRange::Validate() const {
+  if (count < 1 || count > kMostRuns)
+    throw ParameterError(fmt::format("count = {} must be from 1 to {}", count, kMostRuns));
+  if (first > std::numeric_limits<std::uint64_t>::max() - count)
+    throw ParameterError(fmt::format("first = {}: the last seed would be beyond 64 bits", first));
+}
+
+void LimitSearch::Validate() const {
+  DemandFactors(sets);
+  if (!(from < to)) throw ParameterError(fmt::format("from = {} must be below to = {}", from, to));
+  DemandBetween("steps", steps, 1, 20);
+  if (!(probability > 0 && probability < 1))
+    throw ParameterError(fmt::format("probability = {} must lie between 0 and 1", probability));
+}
+
+FieldList CampaignFile::Fields() {
+  return {Required("app", &CampaignFile::app),
+          Required("scenario", &CampaignFile::scenario),
+          {"description", &CampaignFile::description},
+          {"duration_s", &CampaignFile::duration_s},
+          {"seeds", &CampaignFile::seeds},
+          {"set", &CampaignFile::set},
+          {"vary", &CampaignFile::vary},
+          {"wall_limit_s", &CampaignFile::wall_limit_s},
+          {"estimate", &CampaignFile::estimate},
+          {"interval_width", &CampaignFile::interval_width},
+          {"confidence", &CampaignFile::confidence},
+          {"limit", &CampaignFile::limit},
+          {"worst_by", &CampaignFile::worst_by}};
+}
+
+void CampaignFile::Validate() const {
+  if (duration_s) DemandPositive("duration_s", *duration_s);
+  if (wall_limit_s) DemandPositive("wall_limit_s", *wall_limit_s);
+  DemandBetween("interval_width", interval_width, 1e-4, 1);
+  if (!(confidence > 0 && confidence < 1))
+    throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
+  if (limit && estimate != Estimate::kAll)
+    throw ParameterError("estimate and limit: a search for a limit estimates by itself; leave estimate away");
+  if (limit && (vary.contains(limit->key) || set.contains(limit->key)))
+    throw ParameterError(fmt::format("limit: {} is also set or varied; take it out there", limit->key));
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,144 @@
+#include <tenon/apps/campaign/campaign_mpi.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <deque>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+
+#ifdef TENON_WITH_MPI
+#include <mpi.h>
+
+#include <nlohmann/json.hpp>
+#endif
+
+namespace tenon::apps {
+
+bool StartedByMpi() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_SIZE"})
+    if (std::getenv(name) != nullptr) return true;
+  return false;
+}
+
+#ifdef TENON_WITH_MPI
+
+namespace {
+
+// To rank 0: a row, or that a run is wanted; from there: a run, or that there are no more.
+constexpr int kRow = 1, kWanted = 2, kRun = 3;
+constexpr long long kNoMore = -1;
+
+std::string Pack(std::size_t run, const std::optional<CampaignResult>& result) {
+  nlohmann::json message{{"run", run}};
+  if (result) {
+    message["row"] = result->row;
+    message["survived"] = result->survived;
+  }
+  return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void Unpack(const std::string& text, CampaignDesk& desk) {
+  const auto message = nlohmann::json::parse(text);
+  std::optional<CampaignResult> result;
+  if (message.contains("row")) result = {message["row"].get<CampaignRow>(), message["survived"].get<bool>()};
+  desk.Put(message["run"].get<std::size_t>(), result);
+}
+
+void Give(long long run, int rank) {
+  MPI_Send(&run, 1, MPI_LONG_LONG, rank, kRun, MPI_COMM_WORLD);
+}
+
+}  // namespace
+
+MpiSession::MpiSession() {
+  int provided = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+}
+
+MpiSession::~MpiSession() {
+  MPI_Finalize();
+}
+
+void MpiSession::Lead(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {
+  std::jthread own([&] { WorkInThreads(desk, runner, jobs); });
+  std::deque<int> waiting;  // ranks, once for each run that they want
+  // Every other rank asks twice, and once more with each row.
+  int open = 2 * (size_ - 1);  // questions that will get, or have got, no kNoMore yet
+  while (open > 0) {
+    int there = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
+    if (there != 0) {
+      int size = 0;
+      MPI_Get_count(&status, MPI_CHAR, &size);
+      std::string text(static_cast<std::size_t>(size), '\0');
+      MPI_Recv(text.data(), size, MPI_CHAR, status.MPI_SOURCE, status.MPI_TAG, MPI_COMM_WORLD,
+               MPI_STATUS_IGNORE);
+      if (status.MPI_TAG == kRow) Unpack(text, desk);
+      waiting.push_back(status.MPI_SOURCE);
+    }
+    bool gave = false;
+    while (!waiting.empty()) {
+      if (const auto run = desk.TryTake()) {
+        Give(static_cast<long long>(*run), waiting.front());
+      } else if (desk.closed()) {
+        Give(kNoMore, waiting.front());
+        --open;
+      } else {
+        break;
+      }
+      waiting.pop_front();
+      gave = true;
+    }
+    // A receive that blocks would keep a core busy.
+    if (there == 0 && !gave) std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+}
+
+void MpiSession::Follow(const CampaignRunner& runner) {
+  const auto ask = [] { MPI_Send(nullptr, 0, MPI_CHAR, 0, kWanted, MPI_COMM_WORLD); };
+  ask();
+  ask();
+  for (int open = 2; open > 0;) {
+    int there = 0;
+    while (MPI_Iprobe(0, kRun, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE) == MPI_SUCCESS && there == 0)
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    long long run = kNoMore;
+    MPI_Recv(&run, 1, MPI_LONG_LONG, 0, kRun, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    if (run == kNoMore) {
+      --open;
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(run);
+    const std::string text = Pack(at, runner.Run(at));
+    MPI_Send(text.data(), static_cast<int>(text.size()), MPI_CHAR, 0, kRow, MPI_COMM_WORLD);
+  }
+}
+
+void MpiSession::Abort(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::_Exit(exit_code);
+}
+
+#else
+
+MpiSession::MpiSession() {
+  throw ParameterError(
+      "started by mpirun, but built without MPI: apt-get install libopenmpi-dev and build again, or start it "
+      "alone, with --jobs");
+}
+MpiSession::~MpiSession() = default;
+void MpiSession::Lead(CampaignDesk&, const CampaignRunner&, int) {}
+void MpiSession::Follow(const CampaignRunner&) {}
+void MpiSession::Abort(int exit_code) {
+  std::_Exit(exit_code);
+}
+
+#endif
+
+}  // namespace tenon::apps

@@ -1,0 +1,191 @@
+#include <tenon/apps/campaign/campaign_plan.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <tenon/systems/campaign/sampling.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+
+namespace tenon::apps {
+namespace {
+
+/// The text of a scalar.
+std::string Unquoted(const std::string& yaml) {
+  return YamlDocument::Parse("text: " + yaml, "scenario").Text("text");
+}
+
+/// What a value sets: itself under its name, or keys by factors.
+std::vector<std::pair<std::string, double>> Targets(const std::string& name,
+                                                    const std::map<std::string, double>& sets) {
+  if (sets.empty()) return {{name, 1}};
+  return {sets.begin(), sets.end()};
+}
+
+std::string Text(double value) {
+  return fmt::format("{}", value);
+}
+
+double Between(const std::array<double, 2>& range, double share) {
+  return range[0] + share * (range[1] - range[0]);
+}
+
+}  // namespace
+
+void CampaignPlan::AddAxis(const std::string& name, const Variation& how,
+                           const std::vector<std::string>& choices) {
+  Axis axis{.name = name, .labels = {}, .settings = {}};
+  std::vector<double> values = how.grid;
+  if (how.linspace) {
+    const auto [from, to, count] = *how.linspace;
+    for (double i = 0; i < count; ++i) values.push_back(from + (to - from) * i / (count - 1));
+  }
+  for (const double value : values) {
+    axis.labels.push_back(Text(value));
+    std::vector<Setting>& settings = axis.settings.emplace_back();
+    for (const auto& [key, factor] : Targets(name, how.sets)) settings.push_back({key, Text(value * factor)});
+  }
+  for (const YamlText& item : how.list) {
+    axis.labels.push_back(Unquoted(item.text).empty() ? item.text : Unquoted(item.text));
+    axis.settings.push_back({{name, item.text}});
+  }
+  for (const std::string& label : choices) {
+    axis.labels.push_back(label);
+    std::vector<Setting>& settings = axis.settings.emplace_back();
+    for (const auto& [key, value] : how.choices.at(label)) settings.push_back({key, value.text});
+  }
+  points_ *= axis.labels.size();
+  axes_.push_back(std::move(axis));
+}
+
+void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
+  Drawn drawn{.name = name, .sets = Targets(name, how.sets), .draw = {}};
+  if (how.uniform) {
+    drawn.draw = [name, range = *how.uniform](std::uint64_t seed, std::size_t) {
+      return RandomStream(seed, name).Uniform(range[0], range[1]);
+    };
+  } else if (how.normal || how.lognormal) {
+    const bool logarithm = how.lognormal.has_value();
+    drawn.draw = [name, logarithm, moments = logarithm ? *how.lognormal : *how.normal](std::uint64_t seed,
+                                                                                       std::size_t) {
+      const double value = moments[0] + moments[1] * RandomStream(seed, name).Normal();
+      return logarithm ? std::exp(value) : value;
+    };
+  } else if (how.latin_hypercube) {
+    // The design is one for all points of the product: what differs between them is what they say.
+    RandomStream random(file_.seeds.first, name);
+    auto points = std::make_shared<const std::vector<double>>(LatinHypercube(num_seeds(), random));
+    drawn.draw = [points, range = *how.latin_hypercube](std::uint64_t, std::size_t k) {
+      return Between(range, (*points)[k]);
+    };
+  } else {
+    const std::size_t dimension = sobol_.size();
+    sobol_.push_back(name);
+    drawn.draw = [this, dimension, range = *how.sobol](std::uint64_t, std::size_t k) {
+      return Between(range, sobol_points_[dimension][k]);
+    };
+  }
+  drawn_.push_back(std::move(drawn));
+}
+
+CampaignPlan::CampaignPlan(const YamlDocument& document)
+    : file_(document.Read<CampaignFile>()), order_(document.Keys("vary")) {
+  for (const std::string& name : order_) {
+    const Variation& how = file_.vary.at(name);
+    try {
+      if (how.multiplies()) {
+        AddAxis(name, how, document.Keys("vary." + name + ".choices"));
+      } else {
+        AddDrawn(name, how);
+      }
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("{}: {}", document.PlaceOf("vary." + name), error.what()));
+    }
+    if (points_ > 10'000'000)
+      throw ParameterError(
+          fmt::format("{}: the product of all grids has more than 10 million points; draw some of the keys",
+                      document.PlaceOf("vary." + name)));
+  }
+  sobol_points_ = Sobol(num_seeds(), sobol_.size());
+  if (file_.limit) levels_ = (std::size_t{1} << file_.limit->steps) - 1;
+  if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) > 1e15)
+    throw ParameterError(fmt::format("{}: {} points, {} levels and {} seeds are too many runs",
+                                     document.PlaceOf("seeds"), points_, levels_, num_seeds()));
+}
+
+std::vector<std::string> CampaignPlan::Scenarios() const {
+  std::set<std::string> names;
+  for (const Axis& axis : axes_)
+    for (const std::vector<Setting>& settings : axis.settings)
+      for (const Setting& setting : settings)
+        if (setting.key == "scenario") names.insert(Unquoted(setting.value));
+  if (!std::ranges::any_of(axes_, [](const Axis& axis) { return axis.name == "scenario"; }))
+    names.insert(file_.scenario);
+  return {names.begin(), names.end()};
+}
+
+double CampaignPlan::LevelValue(std::size_t level) const {
+  // In a heap, depth d begins at 2^d - 1; the bisection goes to the middle of the (level - begin)-th of 2^d
+  // parts.
+  const std::size_t begin = std::bit_floor(level + 1) - 1;
+  const double parts = static_cast<double>(begin + 1);
+  const double middle = (static_cast<double>(level - begin) + 0.5) / parts;
+  return file_.limit->from + middle * (file_.limit->to - file_.limit->from);
+}
+
+std::vector<std::size_t> CampaignPlan::LabelsAt(std::size_t point) const {
+  std::vector<std::size_t> at(axes_.size());
+  for (std::size_t i = axes_.size(); i-- > 0;
+       point /= axes_[i].labels.size())  // the last one changes fastest
+    at[i] = point % axes_[i].labels.size();
+  return at;
+}
+
+std::vector<std::pair<std::string, std::string>> CampaignPlan::AtPoint(std::size_t point) const {
+  const std::vector<std::size_t> labels = LabelsAt(point);
+  std::vector<std::pair<std::string, std::string>> at;
+  for (std::size_t i = 0; i < axes_.size(); ++i) at.emplace_back(axes_[i].name, axes_[i].labels[labels[i]]);
+  return at;
+}
+
+RunSetup CampaignPlan::Setup(std::size_t run) const {
+  const std::size_t k = run % num_seeds();
+  RunSetup setup{.seed = file_.seeds.first + k, .scenario = file_.scenario, .settings = {}, .varied = {}};
+  for (const auto& [key, value] : file_.set) setup.settings.emplace_back(key, value.text);
+
+  const std::vector<std::size_t> labels = LabelsAt(PointOf(run));
+  std::size_t next_axis = 0, next_drawn = 0;
+  for (const std::string& name : order_) {
+    if (file_.vary.at(name).multiplies()) {
+      const Axis& axis = axes_[next_axis];
+      const std::size_t label = labels[next_axis++];
+      setup.varied.emplace_back(axis.name, axis.labels[label]);
+      for (const Setting& setting : axis.settings[label]) {
+        if (setting.key == "scenario") {
+          setup.scenario = Unquoted(setting.value);
+        } else {
+          setup.settings.emplace_back(setting.key, setting.value);
+        }
+      }
+    } else {
+      const Drawn& by = drawn_[next_drawn++];
+      const double value = by.draw(setup.seed, k);
+      setup.varied.emplace_back(name, Text(value));
+      for (const auto& [key, factor] : by.sets) setup.settings.emplace_back(key, Text(factor * value));
+    }
+  }
+  if (file_.limit) {
+    const double value = LevelValue(LevelOf(run));
+    setup.varied.emplace_back(file_.limit->key, Text(value));
+    for (const auto& [key, factor] : Targets(file_.limit->key, file_.limit->sets))
+      setup.settings.emplace_back(key, Text(factor * value));
+  }
+  return setup;
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tenon/apps/campaign/campaign_file.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::apps {
+
+/// What a run is: it follows from its index alone.
+struct RunSetup {
+  std::uint64_t seed = 1;
+  std::string scenario;
+  std::vector<std::pair<std::string, std::string>> settings;  ///< dotted keys and YAML, for YamlDocument::Set
+  std::vector<std::pair<std::string, std::string>> varied;    ///< columns of runs.csv
+};
+
+/// The points of a campaign, its seeds at each point, and which run means what. Constant, so that any number
+/// of threads may ask.
+///
+/// run = (point levels + level) seeds + k, where k counts the seeds, and a level is one of the values that a
+/// bisection may come to: 0 without one, else its place in the tree of bisections, numbered as a heap from 0.
+class CampaignPlan {
+ public:
+  /// Reads `file`; throws ParameterError with file, line and key.
+  explicit CampaignPlan(const YamlDocument& file);
+  CampaignPlan(const CampaignPlan&) = delete;
+  CampaignPlan& operator=(const CampaignPlan&) = delete;
+
+  const CampaignFile& file() const { return file_; }
+  std::size_t num_points() const { return points_; }
+  std::size_t num_levels() const { return levels_; }
+  std::size_t num_seeds() const { return file_.seeds.count; }
+  std::size_t size() const { return points_ * levels_ * num_seeds(); }
+
+  RunSetup Setup(std::size_t run) const;
+  std::size_t PointOf(std::size_t run) const { return run / num_seeds() / levels_; }
+  std::size_t LevelOf(std::size_t run) const { return run / num_seeds() % levels_; }
+  std::size_t RunOf(std::size_t point, std::size_t level, std::size_t k) const {
+    return (point * levels_ + level) * num_seeds() + k;
+  }
+  /// All scenarios that may run.
+  std::vector<std::string> Scenarios() const;
+  /// What the grids, lists and choices say at a point, by name.
+  std::vector<std::pair<std::string, std::string>> AtPoint(std::size_t point) const;
+  /// The value of the limit's key at a level.
+  double LevelValue(std::size_t level) const;
+  /// The same as indices of their labels.
+  std::vector<std::size_t> LabelsAt(std::size_t point) const;
+
+  struct Setting {
+    std::string key, value;
+  };
+  /// One factor of the product of points, a list of what it may set.
+  struct Axis {
+    std::string name;
+    std::vector<std::string> labels;
+    std::vector<std::vector<Setting>> settings;  ///< for each label
+  };
+  const std::vector<Axis>& axes() const { return axes_; }
+
+ private:
+  /// One value for each seed.
+  struct Drawn {
+    std::string name;
+    std::vector<std::pair<std::string, double>> sets;
+    std::function<double(std::uint64_t seed, std::size_t k)> draw;
+  };
+  void AddAxis(const std::string& name, const Variation& how, const std::vector<std::string>& choices);
+  void AddDrawn(const std::string& name, const Variation& how);
+
+  CampaignFile file_;
+  std::vector<std::string> order_;  ///< of `vary`, as in the file
+  std::vector<Axis> axes_;
+  std::vector<Drawn> drawn_;
+  std::vector<std::string> sobol_;  ///< names
+  std::vector<std::vector<double>> sobol_points_;
+  std::size_t points_ = 1;
+  std::size_t levels_ = 1;
+};
+
+}  // namespace tenon::apps

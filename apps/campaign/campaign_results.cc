@@ -1,0 +1,207 @@
+#include <tenon/apps/campaign/campaign_results.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/report/campaign_report.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<double> Number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+/// The columns of a table, and which of them are numbers wherever they are given.
+struct Columns {
+  std::vector<std::string> drawn, figures;
+};
+
+Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
+  std::set<std::string> known{"run", "seed", "case", "finished", "fell", "end_reason"};
+  for (const CampaignPlan::Axis& axis : plan.axes()) known.insert(axis.name);
+  Columns columns;
+  std::set<std::string> no_number;
+  std::map<std::string, bool> varied;  // by name: stands before the figures
+  CampaignTable::Read(table, [&](std::size_t, const CampaignRow& row) {
+    bool before = true;
+    const bool ran = !Cell(row, "case").empty();
+    for (const auto& [name, text] : row) {
+      before = before && name != "case";
+      if (known.contains(name) || !ran) continue;
+      if (!Number(text)) no_number.insert(name);
+      if (!varied.emplace(name, before).second) continue;
+      (before ? columns.drawn : columns.figures).push_back(name);
+    }
+  });
+  std::erase_if(columns.drawn, [&](const std::string& name) { return no_number.contains(name); });
+  std::erase_if(columns.figures, [&](const std::string& name) { return no_number.contains(name); });
+  return columns;
+}
+
+std::string PointName(const CampaignPlan& plan, std::size_t point) {
+  std::string name;
+  for (const auto& [axis, label] : plan.AtPoint(point))
+    name += fmt::format("{}{}={}", name.empty() ? "" : ", ", axis, label);
+  return name;
+}
+
+/// The figure by which runs are bad; empty if there is none.
+std::string WorstBy(const CampaignPlan& plan, const std::vector<std::string>& figures) {
+  if (!plan.file().worst_by.empty()) return plan.file().worst_by;
+  for (const char* part : {"error_max", "error"})
+    for (const std::string& figure : figures)
+      if (figure.find(part) != figure.npos) return figure;
+  return {};
+}
+
+constexpr std::size_t kPicks = 5;  // of those that failed, and of the worst
+
+void AddPicks(CampaignReport& report, const std::string& worst_by, const std::string& command,
+              const fs::path& directory) {
+  const auto pick = [&](const CampaignReport::Run& run, std::string why) {
+    const fs::path replay = ReplayDirectory(directory, run.index);
+    report.picks.push_back({.index = run.index,
+                            .why = std::move(why),
+                            .command = fmt::format("{} --replay {}", command, run.index),
+                            .link = fs::exists(replay / "report.html")
+                                        ? fmt::format("{}/report.html", replay.filename().string())
+                                        : ""});
+  };
+  std::size_t failed = 0;
+  for (const CampaignReport::Run& run : report.runs)
+    if (!run.survived && failed++ < kPicks) pick(run, run.reason);
+  const auto figure = std::ranges::find(report.figures, worst_by);
+  if (figure == report.figures.end()) return;
+  const auto column = static_cast<std::size_t>(figure - report.figures.begin());
+  std::vector<const CampaignReport::Run*> order;
+  for (const CampaignReport::Run& run : report.runs)
+    if (run.survived && std::isfinite(run.figures[column])) order.push_back(&run);
+  std::ranges::stable_sort(order, std::greater<>(), [&](const auto* run) { return run->figures[column]; });
+  for (std::size_t i = 0; i < std::min(order.size(), kPicks); ++i)
+    pick(*order[i], fmt::format("{} = {:.4g}", worst_by, order[i]->figures[column]));
+}
+
+CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
+  const Columns columns = SortColumns(table, plan);
+  const CampaignFile& file = plan.file();
+  CampaignReport report{
+      .title = file.description.empty() ? "Campaign of " + file.scenario : file.description,
+      .description = fmt::format("{}, {}, {} points, {} seeds each from {} on", file.app, file.scenario,
+                                 plan.num_points(), plan.num_seeds(), file.seeds.first),
+      .drawn = columns.drawn,
+      .figures = columns.figures,
+      .confidence = file.confidence};
+  for (const CampaignPlan::Axis& axis : plan.axes()) report.axes.push_back({axis.name, axis.labels});
+  CampaignTable::Read(table, [&](std::size_t run, const CampaignRow& row) {
+    CampaignReport::Run item{.index = run,
+                             .at = plan.LabelsAt(plan.PointOf(run)),
+                             .survived = Cell(row, "finished") == "true",
+                             .reason = std::string(Cell(row, "end_reason"))};
+    const std::map<std::string_view, std::string_view> cells(row.begin(), row.end());
+    const auto numbers = [&](const std::vector<std::string>& names) {
+      std::vector<double> values;
+      for (const std::string& name : names) {
+        const auto found = cells.find(name);
+        values.push_back(found == cells.end() ? NAN : Number(found->second).value_or(NAN));
+      }
+      return values;
+    };
+    item.drawn = numbers(columns.drawn);
+    item.figures = numbers(columns.figures);
+    report.runs.push_back(std::move(item));
+  });
+  return report;
+}
+
+struct Tally {
+  std::size_t survived = 0, count = 0;
+};
+
+nlohmann::ordered_json SurvivalJson(const Tally& tally, double confidence) {
+  const Interval interval = WilsonInterval(tally.survived, tally.count, confidence);
+  return {{"runs", tally.count},
+          {"survived", tally.survived},
+          {"survival_low", interval.low},
+          {"survival_high", interval.high}};
+}
+
+std::string SurvivalText(const Tally& tally, double confidence) {
+  const Interval interval = WilsonInterval(tally.survived, tally.count, confidence);
+  return fmt::format("{} of {} survived, {:.1f} to {:.1f} %", tally.survived, tally.count, 100 * interval.low,
+                     100 * interval.high);
+}
+
+}  // namespace
+
+fs::path ReplayDirectory(const fs::path& directory, std::size_t run) {
+  return directory / fmt::format("run_{}", run);
+}
+
+void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, const std::string& command,
+                  const fs::path& directory) {
+  const CampaignFile& file = plan.file();
+  CampaignReport report = MakeReport(plan, directory / "runs.csv");
+  AddPicks(report, WorstBy(plan, report.figures), command, directory);
+
+  Tally all;
+  std::map<std::size_t, Tally> points;
+  for (const CampaignReport::Run& run : report.runs) {
+    for (Tally* tally : {&all, &points[plan.PointOf(run.index)]}) {
+      ++tally->count;
+      tally->survived += run.survived ? 1 : 0;
+    }
+  }
+  nlohmann::ordered_json summary{
+      {"app", file.app}, {"scenario", file.scenario}, {"confidence", file.confidence}};
+  summary.update(SurvivalJson(all, file.confidence));
+  fmt::print("{}\n", SurvivalText(all, file.confidence));
+  summary["points"] = nlohmann::ordered_json::array();
+  constexpr std::size_t kPrinted = 40;
+  for (const auto& [point, tally] : points) {
+    nlohmann::ordered_json entry{{"at", nlohmann::ordered_json::object()}};
+    for (const auto& [axis, label] : plan.AtPoint(point)) entry["at"][axis] = label;
+    entry.update(SurvivalJson(tally, file.confidence));
+    if (file.limit) {
+      const auto [survives, fails] = schedule.LimitAt(point);
+      report.limit_key = file.limit->key;
+      report.limits.push_back({PointName(plan, point), survives, fails});
+      entry["survives"] = survives;
+      entry["fails"] = fails;
+      fmt::print("  {} {}: survives {:g}, fails at {:g}\n", PointName(plan, point), file.limit->key, survives,
+                 fails);
+    } else if (points.size() > 1 && summary["points"].size() < kPrinted) {
+      fmt::print("  {}: {}\n", PointName(plan, point), SurvivalText(tally, file.confidence));
+    }
+    summary["points"].push_back(std::move(entry));
+  }
+  summary["causes"] = nlohmann::ordered_json::array();
+  for (const CampaignReport::Cause& cause : report.Causes()) {
+    summary["causes"].push_back({{"cause", cause.text}, {"runs", cause.count}, {"first", cause.first}});
+    if (summary["causes"].size() <= 10) fmt::print("{} failed: {}\n", cause.count, cause.text);
+  }
+  if (!report.picks.empty()) fmt::print("worth a look:\n");
+  for (const CampaignReport::Pick& pick : report.picks) fmt::print("  {}    # {}\n", pick.command, pick.why);
+
+  WriteFile(directory / "summary.json",
+            summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  report.Write(directory / "report.html");
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,102 @@
+#include <tenon/apps/campaign/campaign_runner.h>
+
+#include <fmt/core.h>
+
+#include <exception>
+#include <utility>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::apps {
+
+CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app)
+    : plan_(plan), name_(file.name()), app_(std::move(app)) {
+  for (const std::string& name : plan.Scenarios()) {
+    try {
+      scenarios_.emplace(name, LoadScenario(name, {}, app_.name));
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("{}: {}", file.PlaceOf("scenario"), error.what()));
+    }
+  }
+  for (std::size_t point = 0; point < plan.num_points(); ++point) {
+    try {
+      app_.check(Prepare(plan.RunOf(point, 0, 0)).scenario);
+    } catch (const Error& error) {
+      if (num_refused_++ == 0) refusal_ = error.what();
+    }
+  }
+  if (num_refused_ == plan.num_points())
+    throw ParameterError(fmt::format("{}: none of its runs can begin: {}", name_, refusal_));
+}
+
+CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
+  const RunSetup setup = plan_.Setup(run);
+  Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = Begin(run)};
+  for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
+  for (const auto& [key, value] : DrawScenario(prepared.scenario, setup.seed))
+    prepared.row.emplace_back(key, fmt::format("{}", value));
+  return prepared;
+}
+
+CampaignRow CampaignRunner::Begin(std::size_t run) const {
+  const RunSetup setup = plan_.Setup(run);
+  CampaignRow row{{"run", fmt::format("{}", run)}, {"seed", fmt::format("{}", setup.seed)}};
+  row.insert(row.end(), setup.varied.begin(), setup.varied.end());
+  return row;
+}
+
+namespace {
+
+/// What begins like the figures of a run that began.
+CampaignResult Failed(CampaignRow row, const std::string& reason) {
+  row.emplace_back("finished", "false");
+  row.emplace_back("end_reason", reason);
+  return {std::move(row), false};
+}
+
+CampaignResult Judged(CampaignRow row, const Summary& summary) {
+  std::string reason;
+  for (auto& [name, text] : summary.Flat()) {
+    if (name == "seed") continue;  // stands in front
+    if (name == "end_reason") {
+      reason = text;
+    } else {
+      row.emplace_back(name, text.empty() ? "NaN" : text);
+    }
+  }
+  row.emplace_back("end_reason", std::move(reason));
+  return {std::move(row), summary.exit_code() == kRan};
+}
+
+}  // namespace
+
+std::optional<CampaignResult> CampaignRunner::Run(std::size_t run) const {
+  std::optional<CampaignResult> result;
+  try {
+    Prepared prepared = Prepare(run);
+    const RunOptions options{.out = {}, .wall_limit = plan_.file().wall_limit_s};
+    result = Judged(std::move(prepared.row),
+                    app_.run(prepared.scenario, plan_.file().duration_s, options).summary);
+  } catch (const std::exception& error) {
+    result = Failed(Begin(run), error.what());
+  }
+  if (SignalGuard::caught() != 0) result.reset();
+  return result;
+}
+
+CampaignResult CampaignRunner::Replay(std::size_t run, const std::filesystem::path& out) const {
+  Prepared prepared = Prepare(run);
+  const RunResult result = app_.run(prepared.scenario, plan_.file().duration_s,
+                                    {.out = out, .wall_limit = plan_.file().wall_limit_s});
+  return Judged(std::move(prepared.row), result.summary);
+}
+
+std::string CampaignRunner::ScenarioTexts() const {
+  std::string text;
+  for (const auto& [name, document] : scenarios_) text += fmt::format("{}: {}\n", name, document.Flow());
+  return text;
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/scenario_app.h>
+
+namespace tenon::apps {
+
+/// What a run came to.
+struct CampaignResult {
+  CampaignRow row;
+  bool survived = false;  ///< it reached its end
+};
+
+/// Turns the runs of a plan into rows. Constant: any number of threads may run.
+class CampaignRunner {
+ public:
+  /// Reads all scenarios; of each point of the plan the first run is checked. Throws ParameterError, with the
+  /// place in the campaign's file, if none of them can run.
+  CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app);
+
+  /// Runs one. What is thrown is a row with its reason. Nothing if a signal stopped it.
+  std::optional<CampaignResult> Run(std::size_t run) const;
+  /// The same with all outputs in a directory; throws what it throws.
+  CampaignResult Replay(std::size_t run, const std::filesystem::path& out) const;
+  /// The columns of a run that are known before it has run.
+  CampaignRow Begin(std::size_t run) const;
+  /// Points whose scenario is refused, with the reason of the first.
+  std::size_t num_refused() const { return num_refused_; }
+  const std::string& refusal() const { return refusal_; }
+  /// All scenarios as they are read, for comparing.
+  std::string ScenarioTexts() const;
+
+ private:
+  struct Prepared {
+    YamlDocument scenario;
+    CampaignRow row;
+  };
+  Prepared Prepare(std::size_t run) const;
+
+  const CampaignPlan& plan_;
+  std::string name_;  ///< of the file
+  ScenarioApp app_;
+  std::map<std::string, YamlDocument> scenarios_;
+  std::size_t num_refused_ = 0;
+  std::string refusal_;
+};
+
+}  // namespace tenon::apps

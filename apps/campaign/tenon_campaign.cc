@@ -1,0 +1,302 @@
+// tenon-campaign: runs a scenario many times, varied, in threads, across machines, and in parts.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <tenon/apps/campaign/campaign_desk.h>
+#include <tenon/apps/campaign/campaign_mpi.h>
+#include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/apps/campaign/campaign_results.h>
+#include <tenon/apps/campaign/campaign_runner.h>
+#include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/cdpr/cdpr_run.h>
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/guide_dog/guide_dog_run.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CampaignArguments {
+  std::string campaign;
+  std::string out;
+  int jobs = 0;  ///< 0: as many as there are cores
+  bool resume = false;
+  bool dry_run = false;
+  bool list = false;
+  std::string shard;
+  std::optional<std::size_t> replay;
+  std::vector<std::string> merge;
+};
+
+Shard ParseShard(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard;
+  const std::size_t slash = text.find('/');
+  const auto number = [&](std::size_t begin, std::size_t end, std::size_t& value) {
+    const auto [at, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+    return error == std::errc() && at == text.data() + end;
+  };
+  if (slash == text.npos || !number(0, slash, shard.index) || !number(slash + 1, text.size(), shard.count) ||
+      shard.index < 1 || shard.index > shard.count)
+    throw ParameterError(fmt::format("--shard {}: give it as i/N, i from 1 to N, say 2/8", text));
+  return shard;
+}
+
+ScenarioApp FindApp(const YamlDocument& file, const std::string& name) {
+  std::string names;
+  for (ScenarioApp& app : std::array{QuadrupedApp(), GuideDogApp(), CdprApp()}) {
+    if (app.name == name) return std::move(app);
+    names += (names.empty() ? "" : ", ") + app.name;
+  }
+  throw ParameterError(fmt::format("{}: there is no app '{}' that runs campaigns; there are {}",
+                                   file.PlaceOf("app"), name, names));
+}
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What a table was made from, as text: rows of other inputs must not be mixed into it.
+std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
+  return fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
+}
+
+void DemandSameInputs(const fs::path& directory, const std::string& inputs) {
+  const std::string before = ReadText(directory / "inputs.txt");
+  if (before == inputs) return;
+  throw ParameterError(fmt::format(
+      "'{}' holds runs of {}: begin anew without --resume, or choose another directory", directory.string(),
+      before.empty() ? "no campaign" : "another campaign, or of scenarios that have changed since"));
+}
+
+int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const CampaignRunner& runner) {
+  const auto total = schedule.total();
+  fmt::print("{} points, {} seeds each, {} runs{}\n", plan.num_points(), plan.num_seeds(),
+             total ? *total : plan.size(), total ? "" : " at most");
+  constexpr std::size_t kShown = 20;
+  CampaignSchedule copy = schedule;
+  for (std::size_t i = 0; i < kShown; ++i) {
+    const auto run = copy.Next();
+    if (!run) return kRan;
+    std::string text;
+    for (const auto& [column, value] : runner.Begin(*run)) text += fmt::format("  {}={}", column, value);
+    fmt::print("{}\n", text);
+  }
+  fmt::print("  ...\n");
+  return kRan;
+}
+
+/// The shortest way to give the campaign again on a command line.
+std::string CommandOf(const std::string& campaign, const fs::path& directory) {
+  return fmt::format("tenon-campaign {} --out {}", campaign, directory.string());
+}
+
+int Replay(const CampaignArguments& arguments, const CampaignPlan& plan, const CampaignRunner& runner,
+           const fs::path& directory) {
+  const std::size_t run = *arguments.replay;
+  if (run >= plan.size())
+    throw ParameterError(fmt::format("--replay {}: the campaign has the runs 0 to {}", run, plan.size() - 1));
+  fs::create_directories(directory);
+  const CampaignResult again = runner.Replay(run, ReplayDirectory(directory, run));
+  for (const auto& [column, text] : again.row) fmt::print("{:<28} {}\n", column, text);
+  fmt::print("{:<28} {}\n", "report", (ReplayDirectory(directory, run) / "report.html").string());
+
+  const fs::path table = directory / "runs.csv";
+  if (!fs::exists(table)) return again.survived ? kRan : kLimitBroken;
+  CampaignTable::Read(table, [&](std::size_t other, const CampaignRow& row) {
+    if (other != run) return;
+    for (const auto& [column, text] : again.row) {
+      const bool of_machine = std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
+                                                  [&](const char* part) { return column.starts_with(part); });
+      if (!of_machine && Cell(row, column) != text && !(Cell(row, column).empty() && text.empty()))
+        Say(
+            fmt::format("warning: {} was {} in the campaign: the program, a robot or a profile has changed "
+                        "since, or the machine is another one\n",
+                        column, Cell(row, column)));
+    }
+  });
+  // The page links to what is there now.
+  CampaignSchedule schedule(plan, {}, 1);
+  CampaignTable::Read(table, [&](std::size_t other, const CampaignRow& row) {
+    schedule.Done(other, Cell(row, "finished") == "true");
+  });
+  WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
+  return again.survived ? kRan : kLimitBroken;
+}
+
+int Merge(const CampaignArguments& arguments) {
+  if (arguments.out.empty()) throw ParameterError("--merge: give the directory of the whole by --out");
+  const fs::path first = fs::path(arguments.merge.front()) / "campaign.yaml";
+  const YamlDocument file = YamlDocument::Load(first.string());
+  const CampaignPlan plan(file);
+  const OutputDirectory out(arguments.out);
+  const std::string inputs = ReadText(fs::path(arguments.merge.front()) / "inputs.txt");
+  WriteFile(out.path() / "campaign.yaml", ReadText(first));
+  WriteFile(out.path() / "inputs.txt", inputs);
+  CampaignSchedule schedule(plan, {}, 1);
+  std::size_t count = 0;
+  {
+    CampaignTable table(out.path() / "runs.csv", CampaignTable::Start::kNew);
+    std::vector<bool> seen;
+    for (const std::string& part : arguments.merge) {
+      DemandSameInputs(part, inputs);
+      CampaignTable::Read(fs::path(part) / "runs.csv", [&](std::size_t run, const CampaignRow& row) {
+        if (run >= seen.size()) seen.resize(run + 1);
+        if (seen[run]) return;  // in two parts: they say the same
+        seen[run] = true;
+        ++count;
+        schedule.Done(run, Cell(row, "finished") == "true");
+        table.Append(run, row);
+      });
+    }
+    table.Finish([&](std::size_t run) { return schedule.total() || schedule.Counts(run); });
+  }
+  const std::string command = CommandOf((out.path() / "campaign.yaml").string(), out.path());
+  WriteResults(plan, schedule, command, out.path());
+  if (const auto total = schedule.total(); total && count < *total)
+    Say(fmt::format("warning: {} of {} runs are missing: {} --resume\n", *total - count, *total, command));
+  return kRan;
+}
+
+/// The whole of it, by all ranks that there are.
+int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
+                const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
+                MpiSession* mpi) {
+  const OutputDirectory out(directory);
+  const std::string inputs = Inputs(file, runner);
+  const fs::path table_file = out.path() / "runs.csv";
+  if (arguments.resume && fs::exists(table_file)) {
+    DemandSameInputs(out.path(), inputs);
+  } else {
+    std::error_code ignored;
+    fs::remove(table_file, ignored);
+    WriteFile(out.path() / "campaign.yaml", ReadText(file.name()));
+    WriteFile(out.path() / "inputs.txt", inputs);
+  }
+  const int jobs = arguments.jobs > 0 ? arguments.jobs
+                   : mpi != nullptr   ? 1
+                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const std::size_t workers = static_cast<std::size_t>(jobs + (mpi != nullptr ? 2 * (mpi->size() - 1) : 0));
+  CampaignSchedule schedule(plan, shard, 2 * workers);
+  std::size_t before = 0;
+  CampaignTable table(table_file,
+                      arguments.resume ? CampaignTable::Start::kResume : CampaignTable::Start::kNew);
+  if (arguments.resume) {
+    CampaignTable::Read(table_file, [&](std::size_t run, const CampaignRow& row) {
+      schedule.Done(run, Cell(row, "finished") == "true");
+      ++before;
+    });
+  }
+  if (runner.num_refused() > 0)
+    Say(fmt::format("warning: at {} of {} points the scenario is refused, their runs will fail: {}\n",
+                    runner.num_refused(), plan.num_points(), runner.refusal()));
+
+  CampaignDesk desk(schedule, table, before);
+  if (mpi != nullptr) {
+    mpi->Lead(desk, runner, jobs);
+  } else {
+    WorkInThreads(desk, runner, jobs);
+  }
+  desk.Close();
+  if (const int caught = SignalGuard::caught(); caught != 0 || !schedule.finished()) {
+    Say(fmt::format("interrupted: go on with {} --resume\n", CommandOf(arguments.campaign, directory)));
+    return 128 + (caught != 0 ? caught : 15);
+  }
+  table.Finish([&](std::size_t run) { return schedule.Counts(run); });
+  WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), out.path());
+  fmt::print("{}\n", (out.path() / "report.html").string());
+  return kRan;
+}
+
+void List() {
+  for (const std::string& name : ListResources("campaigns"))
+    fmt::print("{:<24} {}\n", name, YamlDocument::Load(FindResource("campaigns", name)).Text("description"));
+}
+
+int Run(const CampaignArguments& arguments) {
+  if (arguments.list) {
+    List();
+    return kRan;
+  }
+  if (!arguments.merge.empty()) return Merge(arguments);
+  if (arguments.campaign.empty())
+    throw ParameterError("no campaign given: name one (see --list), or give a YAML file");
+  const YamlDocument file = YamlDocument::Load(FindResource("campaigns", arguments.campaign).string());
+  const CampaignPlan plan(file);
+  const Shard shard = ParseShard(arguments.shard);
+  CampaignSchedule first(plan, shard, 1);
+  if (shard.count > 1 && !first.total())
+    throw ParameterError(
+        "--shard: a campaign with `estimate` or `limit` decides by its results what runs next and cannot be "
+        "divided; run it by mpirun");
+  const CampaignRunner runner(plan, file, FindApp(file, plan.file().app));
+  if (arguments.dry_run) return DryRun(plan, first, runner);
+  const fs::path directory =
+      arguments.out.empty() ? fs::path("out") / fs::path(arguments.campaign).stem() : fs::path(arguments.out);
+  const SignalGuard guard;
+  if (arguments.replay) return Replay(arguments, plan, runner, directory);
+  if (!StartedByMpi()) return RunCampaign(arguments, file, plan, runner, shard, directory, nullptr);
+
+  MpiSession mpi;
+  if (mpi.rank() > 0) {
+    mpi.Follow(runner);
+    return kRan;
+  }
+  try {
+    return RunCampaign(arguments, file, plan, runner, shard, directory, &mpi);
+  } catch (const OutputError& error) {
+    Say(fmt::format("tenon-campaign: {}\n", error.what()));
+    mpi.Abort(kOutputFailed);
+  } catch (const std::exception& error) {
+    Say(fmt::format("tenon-campaign: {}\n", error.what()));
+    mpi.Abort(kBadUsage);
+  }
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs a scenario many times, varied, and says how often it survives, and what matters.",
+               "tenon-campaign");
+  tenon::apps::CampaignArguments arguments;
+  app.add_option("CAMPAIGN", arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
+  app.add_option("--out", arguments.out, "directory for all output (default: out/CAMPAIGN)");
+  app.add_option("--jobs", arguments.jobs,
+                 "runs at a time (default: one for each core; by mpirun one for each rank)")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--resume", arguments.resume, "keep the runs that are in --out, and do what is missing");
+  app.add_option("--shard", arguments.shard, "do only part i of N, i from 1, as an array job does")
+      ->type_name("i/N");
+  app.add_flag("--dry-run", arguments.dry_run, "check the campaign, show its first runs and stop");
+  app.add_option("--replay", arguments.replay,
+                 "run this one again, with all logs and a report, into --out/run_RUN")
+      ->type_name("RUN");
+  app.add_option("--merge", arguments.merge, "put parts together into --out")->type_name("DIR...");
+  app.add_flag("--list", arguments.list, "list the shipped campaigns and stop");
+  app.footer(
+      "Writes runs.csv, a line for each run as it ends, then report.html and summary.json.\n"
+      "Across machines: mpirun -n 64 tenon-campaign CAMPAIGN --out DIR\n"
+      "As an array job: tenon-campaign CAMPAIGN --shard $SLURM_ARRAY_TASK_ID/100 --out "
+      "DIR/$SLURM_ARRAY_TASK_ID,\n"
+      "                 then tenon-campaign --merge DIR/* --out WHOLE\n"
+      "Ctrl-C ends it in good order; --resume goes on, also after a kill.\n"
+      "Exit codes: 0 all runs are done, whether they survived or not; 2 bad usage or campaign; 3 a replayed "
+      "run "
+      "did not survive; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
+}

@@ -1,0 +1,77 @@
+#include <tenon/apps/quadruped/quadruped_run.h>
+
+#include <fmt/core.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/quadruped/stand_figures.h>
+#include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/systems/framework/diagram_builder.h>
+
+namespace tenon::apps {
+
+std::string Describe(const QuadrupedScenario& scenario) {
+  return fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed);
+}
+
+namespace {
+
+/// One run of a diagram. A walk has an observer.
+template <class Loop, class Figures>
+RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
+                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
+  DiagramBuilder builder;
+  auto& loop = Blame("", [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
+  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
+
+  const auto judge = [&](Summary& summary) {
+    summary.Set("robot", scenario.robot);
+    if (observer) summary.Set("observer", std::string(EnumName(*observer)));
+    figures->AddTo(summary);
+    summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
+  };
+  std::vector<const Source*> signals = Figures::Signals(loop);
+  signals.insert(signals.end(), faults.begin(), faults.end());
+  return RunScenario(options, scenario, Describe(scenario), Duration(scenario), simulator, signals,
+                     Figures::Shapes(loop), judge);
+}
+
+}  // namespace
+
+RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options) {
+  if (!scenario.walk)
+    return RunLoop<QuadrupedStand>(options, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
+                                   std::nullopt, std::make_shared<StandFigures>());
+  const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
+  return RunLoop<QuadrupedWalk>(options, scenario, params, params.observer.kind,
+                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
+}
+
+ScenarioApp QuadrupedApp() {
+  const auto read = [](const YamlDocument& document) {
+    auto scenario = document.Read<QuadrupedScenario>();
+    if (scenario.sweep)
+      throw KeyError("sweep",
+                     "a sweep is a campaign of its own: set it to null, and vary forces.0.start_s and "
+                     "forces.0.turn_rad");
+    return scenario;
+  };
+  return {.name = "tenon-quadruped",
+          .check = [=](const YamlDocument& document) { RunBlaming(document, [&] { read(document); }); },
+          .run =
+              [=](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
+                return RunBlaming(document, [&] {
+                  QuadrupedScenario scenario = read(document);
+                  if (duration) scenario.duration_s = duration;
+                  return RunQuadruped(scenario, options);
+                });
+              }};
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,61 @@
+#include <tenon/systems/campaign/statistics.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon {
+
+Interval WilsonInterval(std::size_t successes, std::size_t trials, double confidence) {
+  if (successes > trials)
+    throw ParameterError(
+        fmt::format("{} successes of {} trials: there cannot be more than trials", successes, trials));
+  if (!(confidence > 0 && confidence < 1))
+    throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
+  if (trials == 0) return {0, 1};
+  const double z = boost::math::quantile(boost::math::normal(), (1 + confidence) / 2);
+  const auto n = static_cast<double>(trials);
+  const double p = static_cast<double>(successes) / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return {successes == 0 ? 0 : centre - half, successes == trials ? 1 : centre + half};
+}
+
+namespace {
+
+/// Ranks from 0; equal values share the mean of theirs.
+std::vector<double> Ranks(std::span<const double> values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return values[i]; });
+  std::vector<double> ranks(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t i = begin; i < end; ++i) ranks[order[i]] = 0.5 * static_cast<double>(begin + end - 1);
+  }
+  return ranks;
+}
+
+}  // namespace
+
+std::optional<double> RankCorrelation(std::span<const double> x, std::span<const double> y) {
+  if (x.size() != y.size() || x.size() < 3) return {};
+  const std::vector<double> a = Ranks(x), b = Ranks(y);
+  const double mean = 0.5 * static_cast<double>(x.size() - 1);
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean) * (a[i] - mean);
+    bb += (b[i] - mean) * (b[i] - mean);
+    ab += (a[i] - mean) * (b[i] - mean);
+  }
+  if (aa == 0 || bb == 0) return {};
+  return ab / std::sqrt(aa * bb);
+}
+
+}  // namespace tenon

@@ -1,0 +1,291 @@
+// The page of a campaign: survival, map, distributions, what matters, causes, runs worth a look.
+//
+// window.tenonCampaign lets a program look at the page: ready (everything is drawn), data.
+
+(() => {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const GOOD = '#1b7f4b', BAD = '#b3261e', ACCENT = '#1668b8';
+  const find = (selector) => document.querySelector(selector);
+  const percent = (share) => `${Number((100 * share).toPrecision(4))} %`;
+  const label = (key) => {
+    const [name, unit] = splitUnit(key);
+    return unit ? `${name} [${unit}]` : name;
+  };
+
+  function svg(parent, width, height) {
+    const node = shape(parent, 'svg', { viewBox: `0 0 ${width} ${height}`, width, height });
+    return node;
+  }
+  function shape(parent, tag, attributes, text) {
+    const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
+    for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+    if (text !== undefined) node.textContent = text;
+    parent.append(node);
+    return node;
+  }
+  function hint(node, text) {
+    shape(node, 'title', {}, text);
+    return node;
+  }
+  function chooser(parent, caption, names, chosen, change) {
+    const box = element('label', 'chooser', caption + ' ');
+    const select = element('select');
+    names.forEach((name, i) => {
+      const option = element('option', '', name);
+      option.value = i;
+      option.selected = i === chosen;
+      select.append(option);
+    });
+    select.addEventListener('change', () => change(Number(select.value)));
+    box.append(select);
+    parent.append(box);
+  }
+
+  // From white by way of the accent's light tones to dark; 0 to 1.
+  function tone(share) {
+    const mix = (from, to) => Math.round(from + (to - from) * share);
+    return `rgb(${mix(236, 18)}, ${mix(243, 78)}, ${mix(250, 140)})`;
+  }
+  // Red for 0, yellow, green for 1.
+  function traffic(share) {
+    const stops = [[179, 38, 30], [232, 184, 74], [27, 127, 75]];
+    const at = Math.min(Math.max(share, 0), 1) * 2, i = Math.min(Math.floor(at), 1);
+    return `rgb(${stops[i].map((from, c) => Math.round(from + (stops[i + 1][c] - from) * (at - i))).join(', ')})`;
+  }
+
+  function showHeader() {
+    find('h1').textContent = data.title;
+    find('#headline p').textContent = data.description;
+    const { survived, count, low, high } = data.survival;
+    const text = `${survived} of ${count} survived: ${count ? percent(survived / count) : '–'}, ` +
+      `${percent(low)} to ${percent(high)} with ${percent(data.confidence)} confidence`;
+    find('#verdicts').append(element('span', `verdict ${count && survived === count ? 'good' : survived ? '' : 'bad'}`, text));
+  }
+
+  const nameOf = (point) => point.at.map((l, a) => `${data.axes[a].name} = ${data.axes[a].labels[l]}`).join(', ') || 'all';
+
+  function showSurvival() {
+    const parent = find('#survival');
+    const shown = data.points.slice(0, 60);
+    const left = Math.min(360, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
+    const width = 1000, row = 20, plot = width - left - 170;
+    const drawing = svg(parent, width, 24 + row * shown.length);
+    const x = (share) => left + plot * share;
+    for (let tick = 0; tick <= 4; ++tick) {
+      shape(drawing, 'line', { x1: x(tick / 4), x2: x(tick / 4), y1: 16, y2: 20 + row * shown.length, class: 'grid' });
+      shape(drawing, 'text', { x: x(tick / 4), y: 11, 'text-anchor': 'middle' }, percent(tick / 4));
+    }
+    shown.forEach((point, i) => {
+      const y = 30 + row * i, share = point.survived / point.count;
+      shape(drawing, 'text', { x: left - 8, y: y + 4, 'text-anchor': 'end' }, nameOf(point).slice(-60));
+      shape(drawing, 'line', { x1: x(point.low), x2: x(point.high), y1: y, y2: y, stroke: traffic(share), 'stroke-width': 7, opacity: 0.35 });
+      hint(shape(drawing, 'circle', { cx: x(share), cy: y, r: 4.5, fill: traffic(share) }), `${nameOf(point)}: ${percent(point.low)} to ${percent(point.high)}`);
+      shape(drawing, 'text', { x: x(1) + 12, y: y + 4 }, `${point.survived} of ${point.count}, ${percent(share)}`);
+    });
+    if (data.points.length > shown.length)
+      parent.append(element('p', 'note', `${data.points.length - shown.length} more points are in runs.csv${data.axes.length > 1 ? ' and on the map' : ''}.`));
+  }
+
+  // Survival, or the median of a figure, over two of the axes; what the others say is averaged.
+  function showMap() {
+    if (data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
+    const parent = find('#map');
+    parent.hidden = false;
+    const names = data.axes.map((axis) => axis.name);
+    const wide = names.map((_, a) => a).filter((a) => data.axes[a].labels.length > 1);
+    let xAxis = wide[1], yAxis = wide[0], what = 0;
+    const choices = element('p', 'choosers'), area = element('div');
+    chooser(choices, 'across', names, xAxis, (a) => { xAxis = a; draw(); });
+    chooser(choices, 'up', names, yAxis, (a) => { yAxis = a; draw(); });
+    chooser(choices, 'colour', ['survival', ...data.figures.map(label)], what, (w) => { what = w; draw(); });
+    parent.append(choices, area);
+    function draw() {
+      area.replaceChildren();
+      const across = data.axes[xAxis].labels, up = data.axes[yAxis].labels;
+      const cells = across.map(() => up.map(() => ({ sum: 0, weight: 0 })));
+      for (const point of data.points) {
+        const value = what === 0 ? point.survived / point.count : point.medians[what - 1];
+        if (value === null) continue;
+        const cell = cells[point.at[xAxis]][point.at[yAxis]];
+        cell.sum += value * point.count;
+        cell.weight += point.count;
+      }
+      const values = cells.flat().filter((cell) => cell.weight).map((cell) => cell.sum / cell.weight);
+      const low = what === 0 ? 0 : Math.min(...values), high = what === 0 ? 1 : Math.max(...values);
+      const left = 20 + 7 * Math.max(...up.map((text) => Math.min(text.length, 16))), width = 560;
+      const w = Math.min(90, (width - left) / across.length), h = Math.min(34, Math.max(14, 360 / up.length));
+      const drawing = svg(area, width, h * up.length + 50);
+      up.forEach((text, j) => {
+        const y = h * (up.length - 1 - j);
+        shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, text.slice(0, 16));
+        across.forEach((_, i) => {
+          const cell = cells[i][j];
+          if (!cell.weight) return;
+          const value = cell.sum / cell.weight, share = high > low ? (value - low) / (high - low) : 1;
+          const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 1, height: h - 1, fill: what === 0 ? traffic(share) : tone(share) });
+          hint(box, `${names[xAxis]} = ${across[i]}, ${names[yAxis]} = ${text}: ${what === 0 ? percent(value) : formatNumber(value)}`);
+          if (w > 38) shape(drawing, 'text', { x: left + w * (i + 0.5), y: y + h / 2 + 4, 'text-anchor': 'middle', class: what === 0 ? (share < 0.25 || share > 0.75 ? 'light' : '') : share > 0.5 ? 'light' : '' }, what === 0 ? `${Math.round(100 * value)} %` : formatNumber(value));
+        });
+      });
+      across.forEach((text, i) => {
+        if (across.length < 13 || i % Math.ceil(across.length / 12) === 0)
+          shape(drawing, 'text', { x: left + w * (i + 0.5), y: h * up.length + 14, 'text-anchor': 'middle' }, text.slice(0, 12));
+      });
+      shape(drawing, 'text', { x: left + w * across.length / 2, y: h * up.length + 34, 'text-anchor': 'middle', class: 'soft' }, label(names[xAxis]));
+      shape(drawing, 'text', { x: 2, y: h * up.length + 34, class: 'soft' }, `up: ${label(names[yAxis])}`);
+    }
+    draw();
+  }
+
+  function table(parent, head, rows) {
+    const node = element('table');
+    const first = node.createTHead().insertRow();
+    head.forEach((text) => first.append(element('th', '', text)));
+    const body = node.createTBody();
+    for (const row of rows) {
+      const line = body.insertRow();
+      row.forEach((cell) => {
+        const place = line.insertCell();
+        if (cell instanceof Node) place.append(cell); else place.textContent = cell;
+      });
+    }
+    parent.hidden = false;
+    parent.append(node);
+  }
+
+  function showLimits() {
+    if (!data.limits.length) return;
+    table(find('#limits'), ['', `${label(data.limitKey)}: survives`, 'fails'],
+      data.limits.map((limit) => [limit.point || 'all', formatNumber(limit.survives), formatNumber(limit.fails)]));
+  }
+
+  function showCauses() {
+    if (!data.causes.length) return;
+    const most = data.causes[0].count;
+    table(find('#causes'), ['runs', 'cause', 'first'], data.causes.slice(0, 40).map(({ cause, count, first }) => {
+      const bar = element('span', 'bar', String(count));
+      bar.style.backgroundSize = `${(100 * count) / most}% 100%`;
+      return [bar, cause, first.join(', ')];
+    }));
+  }
+
+  function showPicks() {
+    if (!data.picks.length) return;
+    table(find('#picks'), ['run', 'why', 'run it again, with all its logs and a report'], data.picks.map((pick) => {
+      let run = document.createTextNode(String(pick.run));
+      if (pick.link) {
+        run = element('a', '', `${pick.run} (report)`);
+        run.href = pick.link;
+      }
+      return [run, pick.why, element('code', '', pick.command)];
+    }));
+  }
+
+  // Figures that say something: those with more than one value.
+  const telling = data.figures.map((_, f) => f).filter((f) => data.histograms[f] && data.histograms[f].high > data.histograms[f].low);
+
+  function showMatters() {
+    if (!data.correlations.length) return;
+    const parent = find('#matters');
+    const score = (f) => Math.max(...data.correlations.map((row) => Math.abs(row.values[f] ?? 0)));
+    const columns = [data.figures.length, ...telling.filter((f) => !/^(wall|qp_time|mpc_time|real_time)/.test(data.figures[f])).sort((a, b) => score(b) - score(a)).slice(0, 9)]
+      .filter((f) => data.correlations.some((row) => row.values[f] !== null));
+    if (!columns.length) return;
+    parent.hidden = false;
+    const left = 20 + 6.6 * Math.max(...data.correlations.map((row) => Math.min(row.name.length, 40)));
+    const w = 46, h = 24, top = 130;
+    const drawing = svg(parent, left + w * columns.length + 70, top + h * data.correlations.length + 6);
+    columns.forEach((f, i) => {
+      const x = left + w * (i + 0.5);
+      shape(drawing, 'text', { x, y: top - 8, transform: `rotate(-40 ${x} ${top - 8})` }, f === data.figures.length ? 'survival' : splitUnit(data.figures[f])[0].slice(0, 26));
+    });
+    data.correlations.forEach((row, j) => {
+      const y = top + h * j;
+      shape(drawing, 'text', { x: left - 8, y: y + 16, 'text-anchor': 'end' }, row.name.slice(-40));
+      columns.forEach((f, i) => {
+        const value = row.values[f];
+        if (value === null) return;
+        const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 2, height: h - 2, fill: value < 0 ? BAD : ACCENT, opacity: 0.08 + 0.8 * Math.abs(value) });
+        hint(box, `${row.name} with ${f === data.figures.length ? 'survival' : data.figures[f]}: ${value.toFixed(3)}`);
+        shape(drawing, 'text', { x: left + w * (i + 0.5) - 1, y: y + 15, 'text-anchor': 'middle', class: Math.abs(value) > 0.6 ? 'light' : '' }, value.toFixed(2));
+      });
+    });
+  }
+
+  // Parallel coordinates: all that varied, and figures; a line for each run.
+  function showLines() {
+    const keys = [
+      ...data.axes.map((axis, a) => ({ name: axis.name, labels: axis.labels, of: (line) => line.at[a] })).filter((key) => key.labels.length > 1),
+      ...data.drawn.map((name, d) => ({ name, of: (line) => line.drawn[d] })),
+    ];
+    const chosen = telling.filter((f) => /max|rms|mean|simulated/.test(data.figures[f])).slice(0, Math.max(3, 8 - keys.length));
+    keys.push(...chosen.map((f) => ({ name: data.figures[f], of: (line) => line.figures[f] })));
+    if (keys.length < 2 || data.lines.length < 2) return;
+    const parent = find('#lines');
+    parent.hidden = false;
+    const width = 1000, height = 250, top = 40, step = (width - 120) / (keys.length - 1);
+    const drawing = svg(parent, width, top + height + 24);
+    for (const key of keys) {
+      const values = data.lines.map(key.of).filter((value) => value !== null);
+      key.low = key.labels ? 0 : Math.min(...values);
+      key.high = key.labels ? key.labels.length - 1 : Math.max(...values);
+    }
+    const y = (key, value) => top + height * (1 - (key.high > key.low ? (value - key.low) / (key.high - key.low) : 0.5));
+    const opacity = Math.min(0.7, Math.max(0.05, 40 / data.lines.length));
+    for (const line of [...data.lines].sort((a, b) => b.survived - a.survived)) {
+      let path = '';
+      keys.forEach((key, i) => {
+        const value = key.of(line);
+        if (value !== null) path += `${path && keys[i - 1].of(line) !== null ? 'L' : 'M'}${(60 + step * i).toFixed(1)},${y(key, value).toFixed(1)}`;
+      });
+      hint(shape(drawing, 'path', { d: path, class: 'run', stroke: line.survived ? ACCENT : BAD, opacity: line.survived ? opacity : Math.min(1, 4 * opacity) }), `run ${line.run}`);
+    }
+    keys.forEach((key, i) => {
+      const x = 60 + step * i;
+      shape(drawing, 'line', { x1: x, x2: x, y1: top, y2: top + height, class: 'axis' });
+      shape(drawing, 'text', { x, y: i % 2 ? 26 : 12, 'text-anchor': 'middle' }, label(key.name).slice(-30));
+      if (key.labels) key.labels.forEach((text, l) => {
+        if (key.labels.length < 12 || l % Math.ceil(key.labels.length / 10) === 0) shape(drawing, 'text', { x: x + 4, y: y(key, l) + 4, class: 'soft' }, text.slice(0, 14));
+      });
+      else {
+        shape(drawing, 'text', { x: x + 4, y: top + 4, class: 'soft' }, formatNumber(key.high));
+        shape(drawing, 'text', { x: x + 4, y: top + height + 4, class: 'soft' }, formatNumber(key.low));
+      }
+    });
+    parent.append(element('p', 'note', `Blue runs survived, red ones did not.${data.lines.length < data.survival.count ? ` ${data.lines.length} of ${data.survival.count} runs are drawn.` : ''}`));
+  }
+
+  function showDistributions() {
+    const parent = find('#distributions'), grid = element('div', 'histograms');
+    for (const f of telling) {
+      const { low, high, median, survived, failed } = data.histograms[f];
+      const box = element('figure');
+      box.append(element('figcaption', '', label(data.figures[f])));
+      const width = 230, height = 70, w = width / survived.length;
+      const drawing = svg(box, width, height + 16);
+      const most = Math.max(...survived.map((count, i) => count + failed[i]));
+      survived.forEach((count, i) => {
+        const a = (height * count) / most, b = (height * failed[i]) / most;
+        if (a) shape(drawing, 'rect', { x: w * i, y: height - a, width: w - 0.5, height: a, fill: ACCENT });
+        if (b) shape(drawing, 'rect', { x: w * i, y: height - a - b, width: w - 0.5, height: b, fill: BAD });
+      });
+      shape(drawing, 'text', { x: 0, y: height + 13 }, formatNumber(low));
+      shape(drawing, 'text', { x: width / 2, y: height + 13, 'text-anchor': 'middle', class: 'soft' }, `median ${formatNumber(median)}`);
+      shape(drawing, 'text', { x: width, y: height + 13, 'text-anchor': 'end' }, formatNumber(high));
+      grid.append(box);
+    }
+    parent.append(grid);
+    if (!telling.length) parent.hidden = true;
+  }
+
+  showHeader();
+  showSurvival();
+  showMap();
+  showLimits();
+  showMatters();
+  showCauses();
+  showPicks();
+  showLines();
+  showDistributions();
+  window.tenonCampaign = { ready: true, data };
+})();

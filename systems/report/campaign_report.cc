@@ -1,0 +1,198 @@
+#include <tenon/systems/report/campaign_report.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/report/internal/page.h>
+
+namespace tenon {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLines = 1500;   // of parallel coordinates: more cannot be told apart
+constexpr std::size_t kBins = 30;      // of a histogram
+constexpr std::size_t kPoints = 4000;  // of which the page shows the survival
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json SurvivalJson(std::size_t survived, std::size_t count, double confidence) {
+  const Interval interval = WilsonInterval(survived, count, confidence);
+  return {{"survived", survived}, {"count", count}, {"low", interval.low}, {"high", interval.high}};
+}
+
+double Median(std::vector<double>& values) {
+  if (values.empty()) return NAN;
+  const std::size_t half = values.size() / 2;
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(half));
+  const double upper = values[half];
+  if (values.size() % 2 == 1) return upper;
+  return 0.5 *
+         (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
+}
+
+/// Survival and the median of each figure, at each point.
+Json PointsJson(const CampaignReport& report) {
+  std::map<std::vector<std::size_t>, std::vector<const CampaignReport::Run*>> points;
+  for (const CampaignReport::Run& run : report.runs) points[run.at].push_back(&run);
+  Json json = Json::array();
+  for (const auto& [at, runs] : points) {
+    if (json.size() == kPoints) break;
+    const auto survived = std::ranges::count_if(runs, [](const auto* run) { return run->survived; });
+    Json point = SurvivalJson(static_cast<std::size_t>(survived), runs.size(), report.confidence);
+    point["at"] = at;
+    point["medians"] = Json::array();
+    for (std::size_t i = 0; i < report.figures.size(); ++i) {
+      std::vector<double> values;
+      for (const auto* run : runs)
+        if (std::isfinite(run->figures[i])) values.push_back(run->figures[i]);
+      point["medians"].push_back(NumberOrNull(Median(values)));
+    }
+    json.push_back(std::move(point));
+  }
+  return json;
+}
+
+/// How the values of a figure lie, those of runs that survived and of those that did not.
+Json HistogramJson(const CampaignReport& report, std::size_t figure) {
+  std::vector<double> all;
+  for (const auto& run : report.runs)
+    if (std::isfinite(run.figures[figure])) all.push_back(run.figures[figure]);
+  if (all.empty()) return nullptr;
+  const auto [low, high] = std::ranges::minmax(all);
+  std::vector<std::size_t> survived(kBins), failed(kBins);
+  for (const auto& run : report.runs) {
+    const double value = run.figures[figure];
+    if (!std::isfinite(value)) continue;
+    const double share = high > low ? (value - low) / (high - low) : 0;
+    const auto bin = std::min(static_cast<std::size_t>(share * kBins), kBins - 1);
+    ++(run.survived ? survived : failed)[bin];
+  }
+  return {{"low", low}, {"high", high}, {"median", Median(all)}, {"survived", survived}, {"failed", failed}};
+}
+
+/// Spearman's, of each varied key with each figure and, last, with survival.
+Json CorrelationsJson(const CampaignReport& report) {
+  const auto correlate = [&](const auto& key, const auto& figure) -> Json {
+    std::vector<double> x, y;
+    for (const auto& run : report.runs) {
+      if (!std::isfinite(figure(run)) || !std::isfinite(key(run))) continue;
+      x.push_back(key(run));
+      y.push_back(figure(run));
+    }
+    const auto found = RankCorrelation(x, y);
+    return found ? Json(*found) : Json(nullptr);
+  };
+  Json rows = Json::array();
+  const auto add = [&](const std::string& name, const auto& key) {
+    Json row = Json::array();
+    for (std::size_t i = 0; i < report.figures.size(); ++i)
+      row.push_back(correlate(key, [i](const auto& run) { return run.figures[i]; }));
+    row.push_back(correlate(key, [](const auto& run) { return run.survived ? 1.0 : 0.0; }));
+    rows.push_back({{"name", name}, {"values", std::move(row)}});
+  };
+  for (std::size_t i = 0; i < report.axes.size(); ++i) {
+    const bool numbers = std::ranges::all_of(report.axes[i].labels, [](const std::string& label) {
+      char* end = nullptr;
+      std::strtod(label.c_str(), &end);
+      return !label.empty() && *end == '\0';
+    });
+    if (numbers && report.axes[i].labels.size() > 1)
+      add(report.axes[i].name,
+          [&, i](const auto& run) { return std::stod(report.axes[i].labels[run.at[i]]); });
+  }
+  for (std::size_t i = 0; i < report.drawn.size(); ++i)
+    add(report.drawn[i], [i](const auto& run) { return run.drawn[i]; });
+  return rows;
+}
+
+Json LinesJson(const CampaignReport& report) {
+  Json lines = Json::array();
+  const std::size_t stride = std::max<std::size_t>(1, (report.runs.size() + kLines - 1) / kLines);
+  for (std::size_t i = 0; i < report.runs.size(); i += stride) {
+    const auto& run = report.runs[i];
+    Json line{{"run", run.index}, {"survived", run.survived}, {"at", run.at}};
+    for (const auto& [name, values] : {std::pair{"drawn", &run.drawn}, std::pair{"figures", &run.figures}}) {
+      line[name] = Json::array();
+      for (const double value : *values) line[name].push_back(NumberOrNull(value));
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+std::string WithoutNumbers(const std::string& reason) {
+  std::string cause;
+  for (std::size_t i = 0; i < reason.size(); ++i) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(reason[i])) != 0;
+    const bool in_word =
+        i > 0 && (std::isalpha(static_cast<unsigned char>(reason[i - 1])) || reason[i - 1] == '_');
+    if (!digit || in_word) {
+      cause += reason[i];
+      continue;
+    }
+    while (i + 1 < reason.size() && (std::isdigit(static_cast<unsigned char>(reason[i + 1])) ||
+                                     reason[i + 1] == '.' || reason[i + 1] == 'e'))
+      ++i;
+    cause += "…";
+  }
+  return cause;
+}
+
+}  // namespace
+
+std::vector<CampaignReport::Cause> CampaignReport::Causes() const {
+  std::map<std::string, Cause> groups;
+  for (const Run& run : runs) {
+    if (run.survived) continue;
+    const std::string text = WithoutNumbers(run.reason);
+    Cause& group = groups[text];
+    group.text = group.count++ == 0 ? run.reason : text;
+    if (group.first.size() < 5) group.first.push_back(run.index);
+  }
+  std::vector<Cause> sorted;
+  for (auto& [text, group] : groups) sorted.push_back(std::move(group));
+  std::ranges::stable_sort(sorted, std::greater<>(), &Cause::count);
+  return sorted;
+}
+
+void CampaignReport::Write(const std::filesystem::path& file) const {
+  const auto survived = static_cast<std::size_t>(std::ranges::count_if(runs, &Run::survived));
+  Json data{{"title", title},
+            {"description", description},
+            {"confidence", confidence},
+            {"survival", SurvivalJson(survived, runs.size(), confidence)},
+            {"drawn", drawn},
+            {"figures", figures},
+            {"points", PointsJson(*this)},
+            {"correlations", CorrelationsJson(*this)},
+            {"lines", LinesJson(*this)},
+            {"limitKey", limit_key}};
+  data["causes"] = Json::array();
+  for (const Cause& cause : Causes())
+    data["causes"].push_back({{"cause", cause.text}, {"count", cause.count}, {"first", cause.first}});
+  data["axes"] = Json::array();
+  for (const Axis& axis : axes) data["axes"].push_back({{"name", axis.name}, {"labels", axis.labels}});
+  data["histograms"] = Json::array();
+  for (std::size_t i = 0; i < figures.size(); ++i) data["histograms"].push_back(HistogramJson(*this, i));
+  data["limits"] = Json::array();
+  for (const Limit& limit : limits)
+    data["limits"].push_back({{"point", limit.point}, {"survives", limit.survives}, {"fails", limit.fails}});
+  data["picks"] = Json::array();
+  for (const Pick& pick : picks)
+    data["picks"].push_back(
+        {{"run", pick.index}, {"why", pick.why}, {"command", pick.command}, {"link", pick.link}});
+  internal::WritePage(file, title, data.dump(-1, ' ', false, Json::error_handler_t::replace),
+                      internal::PageKind::kCampaign);
+}
+
+}  // namespace tenon
