@@ -98,7 +98,8 @@ std::string_view Cell(const CampaignRow& row, std::string_view column) {
 void CampaignTable::Read(const std::filesystem::path& file,
                          const std::function<void(std::size_t, const CampaignRow&)>& visit) {
   std::ifstream in(file, std::ios::binary);
-  if (!in)
+  std::error_code ignored;
+  if (!in || !std::filesystem::is_regular_file(file, ignored))
     throw ParameterError(fmt::format("cannot read '{}': is it the directory of a campaign?", file.string()));
   std::string line;
   const auto next = [&] { return static_cast<bool>(std::getline(in, line)) && !in.eof(); };  // with its end

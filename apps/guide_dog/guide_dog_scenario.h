@@ -18,8 +18,10 @@ struct GuideDogScenario {
   std::string robot = "dogbot";      ///< a shipped robot or a YAML file
   std::optional<double> duration_s;  ///< without: one second longer than the walk
   std::uint64_t seed = 1;
-  WalkScenario walk;                 ///< of the robot if it were alone
-  std::string profile = "standard";  ///< the tuning of the walking controller: a shipped one or a YAML file
+  WalkScenario walk;  ///< of the robot if it were alone
+  /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
+  /// differs.
+  YamlText profile{"standard"};
   ObserverKind observer = ObserverKind::kHybrid;
   SupervisorGains supervisor;
   AdmittanceGains admittance;

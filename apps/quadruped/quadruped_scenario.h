@@ -268,7 +268,9 @@ struct QuadrupedScenario {
   std::optional<JointPdScenario> pd;     ///< either stands by this
   std::optional<WalkScenario> walk;      ///< or walks
   std::optional<ObserverKind> observer;  ///< instead of the profile's
-  std::string profile = "standard";  ///< the tuning of the walking controller: a shipped one or a YAML file
+  /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
+  /// differs.
+  YamlText profile{"standard"};
   SensorScenario sensors;
   std::vector<ForceScenario> forces;
   std::vector<RandomForceScenario> random_forces;

@@ -10,6 +10,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon {
 
@@ -40,6 +41,18 @@ std::vector<std::string> ListResources(const std::string& kind) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+YamlDocument LoadResource(const std::string& kind, const YamlText& what) {
+  YamlDocument overlay = YamlDocument::Parse("of: " + what.text, kind);
+  if (overlay.Keys("of").empty()) return YamlDocument::Load(FindResource(kind, overlay.Text("of")));
+  overlay = YamlDocument::Parse(what.text, kind);
+  const std::string file = overlay.Text("file");
+  if (file.empty())
+    throw ParameterError("a map of what is different has to say in which file: {file: standard, …}");
+  overlay.Remove("file");
+  overlay.AddMissing(YamlDocument::Load(FindResource(kind, file)));
+  return overlay;
 }
 
 fs::path FindResource(const std::string& kind, const std::string& name) {

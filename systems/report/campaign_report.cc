@@ -156,7 +156,8 @@ std::vector<CampaignReport::Cause> CampaignReport::Causes() const {
     if (run.survived) continue;
     const std::string text = WithoutNumbers(run.reason);
     Cause& group = groups[text];
-    group.text = group.count++ == 0 ? run.reason : text;
+    if (group.count++ == 0) group.text = run.reason;
+    if (group.text != run.reason) group.text = text;
     if (group.first.size() < 5) group.first.push_back(run.index);
   }
   std::vector<Cause> sorted;

@@ -9,6 +9,10 @@ LocomotionProfile LoadLocomotionProfile(const std::string& name) {
   return YamlDocument::Load(FindResource("profiles", name)).Read<LocomotionProfile>();
 }
 
+LocomotionProfile LoadLocomotionProfile(const YamlText& what) {
+  return LoadResource("profiles", what).Read<LocomotionProfile>();
+}
+
 LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const LocomotionProfile& profile,
                                       const std::string& gaits) {
   LeggedLocomotionParams params;

@@ -14,6 +14,8 @@
 
 namespace tenon {
 
+struct YamlText;
+
 /// Which estimates a controller is given.
 enum class ObserverKind {
   kNone,        ///< zeros
@@ -82,6 +84,8 @@ struct LocomotionProfile {
 
 /// The profile that ships with Tenon under a name, or a file. Throws ParameterError.
 LocomotionProfile LoadLocomotionProfile(const std::string& name);
+/// The same, or one with what differs, see LoadResource.
+LocomotionProfile LoadLocomotionProfile(const YamlText& what);
 
 /// Parameters of a LeggedLocomotion for a robot as its controller knows it, with gaits that ship under a name
 /// or stand in a file. Throws ParameterError.

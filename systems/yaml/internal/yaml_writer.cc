@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {
 namespace {
@@ -57,6 +58,10 @@ class Writer {
       case TypeInfo::Kind::kMap:
         return WriteMap(type, value);
       case TypeInfo::Kind::kOpaque:
+        if (*type.id == typeid(YamlText)) {
+          emitter_ << YAML::Load(static_cast<const YamlText*>(value)->text);
+          return;
+        }
         Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
     }
   }

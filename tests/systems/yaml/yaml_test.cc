@@ -528,5 +528,94 @@ TEST(YamlWriteTest, RefusesWhatCannotBeReadAgain) {
   EXPECT_THAT(ErrorOf([&] { WriteYaml(robot); }), HasSubstr("gait: the value 7 has no name"));
 }
 
+struct Anything {
+  std::map<std::string, YamlText> values;
+  static FieldList Fields() { return {{"values", &Anything::values}}; }
+};
+
+TEST(YamlTextTest, KeepsAnyValueOnOneLine) {
+  const auto document = YamlDocument::Parse(
+      "values:\n  number: 1e-3\n  text: 'no # comment, \"quoted\"'\n  list:\n    - [1, 2]\n    - {a.b: "
+      "yes}\n  none:\n",
+      "a");
+  const auto any = document.Read<Anything>().values;
+  EXPECT_EQ(any.at("number").text, "1e-3");
+  EXPECT_EQ(any.at("list").text, "[[1, 2], {\"a.b\": yes}]");
+  EXPECT_EQ(any.at("none").text, "null");
+  // What it gives is read again as the same, quoted or not.
+  for (const auto& [key, value] : any) {
+    const auto again = YamlDocument::Parse("values: {x: " + value.text + "}", "again").Read<Anything>();
+    EXPECT_EQ(again.values.at("x").text, value.text) << key;
+  }
+  EXPECT_EQ(YamlDocument::Parse(document.Flow(), "flow").Flow(), document.Flow());
+  const auto written = YamlDocument::Parse(WriteYaml(document.Read<Anything>()), "written").Read<Anything>();
+  for (const auto& [key, value] : any) EXPECT_EQ(written.values.at(key).text, value.text) << key;
+}
+
+TEST(YamlKeysTest, AreInTheOrderOfTheFileAndMayHaveDots) {
+  const auto document = YamlDocument::Parse("vary:\n  b.0.c: {z: 1, a: 2}\n  a: 3\n", "file");
+  EXPECT_THAT(document.Keys("vary"), ::testing::ElementsAre("b.0.c", "a"));
+  EXPECT_THAT(document.Keys("vary.b.0.c"), ::testing::ElementsAre("z", "a"));
+  EXPECT_TRUE(document.Keys("vary.a").empty());
+  EXPECT_TRUE(document.Keys("vary.none").empty());
+  EXPECT_EQ(document.PlaceOf("vary.b.0.c.a"), "file:2:20: vary.b.0.c.a");
+}
+
+struct Load {
+  double mass = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  static FieldList Fields() { return {{"mass_kg", &Load::mass}, {"place_m", &Load::place}}; }
+};
+
+TEST(YamlDrawTest, PutsNumbersInThePlaceOfDistributions) {
+  const std::string text =
+      "mass_kg: {uniform: [2, 3]}\nplace_m: [{normal: [1, 0.1]}, 0, {lognormal: [0, 0.1]}]\n";
+  const auto draw = [&](std::uint64_t seed) {
+    auto document = YamlDocument::Parse(text, "load.yaml");
+    const auto drawn = document.Draw(seed);
+    const auto load = document.Read<Load>();
+    EXPECT_EQ(drawn.size(), 3U);
+    EXPECT_EQ(drawn[0], std::pair(std::string("mass_kg"), load.mass));
+    EXPECT_EQ(drawn[1], std::pair(std::string("place_m.0"), load.place[0]));
+    EXPECT_EQ(drawn[2].first, "place_m.2");
+    return load;
+  };
+  // Over many seeds mean and deviation are those of the distribution: 2.5 and 1/sqrt(12), 1 and 0.1,
+  // exp(0.005).
+  double mass = 0, mass_squares = 0, place = 0, place_squares = 0, log_mean = 0;
+  constexpr int kSeeds = 4000;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Load load = draw(static_cast<std::uint64_t>(seed));
+    EXPECT_TRUE(load.mass >= 2 && load.mass < 3);
+    mass += load.mass / kSeeds;
+    mass_squares += (load.mass - 2.5) * (load.mass - 2.5) / kSeeds;
+    place += load.place[0] / kSeeds;
+    place_squares += (load.place[0] - 1) * (load.place[0] - 1) / kSeeds;
+    log_mean += load.place[2] / kSeeds;
+  }
+  EXPECT_NEAR(mass, 2.5, 0.02);
+  EXPECT_NEAR(mass_squares, 1.0 / 12, 0.004);
+  EXPECT_NEAR(place, 1, 0.007);
+  EXPECT_NEAR(place_squares, 0.01, 0.001);
+  EXPECT_NEAR(log_mean, std::exp(0.005), 0.007);
+  EXPECT_EQ(draw(5).mass, draw(5).mass);
+}
+
+TEST(YamlDrawTest, RefusesDistributionsThatMakeNoSense) {
+  const auto error = [](const std::string& text) {
+    auto document = YamlDocument::Parse(text, "load.yaml");
+    try {
+      document.Draw(1);
+    } catch (const ParameterError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("mass_kg: {uniform: [3, 2]}"),
+              AllOf(StartsWith("load.yaml:1:20: "), HasSubstr("the lower bound first")));
+  EXPECT_THAT(error("mass_kg: {normal: [3, -2]}"), HasSubstr("the standard deviation, and not negative"));
+  EXPECT_THAT(error("mass_kg: {normal: 3}"), HasSubstr("expected a list of 2"));
+}
+
 }  // namespace
 }  // namespace tenon

@@ -1,0 +1,91 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+CampaignRow Row(int run, const std::string& error, const std::string& mpc = "") {
+  CampaignRow row{{"run", std::to_string(run)}, {"case", "D1"}, {"error_m", error}};
+  if (!mpc.empty()) row.insert(row.begin() + 2, {"mpc", mpc});
+  row.emplace_back("end_reason", "end of the run");
+  return row;
+}
+
+class CampaignTableTest : public ::testing::Test {
+ protected:
+  ~CampaignTableTest() override { fs::remove(file); }
+  std::string Text() const {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+  const fs::path file = test::TemporaryPath("tenon_campaign_table.csv");
+};
+
+TEST_F(CampaignTableTest, ARowIsThereAsSoonAsItIsAdded) {
+  CampaignTable table(file, CampaignTable::Start::kNew);
+  table.Append(3, Row(3, "0.5"));
+  EXPECT_EQ(Text(), "run,case,error_m,end_reason\n3,D1,0.5,end of the run\n");
+  table.Append(1, {{"run", "1"}, {"end_reason", "fell, \"hard\"\non its side"}});
+  EXPECT_THAT(Text(), ::testing::HasSubstr("\n1,,,\"fell, \"\"hard\"\" on its side\"\n"));
+  CampaignRow read;
+  CampaignTable::Read(file, [&](std::size_t run, const CampaignRow& row) {
+    if (run == 1) read = row;
+  });
+  EXPECT_EQ(Cell(read, "end_reason"), "fell, \"hard\" on its side");
+  EXPECT_EQ(Cell(read, "error_m"), "");
+}
+
+// Whatever the order in which the runs end, and although not all have the same figures.
+TEST_F(CampaignTableTest, TheSameRowsMakeTheSameFile) {
+  const std::vector<CampaignRow> rows{Row(0, "0.1"), Row(1, "0.2", "7"), Row(2, "NaN"), Row(3, "0.4", "8")};
+  std::string first;
+  std::vector<std::size_t> order{0, 1, 2, 3};
+  do {
+    CampaignTable table(file, CampaignTable::Start::kNew);
+    for (const std::size_t i : order) table.Append(i, rows[i]);
+    table.Finish([](std::size_t run) { return run != 2; });
+    if (first.empty()) first = Text();
+    EXPECT_EQ(Text(), first);
+  } while (std::ranges::next_permutation(order).found);
+  EXPECT_EQ(first,
+            "run,case,mpc,error_m,end_reason\n0,D1,,0.1,end of the run\n1,D1,7,0.2,end of the run\n"
+            "3,D1,8,0.4,end of the run\n");
+}
+
+TEST_F(CampaignTableTest, WhatAKilledWriterLeftIsKeptButForATornLine) {
+  { std::ofstream(file) << "run,case,end_reason\n4,D1,end of the run\n2,D1,end of t"; }
+  CampaignTable table(file, CampaignTable::Start::kResume);
+  EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n");
+  table.Append(2, {{"run", "2"}, {"case", "D1"}, {"end_reason", "end of the run"}});
+  EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n2,D1,end of the run\n");
+  { std::ofstream(file) << "run,ca"; }  // before the first row
+  CampaignTable anew(file, CampaignTable::Start::kResume);
+  anew.Append(0, Row(0, "1"));
+  EXPECT_EQ(Text(), "run,case,error_m,end_reason\n0,D1,1,end of the run\n");
+}
+
+TEST_F(CampaignTableTest, RefusesWhatIsNoTable) {
+  const auto read = [this] { CampaignTable::Read(file, [](std::size_t, const CampaignRow&) {}); };
+  EXPECT_TRUE(Throws<ParameterError>(read, "cannot read", "is it the directory of a campaign?"));
+  std::ofstream(file) << "time,x\n1,2\n";
+  EXPECT_TRUE(Throws<ParameterError>(read, ":1: not the header of a table of runs"));
+  std::ofstream(file) << "run,x\n1,2\n3\n";
+  EXPECT_TRUE(Throws<ParameterError>(read, ":3: 1 cells, the header has 2"));
+  EXPECT_TRUE(Throws<OutputError>(
+      [] { CampaignTable table("/no/such/runs.csv", CampaignTable::Start::kNew); }, "/no/such/runs.csv"));
+}
+
+}  // namespace
+}  // namespace tenon::apps

@@ -1,0 +1,296 @@
+// Runs the binary as its users do.
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kApp = TENON_CAMPAIGN;
+
+/// A table without what differs between machines.
+std::string Comparable(const fs::path& table) {
+  std::istringstream in(Read(table));
+  std::string line, cell, text;
+  std::vector<bool> kept;
+  while (std::getline(in, line)) {
+    std::istringstream cells(line);
+    for (std::size_t i = 0; std::getline(cells, cell, ','); ++i) {
+      if (text.empty() || i >= kept.size())
+        kept.push_back(!cell.starts_with("wall") && !cell.starts_with("qp_time") &&
+                       !cell.starts_with("mpc_time") && !cell.starts_with("real_time"));
+      if (kept[i]) text += cell + ',';
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// The rows of a table by their runs.
+std::map<int, std::string> Rows(const fs::path& table) {
+  std::istringstream in(Read(table));
+  std::string line;
+  std::getline(in, line);
+  std::map<int, std::string> rows;
+  while (std::getline(in, line)) rows[std::stoi(line)] = line;
+  return rows;
+}
+
+class TenonCampaignTest : public AppTest {
+ protected:
+  TenonCampaignTest() { fs::create_directories(out); }
+  /// Writes a campaign and returns its path.
+  std::string File(const std::string& text) const {
+    std::ofstream(out / "campaign_file.yaml") << text;
+    return (out / "campaign_file.yaml").string();
+  }
+  std::string Walks(int seeds) const {
+    return File("app: tenon-quadruped\nscenario: A4\nduration_s: 0.1\nseeds: {first: 101, count: " +
+                std::to_string(seeds) +
+                "}\nset: {walk.friction: 0.6}\nvary: {random_forces.0.upper_N: {grid: [20, 35]}}\n");
+  }
+  std::string Run(const std::string& arguments, int exit_code = 0) const {
+    const Result result = RunCommand(kApp + " " + arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << result.text;
+    return result.text;
+  }
+  std::string To(const std::string& name) const { return " --out " + (out / name).string(); }
+  std::string Table(const std::string& name) const { return Comparable(out / name / "runs.csv"); }
+};
+
+TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
+  const std::string text = Run(Walks(3) + To("c") + " --jobs 1");
+  EXPECT_THAT(text, AllOf(HasSubstr("6 of 6 survived"), HasSubstr("random_forces.0.upper_N=35: 3 of 3"),
+                          HasSubstr("--replay")));
+  const std::string table = Read(out / "c/runs.csv");
+  EXPECT_EQ(table.find("run,seed,random_forces.0.upper_N,case,finished,"), 0U);
+  EXPECT_EQ(table.substr(table.find('\n') - 10, 10), "end_reason");
+  const auto rows = Rows(out / "c/runs.csv");
+  EXPECT_EQ(rows.size(), 6U);
+  EXPECT_EQ(rows.at(0).find("0,101,20,A4,true,false,0.1,"), 0U);
+  EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.1,"), 0U);
+  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6")));
+  EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
+}
+
+// What a run is follows from its index alone.
+TEST_F(TenonCampaignTest, JobsPartsAndKillsDoNotShowInTheTable) {
+  const std::string file = Walks(8);
+  Run(file + To("one") + " --jobs 1");
+  const std::string whole = Table("one");
+  EXPECT_EQ(Rows(out / "one/runs.csv").size(), 16U);
+  Run(file + To("two") + " --jobs 2");
+  EXPECT_EQ(Table("two"), whole);
+
+  for (const std::string i : {"1", "2", "3"}) Run(file + To("part" + i) + " --shard " + i + "/3");
+  const std::string part = (out / "part").string();
+  EXPECT_THAT(Run("--merge " + part + "1 " + part + "3" + To("some")),
+              AllOf(HasSubstr("warning: 5 of 16 runs are missing"), HasSubstr("--resume")));
+  Run((out / "some/campaign.yaml").string() + To("some") + " --resume");
+  EXPECT_EQ(Table("some"), whole);
+  Run("--merge " + part + "3 " + part + "1 " + part + "2" + To("all"));
+  EXPECT_EQ(Table("all"), whole);
+
+  for (const std::string signal : {"KILL", "INT"}) {
+    // Not before the third row is there.
+    const Result killed = RunCommand(
+        "sh -c '" + kApp + " " + file + To("killed" + signal) + " --jobs 2 & c=$!; " + "until [ \"$(cat " +
+        (out / ("killed" + signal)).string() +
+        "/runs.csv 2>/dev/null | wc -l)\" -gt 3 ]; do sleep 0.01; done; kill -" + signal + " $c; wait $c'");
+    EXPECT_EQ(killed.exit_code, signal == "INT" ? 130 : 137) << killed.text;
+    EXPECT_THAT(Run(file + To("killed" + signal) + " --resume --jobs 2"), HasSubstr("16 of 16 survived"));
+    EXPECT_EQ(Table("killed" + signal), whole);
+  }
+}
+
+TEST_F(TenonCampaignTest, WhatFailsIsARowWithItsReason) {
+  // At a friction of 0 the robot is refused, a very large force throws it into the sky.
+  const std::string file = File(
+      "app: tenon-quadruped\nscenario: A1\nduration_s: 0.6\nset: {forces.0.on: trunk, forces.0.start_s: 0}\n"
+      "vary:\n  forces.0.force_N: {list: [[0, 0, 0], [0, 0, 9e4]]}\n  walk.friction: {grid: [0, 0.6]}\n");
+  const std::string text = Run(file + To("c"));
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("warning: at 2 of 4 points the scenario is refused"),
+                  HasSubstr("1 of 4 survived"), HasSubstr("2 failed: "),
+                  HasSubstr("walk: friction = 0 must be positive and finite (with --set walk.friction=0)")));
+  const auto rows = Rows(out / "c/runs.csv");
+  EXPECT_THAT(rows.at(0), AllOf(HasSubstr("false"), HasSubstr("friction = 0 must be positive")));
+  EXPECT_THAT(rows.at(1), HasSubstr("end of the run"));
+  EXPECT_THAT(rows.at(3), AllOf(HasSubstr("false,true"), HasSubstr("the robot left the ground")));
+}
+
+TEST_F(TenonCampaignTest, ARunMayTakeOnlySoLong) {
+  const std::string file = File("app: tenon-quadruped\nscenario: A4\nduration_s: 30\nwall_limit_s: 0.2\n");
+  EXPECT_THAT(Run(file + To("c")), HasSubstr("took longer than 0.2 s on the clock"));
+  EXPECT_THAT(Rows(out / "c/runs.csv").at(0), HasSubstr("A4,false,false"));
+}
+
+TEST_F(TenonCampaignTest, RunsEveryAppAndScenariosWithDistributions) {
+  for (const std::string scenario : {"tenon-guide-dog C1", "tenon-cdpr D1", "tenon-quadruped B2"}) {
+    const std::size_t blank = scenario.find(' ');
+    const std::string file =
+        File("app: " + scenario.substr(0, blank) + "\nscenario: " + scenario.substr(blank) +
+             "\nduration_s: 0.05\nseeds: {count: 2}\n");
+    EXPECT_THAT(Run(file + To("c")), HasSubstr("2 of 2 survived")) << scenario;
+  }
+  std::ofstream(out / "random.yaml") << "extends: B1-flat\npayload: {mass_kg: {uniform: [10, 20]}}\n";
+  const std::string file = File("app: tenon-quadruped\nscenario: " + (out / "random.yaml").string() +
+                                "\nduration_s: 0.05\nseeds: {count: 2}\n");
+  Run(file + To("c"));
+  const std::string table = Read(out / "c/runs.csv");
+  EXPECT_EQ(table.find("run,seed,payload.mass_kg,case,"), 0U);
+  const auto rows = Rows(out / "c/runs.csv");
+  EXPECT_NE(rows.at(0).substr(4, 8), rows.at(1).substr(4, 8));
+}
+
+TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
+  const std::string file = Walks(2);
+  Run(file + To("c"));
+  EXPECT_THAT(Read(out / "c/report.html"), Not(HasSubstr("run_3/report.html")));
+  EXPECT_THAT(Run(file + To("c") + " --replay 3"), Not(HasSubstr("warning")));
+  for (const std::string name : {"report.html", "signals.csv", "summary.json", "scenario.yaml"})
+    EXPECT_TRUE(fs::exists(out / "c/run_3" / name)) << name;
+  EXPECT_THAT(Read(out / "c/run_3/scenario.yaml"), AllOf(HasSubstr("upper_N: 35"), HasSubstr("seed: 102")));
+  EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("run_3/report.html"));
+  EXPECT_THAT(Run(file + To("c") + " --replay 4", 2), HasSubstr("the campaign has the runs 0 to 3"));
+}
+
+TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfJobs) {
+  const std::string head = "app: tenon-quadruped\nscenario: stand\nduration_s: 0.3\nseeds: {count: 40}\n";
+  const std::string load = "[{on: trunk, force_N: [0, 0, -1], duration_s: 1}]";
+  const std::string file =
+      File(head + "set:\n  forces: " + load +
+           "\nlimit: {key: forces.0.factor, from: 0, to: 8000, steps: 4, probability: 0.5}\n");
+  const std::string text = Run(file + To("one") + " --jobs 1");
+  EXPECT_THAT(text, HasSubstr("forces.0.factor: survives "));
+  Run(file + To("two") + " --jobs 2");
+  EXPECT_EQ(Table("two"), Table("one"));
+  EXPECT_EQ(Read(out / "two/summary.json"), Read(out / "one/summary.json"));
+
+  const std::string estimate = File(head + "estimate: survival\ninterval_width: 0.3\n");
+  EXPECT_THAT(Run(estimate + To("e1") + " --jobs 1"), HasSubstr("9 of 9 survived"));
+  Run(estimate + To("e2") + " --jobs 2");
+  EXPECT_EQ(Table("e2"), Table("e1"));
+}
+
+TEST_F(TenonCampaignTest, ADryRunShowsAndRunsNothing) {
+  EXPECT_THAT(Run(Walks(3) + To("c") + " --dry-run"),
+              AllOf(HasSubstr("2 points, 3 seeds each, 6 runs"),
+                    HasSubstr("run=3  seed=101  random_forces.0.upper_N=35")));
+  EXPECT_FALSE(fs::exists(out / "c"));
+}
+
+TEST_F(TenonCampaignTest, RowsOfTwoCampaignsAreNotMixed) {
+  Run(Walks(1) + To("c"));
+  EXPECT_THAT(Run(Walks(2) + To("c") + " --resume", 2),
+              AllOf(HasSubstr("holds runs of another campaign"), HasSubstr("begin anew without --resume")));
+  Run(Walks(2) + To("c"));
+  EXPECT_EQ(Rows(out / "c/runs.csv").size(), 4U);
+}
+
+TEST_F(TenonCampaignTest, ATableThatCannotBeWrittenIsExitCode5) {
+  // No file may have more than 12 blocks of 512 bytes: that is for ten rows or so.
+  const Result result =
+      RunCommand("sh -c 'trap \"\" XFSZ; ulimit -f 12; exec " + kApp + " " + Walks(15) + To("c") + "'");
+  EXPECT_EQ(result.exit_code, 5) << result.text;
+  EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv"), HasSubstr("File too large"), HasSubstr("make room")));
+  // What was written is whole, and the campaign goes on from there.
+  const std::size_t rows = Rows(out / "c/runs.csv").size();
+  EXPECT_GT(rows, 3U);
+  EXPECT_LT(rows, 30U);
+  Run(Walks(15) + To("c") + " --resume");
+  EXPECT_EQ(Rows(out / "c/runs.csv").size(), 30U);
+}
+
+TEST_F(TenonCampaignTest, RefusesBadUsage) {
+  const auto refused = [&](const std::string& text, const std::string& options = "") {
+    return Run(File(text) + To("c") + options, 2);
+  };
+  EXPECT_THAT(refused("app: tenon-fish\nscenario: A4\n"),
+              AllOf(HasSubstr(":1:6: app: there is no app 'tenon-fish'"), HasSubstr("tenon-cdpr")));
+  EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A44\n"),
+              AllOf(HasSubstr(":2:11: scenario: there is no 'A44'"), HasSubstr("did you mean")));
+  EXPECT_THAT(refused("app: tenon-cdpr\nscenario: A4\n"), HasSubstr("is a scenario of another app"));
+  EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A4\nvary: {walk.frictoin: {grid: [1]}}\n"),
+              AllOf(HasSubstr("none of its runs can begin"), HasSubstr("nearest valid key is 'friction'")));
+  EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A3-sweep\n"),
+              AllOf(HasSubstr("a sweep is a campaign of its own"), HasSubstr("forces.0.turn_rad")));
+  const std::string good = "app: tenon-quadruped\nscenario: A4\n";
+  EXPECT_THAT(refused(good, " --shard 0/4"), HasSubstr("--shard 0/4: give it as i/N"));
+  EXPECT_THAT(refused(good, " --shard 5/4"), HasSubstr("i from 1 to N"));
+  EXPECT_THAT(refused(good + "estimate: survival\n", " --shard 1/4"), HasSubstr("cannot be divided"));
+  EXPECT_THAT(refused(good, " --jobs 0"), HasSubstr("--jobs"));
+  EXPECT_THAT(Run("no_such_campaign", 2), HasSubstr("there is no 'no_such_campaign' in campaigns"));
+  EXPECT_THAT(Run("", 2), HasSubstr("no campaign given"));
+  EXPECT_THAT(Run("--merge " + out.string(), 2), HasSubstr("give the directory of the whole by --out"));
+}
+
+TEST_F(TenonCampaignTest, EveryShippedCampaignCanBegin) {
+  std::istringstream list(Run("--list"));
+  std::string line;
+  int count = 0;
+  for (; std::getline(list, line); ++count) {
+    const std::string name = line.substr(0, line.find(' '));
+    EXPECT_THAT(Run(name + " --dry-run"), AllOf(HasSubstr("run="), Not(HasSubstr("refused")))) << name;
+    EXPECT_GT(line.size(), name.size() + 20) << "a campaign says what it is: " << line;
+  }
+  EXPECT_GT(count, 5);
+}
+
+/// Processes that mpirun starts; all cores of a machine are two here.
+class TenonCampaignMpiTest : public TenonCampaignTest {
+ protected:
+  void SetUp() override {
+    if (RunCommand("command -v mpirun").exit_code == 0) return;
+    ASSERT_EQ(std::getenv("TENON_REQUIRE_CLUSTER"), nullptr) << "mpirun is not installed";
+    GTEST_SKIP() << "mpirun is not installed: apt-get install openmpi-bin";
+  }
+  static std::string Ranks(int count) {
+    return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n " +
+           std::to_string(count) + " " + kApp + " ";
+  }
+};
+
+TEST_F(TenonCampaignMpiTest, RanksDoNotShowInTheTable) {
+  const std::string file = Walks(8);
+  Run(file + To("one") + " --jobs 1");
+  for (const int ranks : {1, 2, 3}) {
+    const std::string name = "ranks" + std::to_string(ranks);
+    const Result result = RunCommand(Ranks(ranks) + file + To(name));
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_EQ(Table(name), Table("one"));
+  }
+}
+
+TEST_F(TenonCampaignMpiTest, AKilledRankOrWriterLosesNothing) {
+  const std::string file = Walks(30);
+  Run(file + To("one") + " --jobs 1");
+  for (const std::string rank : {"0", "2"}) {
+    const fs::path place = out / ("killed" + rank);
+    // The ranks say which they are in their environment.
+    const Result killed = RunCommand(
+        "sh -c '" + Ranks(3) + file + To("killed" + rank) + " & c=$!; until [ \"$(cat " + place.string() +
+        "/runs.csv 2>/dev/null | wc -l)\" -gt 3 ]; do sleep 0.01; done; for p in $(pgrep -f " +
+        place.string() + "); do if tr \"\\0\" \"\\n\" < /proc/$p/environ | grep -qx OMPI_COMM_WORLD_RANK=" +
+        rank + "; then kill -KILL $p; fi; done; wait $c'");
+    EXPECT_NE(killed.exit_code, 0) << killed.text;
+    const std::size_t rows = Rows(place / "runs.csv").size();
+    EXPECT_GE(rows, 3U);
+    EXPECT_LT(rows, 60U);
+    const Result resumed = RunCommand(Ranks(2) + file + To("killed" + rank) + " --resume");
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.text;
+    EXPECT_EQ(Table("killed" + rank), Table("one"));
+  }
+}
+
+}  // namespace
+}  // namespace tenon::test

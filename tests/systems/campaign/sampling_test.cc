@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+#include <tenon/systems/campaign/sampling.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon {
+namespace {
+
+TEST(LatinHypercubeTest, HasOnePointInEachInterval) {
+  RandomStream random(1);
+  const std::vector<double> points = LatinHypercube(50, random);
+  std::set<int> intervals;
+  for (const double x : points) intervals.insert(static_cast<int>(50 * x));
+  EXPECT_EQ(intervals.size(), 50U);
+  EXPECT_EQ(*intervals.begin(), 0);
+  EXPECT_EQ(*intervals.rbegin(), 49);
+  RandomStream again(1), other(2);
+  EXPECT_EQ(LatinHypercube(50, again), points);
+  EXPECT_NE(LatinHypercube(50, other), points);
+}
+
+// Its first points are known by heart: 1/2; 3/4, 1/4; 3/8, 3/8; ...
+TEST(SobolTest, BeginsAsItDoes) {
+  const auto points = Sobol(4, 2);
+  EXPECT_EQ(points[0][0], 0.5);
+  EXPECT_EQ(points[1][0], 0.5);
+  EXPECT_EQ(points[0][1] + points[1][1], 1);
+  EXPECT_EQ(std::abs(points[0][1] - points[1][1]), 0.5);
+}
+
+// With the origin 2^m points put equally many into each of 2^m equal intervals, in every dimension; and the
+// mean of a smooth function of several variables is found far better than by random points, whose error is
+// 0.01 here.
+TEST(SobolTest, FillsEvenly) {
+  const auto points = Sobol(1023, 5);
+  double mean = 0;
+  for (std::size_t k = 0; k < 1023; ++k) {
+    double product = 1;
+    for (const auto& coordinate : points) product *= 2 * coordinate[k];
+    mean += product / 1023;
+  }
+  EXPECT_NEAR(mean, 1, 2e-2);
+  for (const auto& coordinate : points) {
+    std::multiset<int> intervals{0};
+    for (const double x : coordinate) intervals.insert(static_cast<int>(64 * x));
+    for (int i = 0; i < 64; ++i) EXPECT_EQ(intervals.count(i), 16U);
+  }
+}
+
+TEST(SobolTest, OfNothingIsNothingAndDimensionsEnd) {
+  EXPECT_TRUE(Sobol(10, 0).empty());
+  EXPECT_TRUE(Throws<ParameterError>([] { Sobol(10, 100'000); }, "in 100000 dimensions", "latin_hypercube"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+#include <cmath>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+
+namespace tenon {
+namespace {
+
+// 81 of 263, 15 of 148: table I of Newcombe, Statistics in Medicine 17 (1998), method 3.
+TEST(WilsonIntervalTest, GivesThePublishedIntervals) {
+  EXPECT_NEAR(WilsonInterval(81, 263, 0.95).low, 0.2553, 5e-5);
+  EXPECT_NEAR(WilsonInterval(81, 263, 0.95).high, 0.3662, 5e-5);
+  EXPECT_NEAR(WilsonInterval(15, 148, 0.95).low, 0.0624, 5e-5);
+  EXPECT_NEAR(WilsonInterval(15, 148, 0.95).high, 0.1605, 5e-5);
+  EXPECT_EQ(WilsonInterval(0, 20, 0.95).low, 0);
+  EXPECT_NEAR(WilsonInterval(0, 20, 0.95).high, 0.1611, 5e-5);
+  EXPECT_EQ(WilsonInterval(29, 29, 0.95).high, 1);
+}
+
+// The ends are where the score test is on the edge: |p - p̂| = z sqrt(p (1 - p) / n).
+TEST(WilsonIntervalTest, ItsEndsSolveTheEquationOfTheScoreTest) {
+  const double z = 1.6448536269514722;  // 90 %
+  for (const std::size_t k : {3U, 17U, 40U}) {
+    const Interval interval = WilsonInterval(k, 41, 0.9);
+    for (const double p : {interval.low, interval.high})
+      EXPECT_NEAR(std::abs(p - static_cast<double>(k) / 41), z * std::sqrt(p * (1 - p) / 41), 1e-12);
+  }
+}
+
+TEST(WilsonIntervalTest, HoldsWhatItPromises) {
+  RandomStream random(3);
+  int inside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::size_t survived = 0;
+    for (int k = 0; k < 60; ++k) survived += random.Uniform() < 0.9 ? 1 : 0;
+    const Interval interval = WilsonInterval(survived, 60, 0.95);
+    inside += interval.low <= 0.9 && 0.9 <= interval.high ? 1 : 0;
+  }
+  EXPECT_NEAR(inside / 2000.0, 0.95, 0.03);
+}
+
+TEST(WilsonIntervalTest, OfNothingIsEverything) {
+  EXPECT_EQ(WilsonInterval(0, 0, 0.95).low, 0);
+  EXPECT_EQ(WilsonInterval(0, 0, 0.95).width(), 1);
+}
+
+TEST(WilsonIntervalTest, RefusesWhatCannotBe) {
+  EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(3, 2, 0.95); }, "3 successes of 2 trials"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(1, 2, 95); }, "confidence = 95", "say 0.95"));
+}
+
+TEST(RankCorrelationTest, SeesOrderNotShape) {
+  const std::vector<double> x{1, 2, 3, 4, 5}, up{1, 8, 27, 64, 125}, down{5, 4, 3, 2, -100};
+  EXPECT_NEAR(*RankCorrelation(x, up), 1, 1e-15);
+  EXPECT_NEAR(*RankCorrelation(x, down), -1, 1e-15);
+}
+
+// 1 - 6 sum d² / (n (n² - 1)) without ties; with them Pearson's of the shared ranks.
+TEST(RankCorrelationTest, GivesTheClosedForm) {
+  EXPECT_NEAR(*RankCorrelation(std::vector<double>{1, 2, 3, 4}, std::vector<double>{2, 1, 4, 3}),
+              1 - 6 * 4.0 / 60, 1e-15);
+  // Ranks 0.5, 0.5, 2 and 0, 1, 2.
+  EXPECT_NEAR(*RankCorrelation(std::vector<double>{7, 7, 9}, std::vector<double>{1, 2, 3}), std::sqrt(3) / 2,
+              1e-15);
+}
+
+TEST(RankCorrelationTest, OfNothingIsNothing) {
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2}, std::vector<double>{1, 2}));
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,143 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/report/campaign_report.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Json = nlohmann::json;
+
+/// Two axes of 3 x 2 points, 10 runs at each: the error grows with the force, a run with a force of 3 falls
+/// if the friction is low.
+CampaignReport Example() {
+  CampaignReport report{.title = "pushes </script> & more",
+                        .description = "two axes",
+                        .axes = {{"force_N", {"1", "2", "3"}}, {"friction", {"0.3", "0.6"}}},
+                        .drawn = {"mass_kg"},
+                        .figures = {"error_max_m", "constant", "empty_N"}};
+  for (std::size_t run = 0; run < 60; ++run) {
+    const std::size_t force = run / 20, friction = run / 10 % 2;
+    const bool survived = force < 2 || friction == 1;
+    const double mass = static_cast<double>(run * 7 % 10);
+    report.runs.push_back({.index = run,
+                           .at = {force, friction},
+                           .drawn = {mass},
+                           .figures = {static_cast<double>(force) + 0.01 * mass, 1, NAN},
+                           .survived = survived,
+                           .reason = survived ? "end" : "fell at " + std::to_string(run) + ".5 s, body 2"});
+  }
+  report.picks = {{.index = 45, .why = "fell", .command = "again 45", .link = "run_45/report.html"}};
+  return report;
+}
+
+class CampaignReportTest : public ::testing::Test {
+ protected:
+  ~CampaignReportTest() override { std::filesystem::remove(file); }
+  Json Data(const CampaignReport& report) const {
+    report.Write(file);
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    const std::string page = text.str(), open = R"(id="data">)";
+    const std::size_t begin = page.find(open) + open.size();
+    return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  }
+  const std::filesystem::path file = test::TemporaryPath("tenon_campaign_report.html");
+};
+
+TEST_F(CampaignReportTest, CountsSurvivalAtEachPoint) {
+  const Json data = Data(Example());
+  EXPECT_EQ(data["survival"]["survived"], 50);
+  EXPECT_EQ(data["survival"]["count"], 60);
+  EXPECT_EQ(data["survival"]["low"], WilsonInterval(50, 60, 0.95).low);
+  ASSERT_EQ(data["points"].size(), 6U);
+  EXPECT_EQ(data["points"][4]["at"], Json({2, 0}));
+  EXPECT_EQ(data["points"][4]["survived"], 0);
+  EXPECT_EQ(data["points"][5]["survived"], 10);
+  EXPECT_NEAR(data["points"][2]["medians"][0].get<double>(), 1.045, 1e-12);
+  EXPECT_TRUE(data["points"][2]["medians"][2].is_null());
+}
+
+TEST_F(CampaignReportTest, FindsWhatMatters) {
+  const Json rows = Data(Example())["correlations"];
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0]["name"], "force_N");
+  EXPECT_GT(rows[0]["values"][0].get<double>(), 0.9);
+  EXPECT_TRUE(rows[0]["values"][1].is_null());                // a figure that never changes
+  EXPECT_LT(rows[0]["values"][3].get<double>(), -0.4);        // survival
+  EXPECT_NEAR(rows[2]["values"][3].get<double>(), 0, 1e-12);  // the mass has nothing to do with it
+}
+
+TEST_F(CampaignReportTest, CausesThatDifferInNumbersAreOne) {
+  CampaignReport report = Example();
+  report.runs[0].survived = false;
+  report.runs[0].reason = "refused: friction = 0";
+  const auto causes = report.Causes();
+  ASSERT_EQ(causes.size(), 2U);
+  EXPECT_EQ(causes[0].text, "fell at … s, body …");
+  EXPECT_EQ(causes[0].count, 10U);
+  EXPECT_THAT(causes[0].first, ElementsAre(40, 41, 42, 43, 44));
+  EXPECT_EQ(causes[1].text, "refused: friction = 0");
+}
+
+TEST_F(CampaignReportTest, HistogramsHoldEveryRun) {
+  const Json histogram = Data(Example())["histograms"][0];
+  int survived = 0, failed = 0;
+  for (const auto& count : histogram["survived"]) survived += count.get<int>();
+  for (const auto& count : histogram["failed"]) failed += count.get<int>();
+  EXPECT_EQ(survived, 50);
+  EXPECT_EQ(failed, 10);
+  EXPECT_TRUE(Data(Example())["histograms"][2].is_null());
+}
+
+TEST_F(CampaignReportTest, ThePageShowsItAll) {
+  if (!testing::Browser::IsInstalled()) {
+    ASSERT_EQ(std::getenv("TENON_REQUIRE_BROWSER"), nullptr) << "Chromium is not installed";
+    GTEST_SKIP() << "Chromium is not installed";
+  }
+  testing::Browser browser;
+  CampaignReport many = Example();
+  for (std::size_t run = 60; run < 30'000; ++run) {
+    many.runs.push_back(many.runs[run % 60]);
+    many.runs.back().index = run;
+  }
+  CampaignReport one{.title = "one point"};
+  one.runs.push_back({.survived = true});
+  CampaignReport none{.title = "no run at all", .figures = {"error_m"}};
+  CampaignReport failed{.title = "nobody survived", .axes = {{"x", {"a"}}}, .figures = {"error_m"}};
+  failed.runs.push_back({.at = {0}, .figures = {NAN}, .reason = "fell"});
+  for (const CampaignReport& report : {Example(), many, one, none, failed}) {
+    report.Write(file);
+    browser.Open(file);
+    EXPECT_EQ(browser.Evaluate("window.tenonCampaign.ready"), true) << report.title;
+    EXPECT_EQ(browser.Evaluate("document.querySelector('h1').textContent"), report.title);
+    EXPECT_THAT(browser.complaints(), IsEmpty()) << report.title;
+  }
+  Example().Write(file);
+  browser.Open(file);
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#map rect').length"), 6);
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#survival circle').length"), 6);
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#picks a').getAttribute('href')"),
+            "run_45/report.html");
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#lines path').length"), 60);
+  // Another colour: the median of the error.
+  browser.Evaluate(
+      "(() => { const s = document.querySelectorAll('#map select')[2]; s.value = 1; "
+      "s.dispatchEvent(new Event('change')); })()");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#map rect title').textContent"),
+            "friction = 0.3, force_N = 1: 0.045");
+}
+
+}  // namespace
+}  // namespace tenon
