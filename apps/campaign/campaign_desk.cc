@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -52,7 +53,7 @@ void CampaignDesk::Put(std::size_t run, const std::optional<CampaignResult>& res
     return;
   }
   try {
-    if (!failure_) table_.Append(run, result->row);
+    if (!failure_) table_.Append(result->row);
   } catch (...) {
     failure_ = std::current_exception();
   }
@@ -98,7 +99,11 @@ void WorkInThreads(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {
     while (const auto run = desk.Take()) desk.Put(*run, runner.Run(*run));
   };
   std::vector<std::jthread> others;
-  for (int i = 1; i < jobs; ++i) others.emplace_back(work);
+  try {
+    for (int i = 1; i < jobs; ++i) others.emplace_back(work);
+  } catch (const std::system_error& error) {
+    Say(fmt::format("warning: only {} jobs at a time: {}\n", others.size() + 1, error.what()));
+  }
   work();
 }
 

@@ -30,7 +30,6 @@ class CampaignDesk {
   bool closed();
   /// Ends the display; throws what closed it, OutputError.
   void Close();
-  std::size_t failures() const { return failures_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -45,7 +45,9 @@ struct SeedRange {
 };
 
 /// The largest value of a key with which a run survives with a probability, by bisection: at each value runs
-/// seed after seed until Wilson's interval lies on one side of the probability, or the seeds are used up.
+/// seed after seed; after 8, 16, 32, … of them it is decided if Wilson's interval lies on one side of the
+/// probability, with the confidence shared among these looks (Bonferroni); when the seeds are used up, by the
+/// share that survived.
 struct LimitSearch {
   std::string key;                     ///< or a name for what `sets` says
   std::map<std::string, double> sets;  ///< as in Variation

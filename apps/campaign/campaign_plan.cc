@@ -31,6 +31,14 @@ std::string Text(double value) {
   return fmt::format("{}", value);
 }
 
+/// Throws ParameterError if runs.csv has a column of that name anyway.
+void DemandNoColumn(const std::string& name) {
+  for (const char* column : {"run", "seed", "case", "finished", "fell", "simulated_s", "end_reason"})
+    if (name == column)
+      throw ParameterError(fmt::format("'{}' is what a run comes to, not what it is given{}", name,
+                                       name == "seed" ? "; say seeds: {first: 1, count: 20}" : ""));
+}
+
 double Between(const std::array<double, 2>& range, double share) {
   return range[0] + share * (range[1] - range[0]);
 }
@@ -43,7 +51,8 @@ void CampaignPlan::AddAxis(const std::string& name, const Variation& how,
   std::vector<double> values = how.grid;
   if (how.linspace) {
     const auto [from, to, count] = *how.linspace;
-    for (double i = 0; i < count; ++i) values.push_back(from + (to - from) * i / (count - 1));
+    for (double i = 0; i < count; ++i)  // 0.05, not 0.049999999999999996
+      values.push_back(std::stod(fmt::format("{:.12g}", from + (to - from) * i / (count - 1))));
   }
   for (const double value : values) {
     axis.labels.push_back(Text(value));
@@ -98,6 +107,7 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
   for (const std::string& name : order_) {
     const Variation& how = file_.vary.at(name);
     try {
+      DemandNoColumn(name);
       if (how.multiplies()) {
         AddAxis(name, how, document.Keys("vary." + name + ".choices"));
       } else {
@@ -111,9 +121,11 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
           fmt::format("{}: the product of all grids has more than 10 million points; draw some of the keys",
                       document.PlaceOf("vary." + name)));
   }
+  if (file_.limit) DemandNoColumn(file_.limit->key);
   sobol_points_ = Sobol(num_seeds(), sobol_.size());
   if (file_.limit) levels_ = (std::size_t{1} << file_.limit->steps) - 1;
-  if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) > 1e15)
+  if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) >
+      (file_.limit ? 1e15 : 1e9))
     throw ParameterError(fmt::format("{}: {} points, {} levels and {} seeds are too many runs",
                                      document.PlaceOf("seeds"), points_, levels_, num_seeds()));
 }
@@ -124,7 +136,11 @@ std::vector<std::string> CampaignPlan::Scenarios() const {
     for (const std::vector<Setting>& settings : axis.settings)
       for (const Setting& setting : settings)
         if (setting.key == "scenario") names.insert(Unquoted(setting.value));
-  if (!std::ranges::any_of(axes_, [](const Axis& axis) { return axis.name == "scenario"; }))
+  const auto sets_it = [](const std::vector<Setting>& settings) {
+    return std::ranges::count(settings, "scenario", &Setting::key) > 0;
+  };
+  if (!std::ranges::any_of(axes_,
+                           [&](const Axis& axis) { return std::ranges::all_of(axis.settings, sets_it); }))
     names.insert(file_.scenario);
   return {names.begin(), names.end()};
 }

@@ -39,7 +39,7 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
   Columns columns;
   std::set<std::string> no_number;
   std::map<std::string, bool> varied;  // by name: stands before the figures
-  CampaignTable::Read(table, [&](std::size_t, const CampaignRow& row) {
+  CampaignTable::Read(table, plan.size(), [&](std::size_t, const CampaignRow& row) {
     bool before = true;
     const bool ran = !Cell(row, "case").empty();
     for (const auto& [name, text] : row) {
@@ -109,7 +109,7 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
       .figures = columns.figures,
       .confidence = file.confidence};
   for (const CampaignPlan::Axis& axis : plan.axes()) report.axes.push_back({axis.name, axis.labels});
-  CampaignTable::Read(table, [&](std::size_t run, const CampaignRow& row) {
+  CampaignTable::Read(table, plan.size(), [&](std::size_t run, const CampaignRow& row) {
     CampaignReport::Run item{.index = run,
                              .at = plan.LabelsAt(plan.PointOf(run)),
                              .survived = Cell(row, "finished") == "true",
@@ -170,15 +170,20 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
   }
   nlohmann::ordered_json summary{
       {"app", file.app}, {"scenario", file.scenario}, {"confidence", file.confidence}};
-  summary.update(SurvivalJson(all, file.confidence));
-  fmt::print("{}\n", SurvivalText(all, file.confidence));
+  if (file.limit) {  // runs at values that a bisection chose say nothing together
+    summary["runs"] = all.count;
+    fmt::print("{} runs\n", all.count);
+  } else {
+    summary.update(SurvivalJson(all, file.confidence));
+    fmt::print("{}\n", SurvivalText(all, file.confidence));
+  }
   summary["points"] = nlohmann::ordered_json::array();
   constexpr std::size_t kPrinted = 40;
   for (const auto& [point, tally] : points) {
     nlohmann::ordered_json entry{{"at", nlohmann::ordered_json::object()}};
     for (const auto& [axis, label] : plan.AtPoint(point)) entry["at"][axis] = label;
-    entry.update(SurvivalJson(tally, file.confidence));
     if (file.limit) {
+      entry["runs"] = tally.count;
       const auto [survives, fails] = schedule.LimitAt(point);
       report.limit_key = file.limit->key;
       report.limits.push_back({PointName(plan, point), survives, fails});
@@ -186,8 +191,10 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
       entry["fails"] = fails;
       fmt::print("  {} {}: survives {:g}, fails at {:g}\n", PointName(plan, point), file.limit->key, survives,
                  fails);
-    } else if (points.size() > 1 && summary["points"].size() < kPrinted) {
-      fmt::print("  {}: {}\n", PointName(plan, point), SurvivalText(tally, file.confidence));
+    } else {
+      entry.update(SurvivalJson(tally, file.confidence));
+      if (points.size() > 1 && summary["points"].size() < kPrinted)
+        fmt::print("  {}: {}\n", PointName(plan, point), SurvivalText(tally, file.confidence));
     }
     summary["points"].push_back(std::move(entry));
   }

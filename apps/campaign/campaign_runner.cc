@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -20,23 +21,33 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
       throw ParameterError(fmt::format("{}: {}", file.PlaceOf("scenario"), error.what()));
     }
   }
-  for (std::size_t point = 0; point < plan.num_points(); ++point) {
+  constexpr std::size_t kMostChecks = 100;
+  const std::size_t stride = (plan.num_points() + kMostChecks - 1) / kMostChecks;
+  for (std::size_t point = 0; point < plan.num_points(); point += stride) {
+    ++num_checked_;
     try {
       app_.check(Prepare(plan.RunOf(point, 0, 0)).scenario);
     } catch (const Error& error) {
       if (num_refused_++ == 0) refusal_ = error.what();
     }
   }
-  if (num_refused_ == plan.num_points())
-    throw ParameterError(fmt::format("{}: none of its runs can begin: {}", name_, refusal_));
+  if (num_refused_ < num_checked_) return;
+  std::string place = file.name();
+  for (const std::string part : {"set", "vary"})
+    for (const std::string& key : file.Keys(part))
+      if (refusal_.find("--set " + key + "=") != refusal_.npos) place = file.PlaceOf(part + "." + key);
+  throw ParameterError(fmt::format("{}: none of the runs can begin: {}", place, refusal_));
 }
 
 CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
   const RunSetup setup = plan_.Setup(run);
   Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = Begin(run)};
   for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
-  for (const auto& [key, value] : DrawScenario(prepared.scenario, setup.seed))
-    prepared.row.emplace_back(key, fmt::format("{}", value));
+  // By their names, since scenarios of one campaign may say them in another order.
+  auto drawn = DrawScenario(prepared.scenario, setup.seed);
+  std::ranges::sort(drawn);
+  for (const auto& [key, value] : drawn)
+    if (Cell(prepared.row, key).empty()) prepared.row.emplace_back(key, fmt::format("{}", value));
   return prepared;
 }
 
@@ -53,21 +64,20 @@ namespace {
 CampaignResult Failed(CampaignRow row, const std::string& reason) {
   row.emplace_back("finished", "false");
   row.emplace_back("end_reason", reason);
-  return {std::move(row), false};
+  return {std::move(row), false, kBadUsage};
 }
 
 CampaignResult Judged(CampaignRow row, const Summary& summary) {
   std::string reason;
   for (auto& [name, text] : summary.Flat()) {
-    if (name == "seed") continue;  // stands in front
     if (name == "end_reason") {
       reason = text;
-    } else {
+    } else if (Cell(row, name).empty()) {  // else it stands in front: the seed, what was varied
       row.emplace_back(name, text.empty() ? "NaN" : text);
     }
   }
   row.emplace_back("end_reason", std::move(reason));
-  return {std::move(row), summary.exit_code() == kRan};
+  return {std::move(row), summary.exit_code() == kRan, summary.exit_code()};
 }
 
 }  // namespace

@@ -17,13 +17,14 @@ namespace tenon::apps {
 struct CampaignResult {
   CampaignRow row;
   bool survived = false;  ///< it reached its end
+  int exit_code = 0;      ///< an ExitCode, as the app's own
 };
 
 /// Turns the runs of a plan into rows. Constant: any number of threads may run.
 class CampaignRunner {
  public:
-  /// Reads all scenarios; of each point of the plan the first run is checked. Throws ParameterError, with the
-  /// place in the campaign's file, if none of them can run.
+  /// Reads all scenarios; of the points of the plan, or a hundred of them, the first run is checked. Throws
+  /// ParameterError, with the place in the campaign's file of the key that is refused, if none can run.
   CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app);
 
   /// Runs one. What is thrown is a row with its reason. Nothing if a signal stopped it.
@@ -32,7 +33,8 @@ class CampaignRunner {
   CampaignResult Replay(std::size_t run, const std::filesystem::path& out) const;
   /// The columns of a run that are known before it has run.
   CampaignRow Begin(std::size_t run) const;
-  /// Points whose scenario is refused, with the reason of the first.
+  /// How many of the points that were checked are refused, with the reason of the first.
+  std::size_t num_checked() const { return num_checked_; }
   std::size_t num_refused() const { return num_refused_; }
   const std::string& refusal() const { return refusal_; }
   /// All scenarios as they are read, for comparing.
@@ -49,7 +51,7 @@ class CampaignRunner {
   std::string name_;  ///< of the file
   ScenarioApp app_;
   std::map<std::string, YamlDocument> scenarios_;
-  std::size_t num_refused_ = 0;
+  std::size_t num_checked_ = 0, num_refused_ = 0;
   std::string refusal_;
 };
 

@@ -1,6 +1,7 @@
 #include <tenon/apps/campaign/campaign_schedule.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace tenon::apps {
 
@@ -85,8 +86,14 @@ void CampaignSchedule::Judge(std::size_t point) {
 
 bool CampaignSchedule::Decided(const Sequence& at) const {
   const CampaignFile& file = plan_.file();
-  const Interval interval = WilsonInterval(at.survived, at.judged, file.confidence);
-  if (!file.limit) return interval.width() <= file.interval_width;
+  if (!file.limit)
+    return WilsonInterval(at.survived, at.judged, file.confidence).width() <= file.interval_width;
+  // After 8, 16, 32, … seeds, which share the risk of a wrong decision.
+  constexpr std::size_t kFirstLook = 8;
+  if (at.judged % kFirstLook != 0 || !std::has_single_bit(at.judged / kFirstLook)) return false;
+  const auto looks = static_cast<double>(std::bit_width(plan_.num_seeds() / kFirstLook));
+  const double confidence = 1 - (1 - file.confidence) / looks;
+  const Interval interval = WilsonInterval(at.survived, at.judged, confidence);
   return interval.low > file.limit->probability || interval.high < file.limit->probability;
 }
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <fstream>
 #include <map>
-#include <set>
 
 #include <tenon/systems/framework/errors.h>
 
@@ -95,79 +95,149 @@ std::string_view Cell(const CampaignRow& row, std::string_view column) {
   return {};
 }
 
-void CampaignTable::Read(const std::filesystem::path& file,
-                         const std::function<void(std::size_t, const CampaignRow&)>& visit) {
-  std::ifstream in(file, std::ios::binary);
-  std::error_code ignored;
-  if (!in || !std::filesystem::is_regular_file(file, ignored))
-    throw ParameterError(fmt::format("cannot read '{}': is it the directory of a campaign?", file.string()));
-  std::string line;
-  const auto next = [&] { return static_cast<bool>(std::getline(in, line)) && !in.eof(); };  // with its end
-  if (!next()) return;
-  const std::vector<std::string> columns = Cells(line);
-  if (columns.size() < 2 || columns[0] != "run")
-    throw ParameterError(
-        fmt::format("{}:1: not the header of a table of runs, which begins with 'run'; is it "
-                    "another file?",
-                    file.string()));
-  for (long number = 2; next(); ++number) {
-    const std::vector<std::string> cells = Cells(line);
+namespace {
+
+/// The lines of a table, one after the other or at their places.
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
+    std::error_code ignored;
+    if (!in_ || !std::filesystem::is_regular_file(file, ignored))
+      throw ParameterError(
+          fmt::format("cannot read '{}': is it the directory of a campaign?", file.string()));
+    if (!Next()) return;  // nothing yet, or a header that is torn
+    columns_ = Cells(line_);
+    if (columns_.size() < 2 || columns_[0] != "run")
+      throw ParameterError(
+          fmt::format("{}:1: not the header of a table of runs, which begins with 'run'; is it "
+                      "another file?",
+                      file.string()));
+  }
+  const std::vector<std::string>& columns() const { return columns_; }
+  /// Where the next line begins.
+  std::streamoff at() const { return end_; }
+  /// Goes on to the next line that is whole; false at the end.
+  bool Next() {
+    ++number_;
+    if (!std::getline(in_, line_) || in_.eof()) return false;
+    end_ += static_cast<std::streamoff>(line_.size()) + 1;
+    return true;
+  }
+  void GoTo(std::streamoff at) {
+    in_.clear();
+    in_.seekg(at);
+    std::getline(in_, line_);
+  }
+  std::pair<std::size_t, CampaignRow> Row() const {
+    std::vector<std::string> cells = Cells(line_);
     std::size_t run = 0;
     const char* end = cells[0].data() + cells[0].size();
-    if (cells.size() != columns.size() || std::from_chars(cells[0].data(), end, run).ptr != end)
-      throw ParameterError(fmt::format("{}:{}: {} cells, the header has {}; take the line out, or begin anew",
-                                       file.string(), number, cells.size(), columns.size()));
+    const auto [at, error] = std::from_chars(cells[0].data(), end, run);
+    if (cells.size() != columns_.size() || at != end || error != std::errc())
+      throw ParameterError(
+          fmt::format("{}:{}: this is no line of {} cells that begins with a run; take it out, or "
+                      "begin anew",
+                      file_.string(), number_, columns_.size()));
     CampaignRow row;
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!cells[i].empty()) row.emplace_back(columns[i], cells[i]);
+      if (!cells[i].empty()) row.emplace_back(columns_[i], std::move(cells[i]));
+    return {run, std::move(row)};
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::ifstream in_;
+  std::string line_;
+  std::vector<std::string> columns_;
+  std::streamoff end_ = 0;
+  long number_ = 0;
+};
+
+}  // namespace
+
+void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
+                         const std::function<void(std::size_t, const CampaignRow&)>& visit) {
+  Lines lines(file);
+  while (!lines.columns().empty() && lines.Next()) {
+    const auto [run, row] = lines.Row();
+    if (run >= runs)
+      throw ParameterError(
+          fmt::format("{}: run {} is none of this campaign, which has {}; is it the table of another one?",
+                      file.string(), run, runs));
     visit(run, row);
   }
 }
 
 CampaignTable::CampaignTable(std::filesystem::path file, Start start) : file_(std::move(file)) {
   if (start == Start::kResume && std::filesystem::exists(file_)) {
-    std::vector<std::pair<std::size_t, CampaignRow>> rows;
-    Read(file_, [&](std::size_t run, const CampaignRow& row) { rows.emplace_back(run, row); });
-    if (!rows.empty()) {
-      WriteAnew(std::move(rows));  // without a torn last line
+    Lines lines(file_);
+    if (!lines.columns().empty()) {
+      columns_ = lines.columns();
+      while (lines.Next()) {
+      }
+      std::error_code error;
+      std::filesystem::resize_file(file_, static_cast<std::uintmax_t>(lines.at()), error);
+      if (error) throw OutputError(fmt::format("cannot write '{}': {}", file_.string(), error.message()));
+      out_ = std::make_unique<GrowingFile>(file_, GrowingFile::Start::kKeep);
       return;
     }
   }
   out_ = std::make_unique<GrowingFile>(file_);
 }
 
-void CampaignTable::Append(std::size_t, const CampaignRow& row) {
+void CampaignTable::Append(const CampaignRow& row) {
   if (!HasAll(columns_, row)) {
-    std::vector<std::pair<std::size_t, CampaignRow>> rows;
+    std::vector<std::string> columns = columns_;
+    AddColumns(columns, row);
     if (columns_.empty()) {
-      AddColumns(columns_, row);
-      out_->Append(Line(columns_));
+      out_->Append(Line(columns));
+      columns_ = std::move(columns);
     } else {
-      Read(file_, [&](std::size_t other, const CampaignRow& cells) { rows.emplace_back(other, cells); });
-      AddColumns(columns_, row);
-      WriteAnew(std::move(rows));
+      std::vector<std::streamoff> places;
+      Lines lines(file_);
+      for (std::streamoff at = lines.at(); lines.Next(); at = lines.at()) places.push_back(at);
+      Rewrite(places, std::move(columns));
     }
   }
   out_->Append(LineOf(row, columns_));
 }
 
-void CampaignTable::WriteAnew(std::vector<std::pair<std::size_t, CampaignRow>> rows) {
-  std::vector<std::string> columns = columns_;
-  for (const auto& [run, row] : rows) AddColumns(columns, row);
-  std::string text = Line(columns);
-  for (const auto& [run, row] : rows) text += LineOf(row, columns);
-  WriteFile(file_, text);
+void CampaignTable::Rewrite(const std::vector<std::streamoff>& places, std::vector<std::string> columns) {
+  std::filesystem::path part = file_;
+  part += ".part";
+  {
+    Lines lines(file_);
+    GrowingFile anew(part);
+    std::string text = columns.empty() ? "" : Line(columns);
+    for (const std::streamoff at : places) {
+      lines.GoTo(at);
+      text += LineOf(lines.Row().second, columns);
+      if (text.size() < (1 << 20)) continue;
+      anew.Append(text);
+      text.clear();
+    }
+    anew.Append(text);
+  }
+  std::error_code error;
+  std::filesystem::rename(part, file_, error);
+  if (error) throw OutputError(fmt::format("cannot write '{}': {}", file_.string(), error.message()));
   columns_ = std::move(columns);
   out_ = std::make_unique<GrowingFile>(file_, GrowingFile::Start::kKeep);
 }
 
 void CampaignTable::Finish(const std::function<bool(std::size_t)>& belongs) {
-  std::map<std::size_t, CampaignRow> rows;  // by run
-  Read(file_, [&](std::size_t run, const CampaignRow& row) {
-    if (belongs(run)) rows.emplace(run, row);
-  });
-  columns_.clear();
-  WriteAnew({rows.begin(), rows.end()});
+  std::map<std::size_t, std::streamoff> places;  // by run
+  Lines lines(file_);
+  for (std::streamoff at = lines.at(); !lines.columns().empty() && lines.Next(); at = lines.at())
+    if (const std::size_t run = lines.Row().first; belongs(run)) places.emplace(run, at);
+  std::vector<std::string> columns;
+  std::vector<std::streamoff> order;
+  for (const auto& [run, at] : places) {
+    lines.GoTo(at);
+    AddColumns(columns, lines.Row().second);
+    order.push_back(at);
+  }
+  Rewrite(order, std::move(columns));
 }
 
 }  // namespace tenon::apps

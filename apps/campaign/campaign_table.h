@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <ios>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,35 +14,36 @@
 
 namespace tenon::apps {
 
-/// One run of a campaign: columns and what stands in them, in order. A figure of nothing is "NaN".
+/// One run of a campaign: columns and what stands in them, in order.
 using CampaignRow = std::vector<std::pair<std::string, std::string>>;
 
 /// What a row says under a column; empty if it has none of that name.
 std::string_view Cell(const CampaignRow& row, std::string_view column);
 
 /// runs.csv: a header and a line for each run, which is there as soon as the run has ended. A cell is empty
-/// where a run has no figure of that name. Columns that come up late are put where they belong, by writing
-/// the file anew; so the header always names all. No line is ever torn but the last one of a killed writer.
+/// where a run has no figure of that name, "NaN" where the figure is of nothing. Columns that come up late
+/// are put where they belong, by writing the file anew; so the header always names all. No line is ever torn
+/// but the last one of a killed writer. Rows are not kept in memory.
 class CampaignTable {
  public:
   enum class Start { kNew, kResume };
-  /// Takes over the rows that are there, or none. Throws OutputError; ParameterError if the file is no table
-  /// of runs.
+  /// Takes over the rows that are there, but for a torn line, or none. Throws OutputError; ParameterError if
+  /// the file is no table of runs.
   CampaignTable(std::filesystem::path file, Start start);
 
   /// Adds a run. Throws OutputError; then the file is as it was.
-  void Append(std::size_t run, const CampaignRow& row);
+  void Append(const CampaignRow& row);
   /// Orders the rows by their runs, and columns as the rows say in that order, so that the same rows always
-  /// make the same file; leaves out those that do not belong.
+  /// make the same file; leaves out those that do not belong, and what is there twice.
   void Finish(const std::function<bool(std::size_t run)>& belongs);
 
   /// Calls visit(run, row) for every whole line of a table, as they stand. Throws ParameterError if it is
-  /// none.
-  static void Read(const std::filesystem::path& file,
+  /// none, or has a run that is not below `runs`.
+  static void Read(const std::filesystem::path& file, std::size_t runs,
                    const std::function<void(std::size_t, const CampaignRow&)>& visit);
 
  private:
-  void WriteAnew(std::vector<std::pair<std::size_t, CampaignRow>> rows);
+  void Rewrite(const std::vector<std::streamoff>& lines, std::vector<std::string> columns);
 
   std::filesystem::path file_;
   std::vector<std::string> columns_;

@@ -3,10 +3,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <iterator>
 #include <thread>
+#include <unordered_set>
+#include <vector>
 
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_mpi.h>
@@ -23,6 +27,7 @@
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/fnv1a.h>
 
 namespace tenon::apps {
 namespace {
@@ -70,17 +75,40 @@ std::string ReadText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What a table was made from, as text: rows of other inputs must not be mixed into it.
-std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
-  return fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
+/// Files of a directory in one number.
+std::string HashOf(const fs::path& directory) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(directory)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  internal::Fnv1a hash;
+  for (const fs::path& file : files) hash.Add(file.filename().string() + ReadText(file));
+  return fmt::format("{:016x}", hash.value());
 }
 
-void DemandSameInputs(const fs::path& directory, const std::string& inputs) {
+/// What a table was made from, as text: rows of other inputs must not be mixed into it.
+std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
+  std::string text = fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
+  for (const char* kind : {"robots", "gaits", "profiles"})
+    text += fmt::format("{} that ship: {}\n", kind, HashOf(DataDirectory() / kind));
+  return text;
+}
+
+void DemandSameInputs(const fs::path& directory, const std::string& inputs, const char* remedy) {
   const std::string before = ReadText(directory / "inputs.txt");
   if (before == inputs) return;
   throw ParameterError(fmt::format(
-      "'{}' holds runs of {}: begin anew without --resume, or choose another directory", directory.string(),
-      before.empty() ? "no campaign" : "another campaign, or of scenarios that have changed since"));
+      "'{}' holds runs of {}: {}", directory.string(),
+      before.empty() ? "no campaign"
+                     : "another campaign, or of scenarios, robots, gaits or profiles that have changed since",
+      remedy));
+}
+
+/// What an earlier campaign's repeated runs left.
+void RemoveReplays(const fs::path& directory) {
+  for (const auto& entry : fs::directory_iterator(directory))
+    if (entry.is_directory() && entry.path().filename().string().starts_with("run_") &&
+        fs::exists(entry.path() / "scenario.yaml"))
+      OutputDirectory(entry.path());
 }
 
 int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const CampaignRunner& runner) {
@@ -100,75 +128,96 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
   return kRan;
 }
 
-/// The shortest way to give the campaign again on a command line.
-std::string CommandOf(const std::string& campaign, const fs::path& directory) {
-  return fmt::format("tenon-campaign {} --out {}", campaign, directory.string());
+/// As a shell takes it.
+std::string ShellQuoted(const std::string& text) {
+  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) || c == '/' || c == '.' || c == '_' || c == '-' || c == '=' || c == '+';
+  });
+  if (plain && !text.empty()) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
 }
 
-int Replay(const CampaignArguments& arguments, const CampaignPlan& plan, const CampaignRunner& runner,
-           const fs::path& directory) {
+/// How to give the campaign again on a command line.
+std::string CommandOf(const std::string& campaign, const fs::path& directory) {
+  return fmt::format("tenon-campaign {} --out {}", ShellQuoted(campaign), ShellQuoted(directory.string()));
+}
+
+constexpr const char* kBeginAnew = "begin anew without --resume, or choose another --out";
+
+int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
+           const CampaignRunner& runner, const fs::path& directory) {
   const std::size_t run = *arguments.replay;
   if (run >= plan.size())
     throw ParameterError(fmt::format("--replay {}: the campaign has the runs 0 to {}", run, plan.size() - 1));
-  fs::create_directories(directory);
-  const CampaignResult again = runner.Replay(run, ReplayDirectory(directory, run));
-  for (const auto& [column, text] : again.row) fmt::print("{:<28} {}\n", column, text);
-  fmt::print("{:<28} {}\n", "report", (ReplayDirectory(directory, run) / "report.html").string());
-
   const fs::path table = directory / "runs.csv";
-  if (!fs::exists(table)) return again.survived ? kRan : kLimitBroken;
-  CampaignTable::Read(table, [&](std::size_t other, const CampaignRow& row) {
+  const bool has_table = fs::exists(table);
+  if (has_table)
+    DemandSameInputs(directory, Inputs(file, runner),
+                     "choose another --out, where the run alone is repeated");
+  const fs::path place = ReplayDirectory(directory, run);
+  fs::create_directories(directory);
+  const CampaignResult again = runner.Replay(run, place);
+  for (const auto& [column, text] : again.row) fmt::print("{:<28} {}\n", column, text);
+  fmt::print("{:<28} {}\n", "report", (place / "report.html").string());
+  if (!has_table || SignalGuard::caught() != 0) return again.exit_code;
+
+  // The page links to what is there now.
+  CampaignSchedule schedule(plan, {}, 1);
+  CampaignTable::Read(table, plan.size(), [&](std::size_t other, const CampaignRow& row) {
+    schedule.Done(other, Cell(row, "finished") == "true");
     if (other != run) return;
     for (const auto& [column, text] : again.row) {
       const bool of_machine = std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
                                                   [&](const char* part) { return column.starts_with(part); });
-      if (!of_machine && Cell(row, column) != text && !(Cell(row, column).empty() && text.empty()))
-        Say(
-            fmt::format("warning: {} was {} in the campaign: the program, a robot or a profile has changed "
-                        "since, or the machine is another one\n",
-                        column, Cell(row, column)));
+      if (!of_machine && Cell(row, column) != text)
+        Say(fmt::format(
+            "warning: {} was {} in the campaign: the program has changed since, or the machine is "
+            "another one\n",
+            column, Cell(row, column)));
     }
   });
-  // The page links to what is there now.
-  CampaignSchedule schedule(plan, {}, 1);
-  CampaignTable::Read(table, [&](std::size_t other, const CampaignRow& row) {
-    schedule.Done(other, Cell(row, "finished") == "true");
-  });
   WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
-  return again.survived ? kRan : kLimitBroken;
+  return again.exit_code;
 }
 
 int Merge(const CampaignArguments& arguments) {
   if (arguments.out.empty()) throw ParameterError("--merge: give the directory of the whole by --out");
-  const fs::path first = fs::path(arguments.merge.front()) / "campaign.yaml";
-  const YamlDocument file = YamlDocument::Load(first.string());
+  const fs::path first = arguments.merge.front();
+  const YamlDocument file = YamlDocument::Load((first / "campaign.yaml").string());
   const CampaignPlan plan(file);
+  const std::string inputs = ReadText(first / "inputs.txt");
+  // Nothing is touched before all parts are known to be good.
+  for (const std::string& part : arguments.merge) {
+    std::error_code ignored;
+    if (fs::equivalent(part, arguments.out, ignored))
+      throw ParameterError(fmt::format("--merge: '{}' is one of the parts: choose another --out", part));
+    DemandSameInputs(part, inputs, "merge parts of one campaign");
+    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(), [](std::size_t, const CampaignRow&) {});
+  }
   const OutputDirectory out(arguments.out);
-  const std::string inputs = ReadText(fs::path(arguments.merge.front()) / "inputs.txt");
-  WriteFile(out.path() / "campaign.yaml", ReadText(first));
+  RemoveReplays(out.path());
+  WriteFile(out.path() / "campaign.yaml", ReadText(first / "campaign.yaml"));
   WriteFile(out.path() / "inputs.txt", inputs);
   CampaignSchedule schedule(plan, {}, 1);
-  std::size_t count = 0;
-  {
-    CampaignTable table(out.path() / "runs.csv", CampaignTable::Start::kNew);
-    std::vector<bool> seen;
-    for (const std::string& part : arguments.merge) {
-      DemandSameInputs(part, inputs);
-      CampaignTable::Read(fs::path(part) / "runs.csv", [&](std::size_t run, const CampaignRow& row) {
-        if (run >= seen.size()) seen.resize(run + 1);
-        if (seen[run]) return;  // in two parts: they say the same
-        seen[run] = true;
-        ++count;
-        schedule.Done(run, Cell(row, "finished") == "true");
-        table.Append(run, row);
-      });
-    }
-    table.Finish([&](std::size_t run) { return schedule.total() || schedule.Counts(run); });
+  CampaignTable table(out.path() / "runs.csv", CampaignTable::Start::kNew);
+  std::unordered_set<std::size_t> seen;
+  for (const std::string& part : arguments.merge) {
+    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
+                        [&](std::size_t run, const CampaignRow& row) {
+                          if (!seen.insert(run).second) return;  // in two parts: they say the same
+                          schedule.Done(run, Cell(row, "finished") == "true");
+                          table.Append(row);
+                        });
   }
+  const auto total = schedule.total();
+  table.Finish([&](std::size_t run) { return total || schedule.Counts(run); });
   const std::string command = CommandOf((out.path() / "campaign.yaml").string(), out.path());
   WriteResults(plan, schedule, command, out.path());
-  if (const auto total = schedule.total(); total && count < *total)
-    Say(fmt::format("warning: {} of {} runs are missing: {} --resume\n", *total - count, *total, command));
+  if (total && seen.size() < *total)
+    Say(fmt::format("warning: {} of {} runs are missing: {} --resume\n", *total - seen.size(), *total,
+                    command));
   return kRan;
 }
 
@@ -176,14 +225,15 @@ int Merge(const CampaignArguments& arguments) {
 int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
                 const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
                 MpiSession* mpi) {
-  const OutputDirectory out(directory);
   const std::string inputs = Inputs(file, runner);
-  const fs::path table_file = out.path() / "runs.csv";
-  if (arguments.resume && fs::exists(table_file)) {
-    DemandSameInputs(out.path(), inputs);
-  } else {
+  const fs::path table_file = directory / "runs.csv";
+  const bool resumes = arguments.resume && fs::exists(table_file);
+  if (resumes) DemandSameInputs(directory, inputs, kBeginAnew);
+  const OutputDirectory out(directory);
+  if (!resumes) {
     std::error_code ignored;
     fs::remove(table_file, ignored);
+    RemoveReplays(out.path());
     WriteFile(out.path() / "campaign.yaml", ReadText(file.name()));
     WriteFile(out.path() / "inputs.txt", inputs);
   }
@@ -193,17 +243,16 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   const std::size_t workers = static_cast<std::size_t>(jobs + (mpi != nullptr ? 2 * (mpi->size() - 1) : 0));
   CampaignSchedule schedule(plan, shard, 2 * workers);
   std::size_t before = 0;
-  CampaignTable table(table_file,
-                      arguments.resume ? CampaignTable::Start::kResume : CampaignTable::Start::kNew);
-  if (arguments.resume) {
-    CampaignTable::Read(table_file, [&](std::size_t run, const CampaignRow& row) {
+  CampaignTable table(table_file, resumes ? CampaignTable::Start::kResume : CampaignTable::Start::kNew);
+  if (resumes) {
+    CampaignTable::Read(table_file, plan.size(), [&](std::size_t run, const CampaignRow& row) {
       schedule.Done(run, Cell(row, "finished") == "true");
       ++before;
     });
   }
   if (runner.num_refused() > 0)
     Say(fmt::format("warning: at {} of {} points the scenario is refused, their runs will fail: {}\n",
-                    runner.num_refused(), plan.num_points(), runner.refusal()));
+                    runner.num_refused(), runner.num_checked(), runner.refusal()));
 
   CampaignDesk desk(schedule, table, before);
   if (mpi != nullptr) {
@@ -213,7 +262,8 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   }
   desk.Close();
   if (const int caught = SignalGuard::caught(); caught != 0 || !schedule.finished()) {
-    Say(fmt::format("interrupted: go on with {} --resume\n", CommandOf(arguments.campaign, directory)));
+    Say(fmt::format("interrupted: go on with {}{} --resume\n", CommandOf(arguments.campaign, directory),
+                    arguments.shard.empty() ? "" : " --shard " + arguments.shard));
     return 128 + (caught != 0 ? caught : 15);
   }
   table.Finish([&](std::size_t run) { return schedule.Counts(run); });
@@ -248,15 +298,15 @@ int Run(const CampaignArguments& arguments) {
   const fs::path directory =
       arguments.out.empty() ? fs::path("out") / fs::path(arguments.campaign).stem() : fs::path(arguments.out);
   const SignalGuard guard;
-  if (arguments.replay) return Replay(arguments, plan, runner, directory);
+  if (arguments.replay) return Replay(arguments, file, plan, runner, directory);
   if (!StartedByMpi()) return RunCampaign(arguments, file, plan, runner, shard, directory, nullptr);
 
   MpiSession mpi;
-  if (mpi.rank() > 0) {
-    mpi.Follow(runner);
-    return kRan;
-  }
-  try {
+  try {  // an error of one rank ends all: the others would wait for it
+    if (mpi.rank() > 0) {
+      mpi.Follow(runner);
+      return kRan;
+    }
     return RunCampaign(arguments, file, plan, runner, shard, directory, &mpi);
   } catch (const OutputError& error) {
     Say(fmt::format("tenon-campaign: {}\n", error.what()));

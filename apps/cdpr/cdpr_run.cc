@@ -56,7 +56,11 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
 
 ScenarioApp CdprApp() {
   return {.name = "tenon-cdpr",
-          .check = [](const YamlDocument& document) { document.Read<CdprScenario>(); },
+          .check =
+              [](const YamlDocument& document) {
+                RunBlaming(document,
+                           [&] { Blame("", [&] { MakeLoopParams(document.Read<CdprScenario>()); }); });
+              },
           .run =
               [](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
                 return RunBlaming(document, [&] {

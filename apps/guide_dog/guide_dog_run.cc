@@ -49,7 +49,12 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 
 ScenarioApp GuideDogApp() {
   return {.name = "tenon-guide-dog",
-          .check = [](const YamlDocument& document) { document.Read<GuideDogScenario>(); },
+          .check =
+              [](const YamlDocument& document) {
+                RunBlaming(document, [&] {
+                  Blame("", [&] { MakeGuideDogParams(document.Read<GuideDogScenario>()); });
+                });
+              },
           .run =
               [](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
                 return RunBlaming(document, [&] {

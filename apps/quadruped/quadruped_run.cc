@@ -63,7 +63,17 @@ ScenarioApp QuadrupedApp() {
     return scenario;
   };
   return {.name = "tenon-quadruped",
-          .check = [=](const YamlDocument& document) { RunBlaming(document, [&] { read(document); }); },
+          .check =
+              [=](const YamlDocument& document) {
+                RunBlaming(document, [&] {
+                  const QuadrupedScenario scenario = read(document);
+                  if (scenario.walk) {
+                    Blame("", [&] { MakeWalkParams(scenario); });
+                  } else {
+                    Blame("", [&] { MakeStandParams(scenario); });
+                  }
+                });
+              },
           .run =
               [=](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
                 return RunBlaming(document, [&] {

@@ -57,6 +57,7 @@
     find('h1').textContent = data.title;
     find('#headline p').textContent = data.description;
     const { survived, count, low, high } = data.survival;
+    if (data.limits.length) return find('#verdicts').append(element('span', 'verdict', `${count} runs in search of limits`));
     const text = `${survived} of ${count} survived: ${count ? percent(survived / count) : '–'}, ` +
       `${percent(low)} to ${percent(high)} with ${percent(data.confidence)} confidence`;
     find('#verdicts').append(element('span', `verdict ${count && survived === count ? 'good' : survived ? '' : 'bad'}`, text));
@@ -66,7 +67,12 @@
 
   function showSurvival() {
     const parent = find('#survival');
-    const shown = data.points.slice(0, 60);
+    if (data.limits.length || !data.points.length) {
+      parent.hidden = true;
+      return;
+    }
+    const shown = data.points.slice(0, 40);
+    if (data.axes.filter((axis) => axis.labels.length > 1).length > 1) find('#picks').after(parent);  // the map says it better
     const left = Math.min(360, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
     const width = 1000, row = 20, plot = width - left - 170;
     const drawing = svg(parent, width, 24 + row * shown.length);
@@ -88,7 +94,7 @@
 
   // Survival, or the median of a figure, over two of the axes; what the others say is averaged.
   function showMap() {
-    if (data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
+    if (data.limits.length || data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
     const parent = find('#map');
     parent.hidden = false;
     const names = data.axes.map((axis) => axis.name);
@@ -97,7 +103,7 @@
     const choices = element('p', 'choosers'), area = element('div');
     chooser(choices, 'across', names, xAxis, (a) => { xAxis = a; draw(); });
     chooser(choices, 'up', names, yAxis, (a) => { yAxis = a; draw(); });
-    chooser(choices, 'colour', ['survival', ...data.figures.map(label)], what, (w) => { what = w; draw(); });
+    chooser(choices, 'colour', ['survival', ...(data.points[0].medians.length ? data.figures.map(label) : [])], what, (w) => { what = w; draw(); });
     parent.append(choices, area);
     function draw() {
       area.replaceChildren();

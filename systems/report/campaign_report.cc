@@ -17,9 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLines = 1500;   // of parallel coordinates: more cannot be told apart
-constexpr std::size_t kBins = 30;      // of a histogram
-constexpr std::size_t kPoints = 4000;  // of which the page shows the survival
+constexpr std::size_t kLines = 1500;    // of parallel coordinates: more cannot be told apart
+constexpr std::size_t kBins = 30;       // of a histogram
+constexpr std::size_t kMedians = 4000;  // points up to which the page has the medians of figures, too
 
 Json NumberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -46,12 +46,11 @@ Json PointsJson(const CampaignReport& report) {
   for (const CampaignReport::Run& run : report.runs) points[run.at].push_back(&run);
   Json json = Json::array();
   for (const auto& [at, runs] : points) {
-    if (json.size() == kPoints) break;
     const auto survived = std::ranges::count_if(runs, [](const auto* run) { return run->survived; });
     Json point = SurvivalJson(static_cast<std::size_t>(survived), runs.size(), report.confidence);
     point["at"] = at;
     point["medians"] = Json::array();
-    for (std::size_t i = 0; i < report.figures.size(); ++i) {
+    for (std::size_t i = 0; i < report.figures.size() && points.size() <= kMedians; ++i) {
       std::vector<double> values;
       for (const auto* run : runs)
         if (std::isfinite(run->figures[i])) values.push_back(run->figures[i]);
@@ -101,14 +100,15 @@ Json CorrelationsJson(const CampaignReport& report) {
     rows.push_back({{"name", name}, {"values", std::move(row)}});
   };
   for (std::size_t i = 0; i < report.axes.size(); ++i) {
-    const bool numbers = std::ranges::all_of(report.axes[i].labels, [](const std::string& label) {
+    std::vector<double> values;  // of the labels
+    for (const std::string& label : report.axes[i].labels) {
       char* end = nullptr;
-      std::strtod(label.c_str(), &end);
-      return !label.empty() && *end == '\0';
-    });
-    if (numbers && report.axes[i].labels.size() > 1)
-      add(report.axes[i].name,
-          [&, i](const auto& run) { return std::stod(report.axes[i].labels[run.at[i]]); });
+      values.push_back(std::strtod(label.c_str(), &end));
+      if (label.empty() || *end != '\0') values.back() = NAN;
+    }
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (std::ranges::all_of(values, finite) && values.size() > 1)
+      add(report.axes[i].name, [&, i](const auto& run) { return values[run.at[i]]; });
   }
   for (std::size_t i = 0; i < report.drawn.size(); ++i)
     add(report.drawn[i], [i](const auto& run) { return run.drawn[i]; });

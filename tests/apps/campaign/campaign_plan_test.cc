@@ -10,6 +10,7 @@
 #include <set>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
 
 namespace tenon::apps {
 namespace {
@@ -57,6 +58,9 @@ TEST(CampaignPlanTest, AChoiceSetsSeveralKeysAndEvenTheScenario) {
   EXPECT_EQ(plan.Setup(3).scenario, "B3-plus");
   EXPECT_THAT(plan.Setup(3).varied, ElementsAre(Pair("who", "thesis"), Pair("scenario", "B3-plus")));
   EXPECT_THAT(plan.Scenarios(), ElementsAre("A4", "B3-plus"));
+  const CampaignPlan some(File("vary: {who: {choices: {a: {scenario: B2}, b: {walk.friction: 0.5}}}}"));
+  EXPECT_THAT(some.Scenarios(), ElementsAre("A4", "B2"));
+  EXPECT_EQ(some.Setup(1).scenario, "A4");
 }
 
 TEST(CampaignPlanTest, OneValueMaySetSeveralKeysByFactors) {
@@ -141,6 +145,10 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   EXPECT_TRUE(refused("limit: {key: a, to: 1, steps: 0}", "c.yaml:3:", "steps = 0"));
   EXPECT_TRUE(refused("limit: {key: a, to: 1}\nestimate: survival", "c.yaml:", "leave estimate away"));
   EXPECT_TRUE(refused("limit: {key: a, to: 1}\nset: {a: 2}", "c.yaml:", "a is also set or varied"));
+  EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "say seeds: {first: 1"));
+  EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is what a run comes to"));
+  EXPECT_TRUE(
+      refused("seeds: {count: 100000000}\nvary: {a: {linspace: [0, 1, 100]}}", "c.yaml:3:", "too many runs"));
   const std::string thousand = "{linspace: [0, 1, 1000]}";
   EXPECT_TRUE(refused("vary: {a: " + thousand + ", b: " + thousand + ", c: " + thousand + "}",
                       "c.yaml:3:", "more than 10 million points"));
@@ -227,8 +235,23 @@ TEST(CampaignScheduleTest, FindsALimitByBisection) {
   EXPECT_EQ(one.limits[1].fails, 43);
   EXPECT_EQ(many.counted, one.counted);
   EXPECT_EQ(many.limits[0].survives, 21);
-  // A fall says enough after few runs, a survival with 90 % takes 35.
-  EXPECT_LT(one.counted.size(), 2U * 6 * 35);
+  // That nobody survives is known after 8 runs, that everybody does after 60: 32 are not enough for 90 %.
+  EXPECT_EQ(one.counted.size(), 3U * 60 + 3U * 8 + 3U * 60 + 3U * 8);
+}
+
+// The looks share the risk: a survival of 0.95 is taken for less than 0.8 hardly ever, though it is asked
+// often.
+TEST(CampaignScheduleTest, ALimitIsFoundWithItsConfidence) {
+  const CampaignPlan plan(
+      File("seeds: {count: 200}\nlimit: {key: a, from: 0, to: 1, steps: 1, probability: 0.8}"));
+  int wrong = 0;
+  for (std::uint64_t trial = 0; trial < 400; ++trial) {
+    const auto survives = [&](std::size_t run) {
+      return RandomStream(trial, std::to_string(run)).Uniform() < 0.95;
+    };
+    wrong += Work(plan, 2, survives).limits[0].survives == 0.5 ? 0 : 1;
+  }
+  EXPECT_LT(wrong, 400 * 0.05);
 }
 
 }  // namespace

@@ -35,12 +35,12 @@ class CampaignTableTest : public ::testing::Test {
 
 TEST_F(CampaignTableTest, ARowIsThereAsSoonAsItIsAdded) {
   CampaignTable table(file, CampaignTable::Start::kNew);
-  table.Append(3, Row(3, "0.5"));
+  table.Append(Row(3, "0.5"));
   EXPECT_EQ(Text(), "run,case,error_m,end_reason\n3,D1,0.5,end of the run\n");
-  table.Append(1, {{"run", "1"}, {"end_reason", "fell, \"hard\"\non its side"}});
+  table.Append({{"run", "1"}, {"end_reason", "fell, \"hard\"\non its side"}});
   EXPECT_THAT(Text(), ::testing::HasSubstr("\n1,,,\"fell, \"\"hard\"\" on its side\"\n"));
   CampaignRow read;
-  CampaignTable::Read(file, [&](std::size_t run, const CampaignRow& row) {
+  CampaignTable::Read(file, 10, [&](std::size_t run, const CampaignRow& row) {
     if (run == 1) read = row;
   });
   EXPECT_EQ(Cell(read, "end_reason"), "fell, \"hard\" on its side");
@@ -54,7 +54,7 @@ TEST_F(CampaignTableTest, TheSameRowsMakeTheSameFile) {
   std::vector<std::size_t> order{0, 1, 2, 3};
   do {
     CampaignTable table(file, CampaignTable::Start::kNew);
-    for (const std::size_t i : order) table.Append(i, rows[i]);
+    for (const std::size_t i : order) table.Append(rows[i]);
     table.Finish([](std::size_t run) { return run != 2; });
     if (first.empty()) first = Text();
     EXPECT_EQ(Text(), first);
@@ -68,21 +68,38 @@ TEST_F(CampaignTableTest, WhatAKilledWriterLeftIsKeptButForATornLine) {
   { std::ofstream(file) << "run,case,end_reason\n4,D1,end of the run\n2,D1,end of t"; }
   CampaignTable table(file, CampaignTable::Start::kResume);
   EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n");
-  table.Append(2, {{"run", "2"}, {"case", "D1"}, {"end_reason", "end of the run"}});
+  table.Append({{"run", "2"}, {"case", "D1"}, {"end_reason", "end of the run"}});
   EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n2,D1,end of the run\n");
   { std::ofstream(file) << "run,ca"; }  // before the first row
   CampaignTable anew(file, CampaignTable::Start::kResume);
-  anew.Append(0, Row(0, "1"));
+  anew.Append(Row(0, "1"));
   EXPECT_EQ(Text(), "run,case,error_m,end_reason\n0,D1,1,end of the run\n");
 }
 
+TEST_F(CampaignTableTest, MayHaveNoRowsAndNoneTwice) {
+  CampaignTable table(file, CampaignTable::Start::kNew);
+  table.Finish([](std::size_t) { return true; });
+  EXPECT_EQ(Text(), "");
+  CampaignTable::Read(file, 10, [](std::size_t, const CampaignRow&) { ADD_FAILURE(); });
+  table.Append(Row(4, "1"));
+  table.Append(Row(4, "1"));
+  table.Finish([](std::size_t) { return true; });
+  EXPECT_EQ(Text(), "run,case,error_m,end_reason\n4,D1,1,end of the run\n");
+}
+
 TEST_F(CampaignTableTest, RefusesWhatIsNoTable) {
-  const auto read = [this] { CampaignTable::Read(file, [](std::size_t, const CampaignRow&) {}); };
+  const auto read = [this] { CampaignTable::Read(file, 10, [](std::size_t, const CampaignRow&) {}); };
   EXPECT_TRUE(Throws<ParameterError>(read, "cannot read", "is it the directory of a campaign?"));
   std::ofstream(file) << "time,x\n1,2\n";
   EXPECT_TRUE(Throws<ParameterError>(read, ":1: not the header of a table of runs"));
   std::ofstream(file) << "run,x\n1,2\n3\n";
-  EXPECT_TRUE(Throws<ParameterError>(read, ":3: 1 cells, the header has 2"));
+  EXPECT_TRUE(Throws<ParameterError>(read, ":3: this is no line of 2 cells that begins with a run"));
+  for (const std::string run : {"", "-1", "1x", "99999999999999999999999"}) {
+    std::ofstream(file) << "run,x\n" << run << ",2\n";
+    EXPECT_TRUE(Throws<ParameterError>(read, ":2: this is no line")) << run;
+  }
+  std::ofstream(file) << "run,x\n10,2\n";
+  EXPECT_TRUE(Throws<ParameterError>(read, "run 10 is none of this campaign, which has 10"));
   EXPECT_TRUE(Throws<OutputError>(
       [] { CampaignTable table("/no/such/runs.csv", CampaignTable::Start::kNew); }, "/no/such/runs.csv"));
 }

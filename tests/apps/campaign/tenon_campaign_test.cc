@@ -182,6 +182,54 @@ TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfJobs) {
   EXPECT_EQ(Table("e2"), Table("e1"));
 }
 
+// What is varied is a figure as well: it stands in the table once.
+TEST_F(TenonCampaignTest, AFigureMayBeWhatVaries) {
+  const std::string file = File(
+      "app: tenon-cdpr\nscenario: D1\nduration_s: 0.02\n"
+      "vary:\n  controller: {list: [pd, mpc_zero]}\n  robot: {list: [cdpr_4, nobody]}\n");
+  for (const std::string i : {"1", "2"}) Run(file + To("part" + i) + " --shard " + i + "/2");
+  const std::string part = (out / "part").string();
+  Run("--merge " + part + "1 " + part + "2" + To("a"));
+  Run("--merge " + part + "2 " + part + "1" + To("b"));
+  EXPECT_EQ(Table("a"), Table("b"));
+  EXPECT_EQ(Read(out / "a/runs.csv").find("run,seed,controller,robot,case,finished,"), 0U);
+  EXPECT_THAT(Read(out / "a/summary.json"), HasSubstr("there is no 'nobody' in robots"));
+  EXPECT_THAT(Read(out / "a/report.html"), HasSubstr("\"tracking_error_rms_m\""));
+}
+
+TEST_F(TenonCampaignTest, WhatIsRefusedLeavesTheRowsThatAreThere) {
+  const std::string file = Walks(1), place = (out / "c").string();
+  Run(file + To("c"));
+  const std::string table = Read(out / "c/runs.csv"), report = Read(out / "c/report.html");
+  EXPECT_THAT(Run("--merge " + place + To("c"), 2), HasSubstr("is one of the parts: choose another --out"));
+  EXPECT_THAT(Run("--merge " + place + " " + (out / "none").string() + To("d"), 2), HasSubstr("no campaign"));
+  EXPECT_FALSE(fs::exists(out / "d"));
+  Run(Walks(3) + To("c") + " --resume", 2);
+  EXPECT_THAT(Run(Walks(3) + To("c") + " --replay 1", 2), HasSubstr("choose another --out"));
+  EXPECT_EQ(Read(out / "c/runs.csv"), table);
+  EXPECT_EQ(Read(out / "c/report.html"), report);
+}
+
+TEST_F(TenonCampaignTest, APartMayBeEmpty) {
+  const std::string file = Walks(1);
+  for (const std::string i : {"1", "2", "3"}) Run(file + To("part" + i) + " --shard " + i + "/3");
+  EXPECT_EQ(Read(out / "part3/runs.csv"), "");
+  const std::string part = (out / "part").string();
+  EXPECT_THAT(Run("--merge " + part + "1 " + part + "2 " + part + "3" + To("all")),
+              HasSubstr("2 of 2 survived"));
+  Run(file + To("part3") + " --shard 3/3 --resume");
+}
+
+TEST_F(TenonCampaignTest, ANewStartRemovesWhatAnEarlierOneLeft) {
+  const std::string file = Walks(1);
+  Run(file + To("c"));
+  Run(file + To("c") + " --replay 0");
+  EXPECT_TRUE(fs::exists(out / "c/run_0/report.html"));
+  Run(file + To("c"));
+  EXPECT_FALSE(fs::exists(out / "c/run_0/report.html"));
+  EXPECT_THAT(Read(out / "c/report.html"), Not(HasSubstr("run_0/report.html")));
+}
+
 TEST_F(TenonCampaignTest, ADryRunShowsAndRunsNothing) {
   EXPECT_THAT(Run(Walks(3) + To("c") + " --dry-run"),
               AllOf(HasSubstr("2 points, 3 seeds each, 6 runs"),
@@ -221,7 +269,12 @@ TEST_F(TenonCampaignTest, RefusesBadUsage) {
               AllOf(HasSubstr(":2:11: scenario: there is no 'A44'"), HasSubstr("did you mean")));
   EXPECT_THAT(refused("app: tenon-cdpr\nscenario: A4\n"), HasSubstr("is a scenario of another app"));
   EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A4\nvary: {walk.frictoin: {grid: [1]}}\n"),
-              AllOf(HasSubstr("none of its runs can begin"), HasSubstr("nearest valid key is 'friction'")));
+              AllOf(HasSubstr(":3:23: vary.walk.frictoin: none of the runs can begin"),
+                    HasSubstr("nearest valid key is 'friction'")));
+  EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A4\nset: {profile: {file: standard, sway: 1}}\n"),
+              AllOf(HasSubstr("set.profile: none of the runs can begin"), HasSubstr("sway: unknown key")));
+  EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A4\nset: {profile: {sway_limit_rad_per_s2: 1}}\n"),
+              HasSubstr("has to say in which file: {file: standard"));
   EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A3-sweep\n"),
               AllOf(HasSubstr("a sweep is a campaign of its own"), HasSubstr("forces.0.turn_rad")));
   const std::string good = "app: tenon-quadruped\nscenario: A4\n";
