@@ -43,6 +43,7 @@ SchedulerParameters=batch_sched_delay=0,sched_interval=1,sched_min_interval=0
 NodeName=$host NodeAddr=127.0.0.1 CPUs=$(nproc) State=UNKNOWN
 PartitionName=main Nodes=$host Default=YES MaxTime=INFINITE State=UP
 END
+echo CgroupPlugin=cgroup/v1 > "$work/cgroup.conf"  # the other ones want to see /sys/fs/cgroup, which not every machine has
 export SLURM_CONF=$work/slurm.conf
 slurmctld -D > "$work/ctld.out" 2>&1 &
 slurmd -D -N "$host" > "$work/d.out" 2>&1 &
