@@ -146,6 +146,11 @@ std::string CommandOf(const std::string& campaign, const fs::path& directory) {
 
 constexpr const char* kBeginAnew = "begin anew without --resume, or choose another --out";
 
+bool DependsOnMachine(const std::string& column) {
+  return std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
+                             [&](const char* part) { return column.starts_with(part); });
+}
+
 int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
            const CampaignRunner& runner, const fs::path& directory) {
   const std::size_t run = *arguments.replay;
@@ -168,15 +173,12 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   CampaignTable::Read(table, plan.size(), [&](std::size_t other, const CampaignRow& row) {
     schedule.Done(other, Cell(row, "finished") == "true");
     if (other != run) return;
-    for (const auto& [column, text] : again.row) {
-      const bool of_machine = std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
-                                                  [&](const char* part) { return column.starts_with(part); });
-      if (!of_machine && Cell(row, column) != text)
+    for (const auto& [column, text] : again.row)
+      if (!DependsOnMachine(column) && Cell(row, column) != text)
         Say(fmt::format(
             "warning: {} was {} in the campaign: the program has changed since, or the machine is "
             "another one\n",
             column, Cell(row, column)));
-    }
   });
   WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
   return again.exit_code;
