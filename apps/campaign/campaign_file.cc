@@ -11,7 +11,7 @@
 namespace tenon::apps {
 namespace {
 
-constexpr std::size_t kMostRuns = 100'000'000;
+constexpr std::size_t kMostSeeds = 10'000'000;
 
 void DemandFactors(const std::map<std::string, double>& sets) {
   for (const auto& [key, factor] : sets)
@@ -62,8 +62,8 @@ void Variation::Validate() const {
 }
 
 void SeedRange::Validate() const {
-  if (count < 1 || count > kMostRuns)
-    throw ParameterError(fmt::format("count = {} must be from 1 to {}", count, kMostRuns));
+  if (count < 1 || count > kMostSeeds)
+    throw ParameterError(fmt::format("count = {} must be from 1 to {}", count, kMostSeeds));
   if (first > std::numeric_limits<std::uint64_t>::max() - count)
     throw ParameterError(fmt::format("first = {}: the last seed would be beyond 64 bits", first));
 }

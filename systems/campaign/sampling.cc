@@ -27,8 +27,9 @@ std::vector<double> LatinHypercube(std::size_t count, RandomStream& random) {
 }
 
 std::vector<std::vector<double>> Sobol(std::size_t count, std::size_t dimensions) {
+  if (dimensions == 0) return {};
   std::vector<std::vector<double>> points(dimensions, std::vector<double>(count));
-  if (count == 0 || dimensions == 0) return points;
+  if (count == 0) return points;
   using Engine = boost::random::sobol_engine<std::uint_least64_t, 64u>;
   try {
     Engine engine(dimensions);

@@ -54,7 +54,7 @@ class TenonCampaignTest : public AppTest {
     return (out / "campaign_file.yaml").string();
   }
   std::string Walks(int seeds) const {
-    return File("app: tenon-quadruped\nscenario: A4\nduration_s: 0.1\nseeds: {first: 101, count: " +
+    return File("app: tenon-quadruped\nscenario: A4\nduration_s: 0.05\nseeds: {first: 101, count: " +
                 std::to_string(seeds) +
                 "}\nset: {walk.friction: 0.6}\nvary: {random_forces.0.upper_N: {grid: [20, 35]}}\n");
   }
@@ -76,8 +76,8 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   EXPECT_EQ(table.substr(table.find('\n') - 10, 10), "end_reason");
   const auto rows = Rows(out / "c/runs.csv");
   EXPECT_EQ(rows.size(), 6U);
-  EXPECT_EQ(rows.at(0).find("0,101,20,A4,true,false,0.1,"), 0U);
-  EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.1,"), 0U);
+  EXPECT_EQ(rows.at(0).find("0,101,20,A4,true,false,0.05,"), 0U);
+  EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.05,"), 0U);
   EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6")));
   EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
 }
