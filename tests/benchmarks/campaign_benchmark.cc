@@ -39,7 +39,7 @@ struct TableFile {
 };
 
 void Writer(benchmark::State& state) {
-  const YamlDocument file = File(100'000'000);
+  const YamlDocument file = File(10'000'000);
   const CampaignPlan plan(file);
   const CampaignRunner runner(plan, file, QuadrupedApp());
   const CampaignResult result = *runner.Run(0);
