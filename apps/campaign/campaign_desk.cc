@@ -1,8 +1,9 @@
 #include <tenon/apps/campaign/campaign_desk.h>
 
 #include <fmt/core.h>
-#include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -14,11 +15,7 @@
 namespace tenon::apps {
 
 CampaignDesk::CampaignDesk(CampaignSchedule& schedule, CampaignTable& table, std::size_t done)
-    : schedule_(schedule), table_(table), before_(done), terminal_(isatty(STDERR_FILENO) != 0) {}
-
-bool CampaignDesk::ClosedNow() const {
-  return Stopped() || schedule_.finished();
-}
+    : schedule_(schedule), table_(table), before_(done) {}
 
 bool CampaignDesk::Stopped() const {
   return failure_ || interrupted_ || SignalGuard::caught() != 0;
@@ -26,7 +23,7 @@ bool CampaignDesk::Stopped() const {
 
 bool CampaignDesk::closed() {
   const std::lock_guard lock(mutex_);
-  return ClosedNow();
+  return Stopped() || schedule_.finished();
 }
 
 std::optional<std::size_t> CampaignDesk::Take() {
@@ -60,38 +57,31 @@ void CampaignDesk::Put(std::size_t run, const std::optional<CampaignResult>& res
   schedule_.Done(run, result->survived);
   ++ended_;
   failures_ += result->survived ? 0 : 1;
-  const std::chrono::duration<double> since = Clock::now() - shown_;
-  if (since.count() >= (terminal_ ? 0.1 : 5.0)) Show(false);
+  if (line_.due()) line_.Show(Share(), Text());
   changed_.notify_all();
 }
 
 void CampaignDesk::Close() {
   const std::lock_guard lock(mutex_);
-  if (terminal_ || shown_any_) Show(true);
+  line_.End(Share(), Text());
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void CampaignDesk::Show(bool last) {
-  shown_ = Clock::now();
-  shown_any_ = true;
-  const double wall = std::chrono::duration<double>(shown_ - begin_).count();
+std::optional<double> CampaignDesk::Share() const {
+  const auto total = schedule_.total();
+  if (!total) return {};
+  return *total == 0 ? 1 : static_cast<double>(before_ + ended_) / static_cast<double>(*total);
+}
+
+std::string CampaignDesk::Text() const {
+  const double wall = line_.elapsed();
   const double rate = wall > 0 ? static_cast<double>(ended_) / wall : 0;
-  std::string text;
-  if (const auto total = schedule_.total()) {
-    const std::size_t done = before_ + ended_;
-    const double left = rate > 0 ? static_cast<double>(*total - std::min(done, *total)) / rate : 0;
-    if (terminal_) {
-      constexpr std::size_t kWidth = 30;
-      text = fmt::format("[{:<{}}] ",
-                         std::string(kWidth * std::min(done, *total) / std::max<std::size_t>(*total, 1), '#'),
-                         kWidth);
-    }
-    text += fmt::format("{} of {} runs, {:.1f} a second, {:.0f} s left, {} failed", done, *total, rate, left,
-                        failures_);
-  } else {
-    text = fmt::format("{} runs, {:.1f} a second, {} failed", before_ + ended_, rate, failures_);
-  }
-  Say(terminal_ ? "\r" + text + "   " + (last ? "\n" : "") : text + "\n");
+  const std::size_t done = before_ + ended_;
+  const auto total = schedule_.total();
+  if (!total) return fmt::format("{} runs, {:.1f} a second, {} failed", done, rate, failures_);
+  const double left = rate > 0 ? static_cast<double>(*total - std::min(done, *total)) / rate : 0;
+  return fmt::format("{} of {} runs, {:.1f} a second, {:.0f} s left, {} failed", done, *total, rate, left,
+                     failures_);
 }
 
 void WorkInThreads(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {

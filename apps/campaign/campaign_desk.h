@@ -1,15 +1,16 @@
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
 
@@ -32,10 +33,9 @@ class CampaignDesk {
   void Close();
 
  private:
-  using Clock = std::chrono::steady_clock;
-  bool ClosedNow() const;
   bool Stopped() const;
-  void Show(bool last);
+  std::optional<double> Share() const;  ///< of all runs, if it is known how many there will be
+  std::string Text() const;
 
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -44,9 +44,7 @@ class CampaignDesk {
   std::exception_ptr failure_;
   bool interrupted_ = false;
   std::size_t before_, ended_ = 0, failures_ = 0;
-  const bool terminal_;
-  Clock::time_point begin_ = Clock::now(), shown_ = begin_;
-  bool shown_any_ = false;
+  ProgressLine line_;
 };
 
 /// Runs a campaign in `jobs` threads, until the desk has no more.

@@ -39,9 +39,19 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
   throw ParameterError(fmt::format("{}: none of the runs can begin: {}", place, refusal_));
 }
 
+namespace {
+
+CampaignRow BeginRow(std::size_t run, const RunSetup& setup) {
+  CampaignRow row{{"run", fmt::format("{}", run)}, {"seed", fmt::format("{}", setup.seed)}};
+  row.insert(row.end(), setup.varied.begin(), setup.varied.end());
+  return row;
+}
+
+}  // namespace
+
 CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
   const RunSetup setup = plan_.Setup(run);
-  Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = Begin(run)};
+  Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = BeginRow(run, setup)};
   for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
   // By their names, since scenarios of one campaign may say them in another order.
   auto drawn = DrawScenario(prepared.scenario, setup.seed);
@@ -52,10 +62,7 @@ CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
 }
 
 CampaignRow CampaignRunner::Begin(std::size_t run) const {
-  const RunSetup setup = plan_.Setup(run);
-  CampaignRow row{{"run", fmt::format("{}", run)}, {"seed", fmt::format("{}", setup.seed)}};
-  row.insert(row.end(), setup.varied.begin(), setup.varied.end());
-  return row;
+  return BeginRow(run, plan_.Setup(run));
 }
 
 namespace {

@@ -55,20 +55,9 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
 }
 
 ScenarioApp CdprApp() {
-  return {.name = "tenon-cdpr",
-          .check =
-              [](const YamlDocument& document) {
-                RunBlaming(document,
-                           [&] { Blame("", [&] { MakeLoopParams(document.Read<CdprScenario>()); }); });
-              },
-          .run =
-              [](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
-                return RunBlaming(document, [&] {
-                  auto scenario = document.Read<CdprScenario>();
-                  if (duration) scenario.duration_s = *duration;
-                  return RunCdpr(scenario, options);
-                });
-              }};
+  return MakeScenarioApp(
+      "tenon-cdpr", [](const YamlDocument& document) { return document.Read<CdprScenario>(); },
+      MakeLoopParams, RunCdpr);
 }
 
 }  // namespace tenon::apps

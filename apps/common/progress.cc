@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
@@ -17,36 +18,54 @@
 
 namespace tenon::apps {
 
-ProgressSink::ProgressSink(double duration) : duration_(duration), terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
-void ProgressSink::Row(std::span<const double> row) {
-  time_ = row[0];
+bool ProgressLine::due() const {
   const std::chrono::duration<double> since = Clock::now() - shown_;
-  if (since.count() >= (terminal_ ? 0.1 : 5.0)) Show();
+  return since.count() >= (terminal_ ? 0.1 : 5.0);
 }
 
-void ProgressSink::Flush() {
-  if (!terminal_ && !shown_any_) return;  // a short run needs no lines in a file
-  Show();
+void ProgressLine::Show(std::optional<double> share, const std::string& text) {
+  shown_ = Clock::now();
+  shown_any_ = true;
+  if (terminal_) {
+    constexpr int kWidth = 30;
+    const auto filled = static_cast<std::size_t>(kWidth * std::clamp(share.value_or(0), 0.0, 1.0));
+    const std::string bar = share ? fmt::format("[{:<{}}] ", std::string(filled, '#'), kWidth) : "";
+    Say(fmt::format("\r{}{}   ", bar, text));
+  } else {
+    Say(text + "\n");
+  }
+  std::fflush(stderr);
+}
+
+void ProgressLine::End(std::optional<double> share, const std::string& text) {
+  if (!terminal_ && !shown_any_) return;
+  Show(share, text);
   if (terminal_) Say("\n");
 }
 
-void ProgressSink::Show() {
-  shown_ = Clock::now();
-  shown_any_ = true;
-  const double wall = std::chrono::duration<double>(shown_ - begin_).count();
+double ProgressLine::elapsed() const {
+  return std::chrono::duration<double>(Clock::now() - begin_).count();
+}
+
+void ProgressSink::Row(std::span<const double> row) {
+  time_ = row[0];
+  if (line_.due()) line_.Show(share(), Text());
+}
+
+void ProgressSink::Flush() {
+  line_.End(share(), Text());
+}
+
+std::string ProgressSink::Text() const {
+  const double wall = line_.elapsed();
   const double rate = wall > 0 ? time_ / wall : 0;
   const double left = rate > 0 ? (duration_ - time_) / rate : 0;
-  if (terminal_) {
-    constexpr int kWidth = 30;
-    const int filled = static_cast<int>(kWidth * time_ / duration_);
-    Say(fmt::format("\r[{:<{}}] {:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left ", std::string(filled, '#'),
-                    kWidth, time_, duration_, rate, left));
-  } else {
-    Say(fmt::format("{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left\n", time_, duration_,
-                    rate, left));
-  }
-  std::fflush(stderr);
+  return fmt::format(
+      fmt::runtime(line_.terminal() ? "{:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left"
+                                    : "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left"),
+      time_, duration_, rate, left);
 }
 
 namespace {

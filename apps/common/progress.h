@@ -8,25 +8,44 @@
 
 namespace tenon::apps {
 
-/// Shows how far a run is on stderr: simulated time, real-time factor, time left. A bar if stderr is a
-/// terminal, else a line every 5 s. It is a sink: add it to one of the run's logs.
+/// How far something is, on stderr: a line that is written over with a bar if stderr is a terminal, else a
+/// line every 5 s.
+class ProgressLine {
+ public:
+  ProgressLine();
+  /// Whether it is time to show something again.
+  bool due() const;
+  /// `share` of the whole, for the bar; none if that is not known.
+  void Show(std::optional<double> share, const std::string& text);
+  /// The same for the last time; nothing where no line came before, as of what is short.
+  void End(std::optional<double> share, const std::string& text);
+  double elapsed() const;  ///< since it was made [s]
+  bool terminal() const { return terminal_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool terminal_;
+  bool shown_any_ = false;
+  Clock::time_point begin_ = Clock::now();
+  Clock::time_point shown_ = begin_;
+};
+
+/// Shows how far a run is: simulated time, real-time factor, time left. It is a sink: add it to one of the
+/// run's logs.
 class ProgressSink final : public LogSink {
  public:
-  explicit ProgressSink(double duration);  ///< [s]
+  explicit ProgressSink(double duration) : duration_(duration) {}  ///< [s]
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override;
   void Flush() override;
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void Show();
+  double share() const { return time_ / duration_; }
+  std::string Text() const;
 
   double duration_;
-  bool terminal_;
   double time_ = 0;
-  bool shown_any_ = false;
-  Clock::time_point begin_ = Clock::now();
-  Clock::time_point shown_ = begin_;
+  ProgressLine line_;
 };
 
 /// How a run went, for summary.json.

@@ -3,7 +3,9 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -21,5 +23,26 @@ struct ScenarioApp {
                           const RunOptions& options)>
       run;
 };
+
+/// That of `read(document)`, the scenario as a struct; `prepare(scenario)`, which makes the diagram's
+/// parameters; and `run(scenario, options)`.
+ScenarioApp MakeScenarioApp(std::string name, auto read, auto prepare, auto run) {
+  return {.name = std::move(name),
+          .check =
+              [=](const YamlDocument& document) {
+                RunBlaming(document, [&] {
+                  const auto scenario = read(document);
+                  Blame("", [&] { prepare(scenario); });
+                });
+              },
+          .run =
+              [=](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
+                return RunBlaming(document, [&] {
+                  auto scenario = read(document);
+                  if (duration) scenario.duration_s = *duration;
+                  return run(scenario, options);
+                });
+              }};
+}
 
 }  // namespace tenon::apps

@@ -48,21 +48,9 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 }
 
 ScenarioApp GuideDogApp() {
-  return {.name = "tenon-guide-dog",
-          .check =
-              [](const YamlDocument& document) {
-                RunBlaming(document, [&] {
-                  Blame("", [&] { MakeGuideDogParams(document.Read<GuideDogScenario>()); });
-                });
-              },
-          .run =
-              [](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
-                return RunBlaming(document, [&] {
-                  auto scenario = document.Read<GuideDogScenario>();
-                  if (duration) scenario.duration_s = duration;
-                  return RunGuideDog(scenario, options);
-                });
-              }};
+  return MakeScenarioApp(
+      "tenon-guide-dog", [](const YamlDocument& document) { return document.Read<GuideDogScenario>(); },
+      MakeGuideDogParams, RunGuideDog);
 }
 
 }  // namespace tenon::apps

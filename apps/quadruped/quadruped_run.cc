@@ -62,26 +62,14 @@ ScenarioApp QuadrupedApp() {
                      "forces.0.turn_rad");
     return scenario;
   };
-  return {.name = "tenon-quadruped",
-          .check =
-              [=](const YamlDocument& document) {
-                RunBlaming(document, [&] {
-                  const QuadrupedScenario scenario = read(document);
-                  if (scenario.walk) {
-                    Blame("", [&] { MakeWalkParams(scenario); });
-                  } else {
-                    Blame("", [&] { MakeStandParams(scenario); });
-                  }
-                });
-              },
-          .run =
-              [=](const YamlDocument& document, std::optional<double> duration, const RunOptions& options) {
-                return RunBlaming(document, [&] {
-                  QuadrupedScenario scenario = read(document);
-                  if (duration) scenario.duration_s = duration;
-                  return RunQuadruped(scenario, options);
-                });
-              }};
+  const auto prepare = [](const QuadrupedScenario& scenario) {
+    if (scenario.walk) {
+      MakeWalkParams(scenario);
+    } else {
+      MakeStandParams(scenario);
+    }
+  };
+  return MakeScenarioApp("tenon-quadruped", read, prepare, RunQuadruped);
 }
 
 }  // namespace tenon::apps

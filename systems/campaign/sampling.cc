@@ -4,7 +4,6 @@
 
 #include <boost/random/sobol.hpp>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
