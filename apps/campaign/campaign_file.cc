@@ -51,14 +51,17 @@ void Variation::Validate() const {
       throw ParameterError(
           fmt::format("linspace: [from, to, count] has a count of {}: give an integer from 2 on", count));
   }
-  for (const auto& range : {uniform, sobol, latin_hypercube})
+  for (const auto& range : {sobol, latin_hypercube})
     if (range && (*range)[0] > (*range)[1])
       throw ParameterError(fmt::format("[{}, {}]: give the lower bound first", (*range)[0], (*range)[1]));
-  for (const auto& moments : {normal, lognormal})
-    if (moments && (*moments)[1] < 0)
-      throw ParameterError(
-          fmt::format("[{}, {}]: the second number is the standard deviation, and not negative",
-                      (*moments)[0], (*moments)[1]));
+  if (const auto drawn = distribution()) drawn->Validate();
+}
+
+std::optional<Distribution> Variation::distribution() const {
+  if (uniform) return Distribution::Named("uniform", *uniform);
+  if (normal) return Distribution::Named("normal", *normal);
+  if (lognormal) return Distribution::Named("lognormal", *lognormal);
+  return {};
 }
 
 void SeedRange::Validate() const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/systems/framework/distribution.h>
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -34,6 +35,8 @@ struct Variation {
 
   /// Multiplies the runs, instead of drawing one value for each seed.
   bool multiplies() const { return !grid.empty() || linspace || !list.empty() || !choices.empty(); }
+  /// The one that is given, of uniform, normal and lognormal; or none.
+  std::optional<Distribution> distribution() const;
 };
 
 struct SeedRange {

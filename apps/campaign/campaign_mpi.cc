@@ -12,7 +12,7 @@
 #ifdef TENON_WITH_MPI
 #include <mpi.h>
 
-#include <nlohmann/json.hpp>
+#include <tenon/apps/campaign/campaign_message.h>
 #endif
 
 namespace tenon::apps {
@@ -30,22 +30,6 @@ namespace {
 // To rank 0: a row, or that a run is wanted; from there: a run, or that there are no more.
 constexpr int kRow = 1, kWanted = 2, kRun = 3;
 constexpr long long kNoMore = -1;
-
-std::string Pack(std::size_t run, const std::optional<CampaignResult>& result) {
-  nlohmann::json message{{"run", run}};
-  if (result) {
-    message["row"] = result->row;
-    message["survived"] = result->survived;
-  }
-  return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-void Unpack(const std::string& text, CampaignDesk& desk) {
-  const auto message = nlohmann::json::parse(text);
-  std::optional<CampaignResult> result;
-  if (message.contains("row")) result = {message["row"].get<CampaignRow>(), message["survived"].get<bool>()};
-  desk.Put(message["run"].get<std::size_t>(), result);
-}
 
 void Give(long long run, int rank) {
   MPI_Send(&run, 1, MPI_LONG_LONG, rank, kRun, MPI_COMM_WORLD);
@@ -79,7 +63,10 @@ void MpiSession::Lead(CampaignDesk& desk, const CampaignRunner& runner, int jobs
       std::string text(static_cast<std::size_t>(size), '\0');
       MPI_Recv(text.data(), size, MPI_CHAR, status.MPI_SOURCE, status.MPI_TAG, MPI_COMM_WORLD,
                MPI_STATUS_IGNORE);
-      if (status.MPI_TAG == kRow) Unpack(text, desk);
+      if (status.MPI_TAG == kRow) {
+        const CampaignMessage message = Unpack(text);
+        desk.Put(message.run, message.result);
+      }
       waiting.push_back(status.MPI_SOURCE);
     }
     bool gave = false;
@@ -115,7 +102,7 @@ void MpiSession::Follow(const CampaignRunner& runner) {
       continue;
     }
     const auto at = static_cast<std::size_t>(run);
-    const std::string text = Pack(at, runner.Run(at));
+    const std::string text = Pack({at, runner.Run(at)});
     MPI_Send(text.data(), static_cast<int>(text.size()), MPI_CHAR, 0, kRow, MPI_COMM_WORLD);
   }
 }

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
+#include <map>
 #include <set>
 
 #include <tenon/systems/campaign/sampling.h>
@@ -37,6 +36,16 @@ void DemandNoColumn(const std::string& name) {
     if (name == column)
       throw ParameterError(fmt::format("'{}' is what a run comes to, not what it is given{}", name,
                                        name == "seed" ? "; say seeds: {first: 1, count: 20}" : ""));
+}
+
+/// All keys of the scenario that a variation may set.
+std::set<std::string> KeysOf(const std::string& name, const Variation& how) {
+  std::set<std::string> keys;
+  for (const auto& [label, settings] : how.choices)
+    for (const auto& [key, value] : settings) keys.insert(key);
+  if (how.choices.empty())
+    for (const auto& [key, factor] : Targets(name, how.sets)) keys.insert(key);
+  return keys;
 }
 
 double Between(const std::array<double, 2>& range, double share) {
@@ -74,16 +83,10 @@ void CampaignPlan::AddAxis(const std::string& name, const Variation& how,
 
 void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
   Drawn drawn{.name = name, .sets = Targets(name, how.sets), .draw = {}};
-  if (how.uniform) {
-    drawn.draw = [name, range = *how.uniform](std::uint64_t seed, std::size_t) {
-      return RandomStream(seed, name).Uniform(range[0], range[1]);
-    };
-  } else if (how.normal || how.lognormal) {
-    const bool logarithm = how.lognormal.has_value();
-    drawn.draw = [name, logarithm, moments = logarithm ? *how.lognormal : *how.normal](std::uint64_t seed,
-                                                                                       std::size_t) {
-      const double value = moments[0] + moments[1] * RandomStream(seed, name).Normal();
-      return logarithm ? std::exp(value) : value;
+  if (const auto distribution = how.distribution()) {
+    drawn.draw = [name, distribution = *distribution](std::uint64_t seed, std::size_t) {
+      RandomStream random(seed, name);
+      return distribution.Draw(random);
     };
   } else if (how.latin_hypercube) {
     // The design is one for all points of the product: what differs between them is what they say.
@@ -104,6 +107,7 @@ void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
 
 CampaignPlan::CampaignPlan(const YamlDocument& document)
     : file_(document.Read<CampaignFile>()), order_(document.Keys("vary")) {
+  std::map<std::string, std::string> by_key;
   for (const std::string& name : order_) {
     const Variation& how = file_.vary.at(name);
     try {
@@ -115,6 +119,12 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
       }
     } catch (const ParameterError& error) {
       throw ParameterError(fmt::format("{}: {}", document.PlaceOf("vary." + name), error.what()));
+    }
+    for (const std::string& key : KeysOf(name, how)) {
+      const auto [other, added] = by_key.emplace(key, name);
+      if (!added)
+        throw ParameterError(fmt::format("{}: {} is varied by {} already", document.PlaceOf("vary." + name),
+                                         key, other->second));
     }
     if (points_ > 10'000'000)
       throw ParameterError(

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <system_error>
 
+#include <tenon/systems/framework/distribution.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/random_stream.h>
@@ -181,34 +181,27 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
 
 namespace {
 
-/// A number of a standard distribution, as {uniform: [0, 1]} asks for it.
-double DrawOne(const YamlTree& distribution, RandomStream& random) {
+/// What {uniform: [0, 1]} and the like ask for; nothing where `tree` is no distribution.
+std::optional<Distribution> DistributionOf(const YamlTree& tree) {
+  if (tree.kind != YamlTree::Kind::kMap || tree.children.size() != 1) return {};
+  const YamlTree& entry = tree.children[0];
+  if (!Distribution::Named(entry.key, {})) return {};
   std::array<double, 2> parameters{};
-  internal::YamlNode(distribution, distribution.key)
-      .Read(internal::TypeInfoOf<std::array<double, 2>>(), &parameters);
-  const auto [first, second] = parameters;
-  if (distribution.key == "uniform") {
-    if (first > second)
-      internal::FailAt(distribution.place,
-                       fmt::format("uniform: [{}, {}]: give the lower bound first", first, second));
-    return random.Uniform(first, second);
+  internal::YamlNode(entry, entry.key).Read(internal::TypeInfoOf<std::array<double, 2>>(), &parameters);
+  const auto distribution = Distribution::Named(entry.key, parameters);
+  try {
+    distribution->Validate();
+  } catch (const ParameterError& error) {
+    internal::FailAt(entry.place, error.what());
   }
-  if (second < 0)
-    internal::FailAt(
-        distribution.place,
-        fmt::format("{}: [{}, {}]: the second number is the standard deviation, and not negative",
-                    distribution.key, first, second));
-  const double value = first + second * random.Normal();
-  return distribution.key == "normal" ? value : std::exp(value);
+  return distribution;
 }
 
 void DrawIn(YamlTree& tree, const std::string& path, std::uint64_t seed,
             std::vector<std::pair<std::string, double>>& drawn) {
-  constexpr std::array<std::string_view, 3> kDistributions{"uniform", "normal", "lognormal"};
-  if (tree.kind == YamlTree::Kind::kMap && tree.children.size() == 1 &&
-      std::ranges::count(kDistributions, std::string_view(tree.children[0].key)) > 0) {
+  if (const auto distribution = DistributionOf(tree)) {
     RandomStream random(seed, path);
-    const double value = DrawOne(tree.children[0], random);
+    const double value = distribution->Draw(random);
     tree.kind = YamlTree::Kind::kScalar;
     tree.text = fmt::format("{}", value);
     tree.children.clear();

@@ -1,25 +1,37 @@
 // What a campaign costs beside its simulations: DogBot walks for a second, A4, over and over.
 //
 //   campaign/writer    the desk alone: a run given out, its row of 33 columns taken in and written
+//   campaign/message   the same by way of a rank's message: what rank 0 does for every run of another rank
 //   campaign/jobs/J    40 runs in J threads; counters: runs_per_s, and simulating, the part of the threads'
-//   time
-//                      that goes into the advance of the simulations (the rest reads scenarios, builds
-//                      diagrams, writes rows)
+//   time that
+//                      goes into the advance of the simulations (the rest reads scenarios, builds diagrams,
+//                      writes rows)
+//   campaign/ranks/N   N ranks whose runs last 1 s on average are simulated, event by event; rank 0 is the
+//   real one, and
+//                      what it takes for each message is measured. Counters, in simulated time: runs_per_s,
+//                      working, the part of the ranks' time in which they have a run, and busy, that of rank
+//                      0
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <queue>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <tenon/apps/campaign/campaign_desk.h>
+#include <tenon/apps/campaign/campaign_message.h>
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps {
@@ -38,20 +50,106 @@ struct TableFile {
   std::filesystem::path path = test::TemporaryPath("tenon_campaign_benchmark.csv");
 };
 
+/// A desk that never runs out of runs, with the result of one.
+class EndlessDesk {
+ public:
+  CampaignDesk& desk() { return desk_; }
+  const CampaignResult& result() const { return result_; }
+  /// What rank 0 does with a message: the row is written, the next run given out.
+  void Serve(const std::string& text) {
+    const CampaignMessage message = Unpack(text);
+    desk_.Put(message.run, message.result);
+    benchmark::DoNotOptimize(desk_.TryTake());
+  }
+
+ private:
+  const YamlDocument file_ = File(10'000'000);
+  const CampaignPlan plan_{file_};
+  const CampaignRunner runner_{plan_, file_, QuadrupedApp()};
+  const CampaignResult result_ = *runner_.Run(0);
+  const TableFile out_;
+  CampaignTable table_{out_.path, CampaignTable::Start::kNew};
+  CampaignSchedule schedule_{plan_, {}, 1};
+  CampaignDesk desk_{schedule_, table_, 0};
+};
+
 void Writer(benchmark::State& state) {
-  const YamlDocument file = File(10'000'000);
-  const CampaignPlan plan(file);
-  const CampaignRunner runner(plan, file, QuadrupedApp());
-  const CampaignResult result = *runner.Run(0);
-  const TableFile out;
-  CampaignTable table(out.path, CampaignTable::Start::kNew);
-  CampaignSchedule schedule(plan, {}, 1);
-  CampaignDesk desk(schedule, table, 0);
-  for (auto _ : state) desk.Put(*desk.Take(), result);
-  state.counters["columns"] = static_cast<double>(result.row.size());
+  EndlessDesk endless;
+  for (auto _ : state) endless.desk().Put(*endless.desk().Take(), endless.result());
+  state.counters["columns"] = static_cast<double>(endless.result().row.size());
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Writer)->Name("campaign/writer");
+
+void Message(benchmark::State& state) {
+  EndlessDesk endless;
+  const std::string text = Pack({*endless.desk().Take(), endless.result()});
+  for (auto _ : state) endless.Serve(text);
+  state.counters["bytes"] = static_cast<double>(text.size());
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Message)->Name("campaign/message");
+
+/// A rank has one run and, while its message is on the way, another: as MpiSession::Follow.
+struct Rank {
+  int waiting = 2;  ///< runs that it has, the one that it does included
+  double idle_from_s = 0;
+};
+
+void Ranks(benchmark::State& state) {
+  constexpr double kLatency = 20e-6;  // of a message by TCP within a cluster [s]
+  constexpr std::size_t kRunsPerRank = 10;
+  const auto num_ranks = static_cast<std::size_t>(state.range(0));
+  EndlessDesk endless;
+  const std::string text = Pack({*endless.desk().Take(), endless.result()});
+  for (auto _ : state) {
+    RandomStream random(1, "durations");
+    std::vector<Rank> ranks(num_ranks);
+    using Event = std::pair<double, std::size_t>;  // the end of a run [s], and its rank
+    std::priority_queue<Event, std::vector<Event>, std::greater<>> ends;
+    const auto begin_run = [&](double time, std::size_t rank) {
+      ends.emplace(time + random.Uniform(0.5, 1.5), rank);
+    };
+    for (std::size_t rank = 0; rank < num_ranks; ++rank) begin_run(0, rank);
+
+    // Rank 0 takes the messages in the order of their arrival, which is that of the ends.
+    double free_from = 0, busy = 0, idle = 0;
+    std::size_t served = 0;
+    std::priority_queue<Event, std::vector<Event>, std::greater<>> replies;
+    while (served < kRunsPerRank * num_ranks) {
+      if (!replies.empty() && (ends.empty() || replies.top().first < ends.top().first)) {
+        const auto [time, rank] = replies.top();
+        replies.pop();
+        if (++ranks[rank].waiting == 1) {
+          idle += time - ranks[rank].idle_from_s;
+          begin_run(time, rank);
+        }
+        continue;
+      }
+      const auto [end, rank] = ends.top();
+      ends.pop();
+      const auto begin = std::chrono::steady_clock::now();
+      endless.Serve(text);
+      const double cost = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      free_from = std::max(end + kLatency, free_from) + cost;
+      busy += cost;
+      ++served;
+      replies.emplace(free_from + kLatency, rank);
+      ranks[rank].idle_from_s = end;
+      if (--ranks[rank].waiting > 0) begin_run(end, rank);
+    }
+    state.counters["runs_per_s"] = static_cast<double>(served) / free_from;
+    state.counters["working"] = 1 - idle / (free_from * static_cast<double>(num_ranks));
+    state.counters["busy"] = busy / free_from;
+  }
+}
+BENCHMARK(Ranks)
+    ->Name("campaign/ranks")
+    ->RangeMultiplier(10)
+    ->Range(100, 10'000)
+    ->Arg(30'000)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 void Jobs(benchmark::State& state) {
   constexpr std::size_t kRuns = 40;

@@ -148,6 +148,8 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "say seeds: {first: 1"));
   EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is what a run comes to"));
   EXPECT_TRUE(
+      refused("vary: {a: {grid: [1]}, b: {choices: {x: {a: 2}}}}", "c.yaml:3:", "a is varied by a already"));
+  EXPECT_TRUE(
       refused("seeds: {count: 10000000}\nvary: {a: {linspace: [0, 1, 1000]}}", "c.yaml:3:", "too many runs"));
   const std::string thousand = "{linspace: [0, 1, 1000]}";
   EXPECT_TRUE(refused("vary: {a: " + thousand + ", b: " + thousand + ", c: " + thousand + "}",

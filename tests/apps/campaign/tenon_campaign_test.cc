@@ -83,7 +83,7 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
 }
 
 // What a run is follows from its index alone.
-TEST_F(TenonCampaignTest, JobsPartsAndKillsDoNotShowInTheTable) {
+TEST_F(TenonCampaignTest, ThreadsPartsAndKillsDoNotShowInTheTable) {
   const std::string file = Walks(8);
   Run(file + To("one") + " --jobs 1");
   const std::string whole = Table("one");
@@ -164,7 +164,7 @@ TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
   EXPECT_THAT(Run(file + To("c") + " --replay 4", 2), HasSubstr("the campaign has the runs 0 to 3"));
 }
 
-TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfJobs) {
+TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfThreads) {
   const std::string head = "app: tenon-quadruped\nscenario: stand\nduration_s: 0.3\nseeds: {count: 40}\n";
   const std::string load = "[{on: trunk, force_N: [0, 0, -1], duration_s: 1}]";
   const std::string file =
