@@ -88,7 +88,7 @@ std::string HashOf(const fs::path& directory) {
 /// What a table was made from, as text: rows of other inputs must not be mixed into it.
 std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
   std::string text = fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
-  for (const char* kind : {"robots", "gaits", "profiles"})
+  for (const char* kind : {"robots", "hardware", "gaits", "profiles"})
     text += fmt::format("{} that ship: {}\n", kind, HashOf(DataDirectory() / kind));
   return text;
 }
@@ -98,8 +98,9 @@ void DemandSameInputs(const fs::path& directory, const std::string& inputs, cons
   if (before == inputs) return;
   throw ParameterError(fmt::format(
       "'{}' holds runs of {}: {}", directory.string(),
-      before.empty() ? "no campaign"
-                     : "another campaign, or of scenarios, robots, gaits or profiles that have changed since",
+      before.empty()
+          ? "no campaign"
+          : "another campaign, or of scenarios, robots, hardware, gaits or profiles that have changed since",
       remedy));
 }
 

@@ -35,7 +35,10 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
                                      &loop.locomotion.body,
                                      &loop.locomotion.schedule,
                                      &loop.errors.errors};
-  if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  if (loop.estimator) {
+    signals.push_back(&loop.estimator->estimate);
+    signals.push_back(&loop.errors.path);
+  }
   return signals;
 }
 

@@ -17,6 +17,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
   alone.forces = scenario.forces;
   alone.walk = scenario.walk;
   alone.profile = scenario.profile;
+  alone.hardware = scenario.hardware;
   alone.sensors = scenario.sensors;
   alone.fall = scenario.fall;
   alone.limit_speed = scenario.limit_speed;

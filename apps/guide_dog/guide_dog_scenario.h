@@ -31,7 +31,10 @@ struct GuideDogScenario {
   TerrainParams terrain;
   std::vector<ForceScenario> forces;
   std::vector<LeggedFault> faults;
-  SensorScenario sensors;
+  /// Drives, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
+  /// differs.
+  YamlText hardware{"ideal"};
+  SensorScenario sensors;  ///< goes before what the hardware says
   FallScenario fall;
   bool limit_speed = false;  ///< the drives' torque falls with speed
   LeggedIntegratorScenario integrator;
@@ -57,6 +60,7 @@ struct GuideDogScenario {
             {"terrain", &S::terrain},
             {"forces", &S::forces},
             {"faults", &S::faults},
+            {"hardware", &S::hardware},
             {"sensors", &S::sensors},
             {"fall", &S::fall},
             {"limit_speed", &S::limit_speed},

@@ -30,6 +30,8 @@ void EstimateFigures::Begin(const std::vector<std::string>& names) {
   };
   true_ = columns("loop.world.plant.state");
   estimated_ = columns(estimate);
+  path_com_ = Columns(names, "loop.errors.path.com");
+  path_foot_ = Columns(names, "loop.errors.path.foot");
 }
 
 void EstimateFigures::Row(std::span<const double> row) {
@@ -41,7 +43,12 @@ void EstimateFigures::Row(std::span<const double> row) {
   const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
   velocity_.Add(velocity);
   tilt_.Add(tilt);
-  position_end_ = (Take<3>(row, estimated_.position) - Take<3>(row, true_.position)).norm();
+  const double drift = (Take<3>(row, estimated_.position) - Take<3>(row, true_.position)).norm();
+  position_end_ = drift;
+  drift_.Add(drift);
+  path_errors_.Add(Take<3>(row, path_com_).norm());
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 of feet that stand
+    if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);
 }
 
 void EstimateFigures::AddTo(Summary& summary) const {
@@ -51,6 +58,17 @@ void EstimateFigures::AddTo(Summary& summary) const {
   summary.Set("tilt_estimate_error_rms_rad", tilt_.rms());
   summary.Set("tilt_estimate_error_max_rad", tilt_.max());
   summary.Set("position_estimate_error_end_m", position_end_);
+}
+
+bool EstimateFigures::AddPathTo(Summary& summary) const {
+  if (estimated_.velocity.empty()) return false;
+  std::vector<std::pair<std::string, std::optional<double>>> feet;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    feet.emplace_back(kLegNames[leg], path_foot_errors_[leg].max());
+  summary.Set("path_error_max_m", path_errors_.max());
+  summary.Set("path_foot_error_max_m", feet);
+  summary.Set("drift_m", drift_.max());
+  return true;
 }
 
 }  // namespace tenon::apps

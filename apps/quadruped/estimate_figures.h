@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -8,17 +9,21 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon::apps {
 
-/// How well the trunk's state is estimated, from a log of "loop.world.plant.state" and
-/// "loop.estimator.estimate"; nothing, if there is no estimator. The tilt is the angle between the true and
-/// the estimated vertical; position and yaw, which no sensor sees, drift.
+/// How well the trunk's state is estimated, and how well the robot walks where it believes to be
+/// (PathErrors), from a log of "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path";
+/// nothing, if there is no estimator. The tilt is the angle between the true and the estimated vertical;
+/// position and yaw, which no sensor sees, drift.
 class EstimateFigures {
  public:
   void Begin(const std::vector<std::string>& names);
   void Row(std::span<const double> row);
   void AddTo(Summary& summary) const;
+  /// The errors over ground without drift, and the drift; returns whether there is an estimator.
+  bool AddPathTo(Summary& summary) const;
 
  private:
   /// Columns of the two states.
@@ -28,6 +33,9 @@ class EstimateFigures {
   State true_, estimated_;
   Tally velocity_, tilt_;  // errors [m/s], [rad]
   std::optional<double> position_end_;
+  std::vector<std::size_t> path_com_, path_foot_;
+  Tally path_errors_, drift_;  // [m]
+  std::array<Tally, kNumLegs> path_foot_errors_;
 };
 
 }  // namespace tenon::apps

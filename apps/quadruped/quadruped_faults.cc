@@ -32,7 +32,13 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
   std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.observer.imu};
   if (loop.estimator != nullptr) {
     encoders = {world.joints, {&loop.estimator->joints}, world.encoders.params.rate};
-    imu_readers.push_back(&loop.estimator->imu);
+    imu_readers = {&loop.estimator->imu};
+  }
+  std::vector<InputPort<FootForces>*> foot_force_readers{&loop.locomotion.foot_forces,
+                                                         &loop.observer.foot_forces};
+  if (loop.foot_force_estimate != nullptr) {
+    foot_force_readers = {&loop.foot_force_estimate->shank};
+    state_readers.push_back(&loop.foot_force_estimate->state);
   }
   state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
   wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
@@ -43,9 +49,7 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
                             {&loop.observer.torque},
                             world.torque_sensor.params.rate,
                             "N m"},
-          .foot_force = {world.foot_forces,
-                         {&loop.locomotion.foot_forces, &loop.observer.foot_forces},
-                         world.foot_sensor.params.rate},
+          .foot_force = {world.foot_forces, std::move(foot_force_readers), world.foot_sensor.params.rate},
           .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
           .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
                     rate},

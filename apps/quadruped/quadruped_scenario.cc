@@ -10,6 +10,8 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/systems/framework/random_stream.h>
 
 namespace tenon::apps {
 namespace {
@@ -18,21 +20,6 @@ namespace {
 ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
   if (force.on == Part::kTrunk) return {};
   return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
-}
-
-void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& params) {
-  const auto& [encoders, torque, foot_force, imu] = sensors;
-  params.encoders = {Hz(encoders.rate_hz),
-                     {.absolute = encoders.angle_noise_rad, .bias = encoders.angle_bias_rad},
-                     {.absolute = encoders.speed_noise_rad_per_s, .bias = encoders.speed_bias_rad_per_s}};
-  params.torque_sensor = {Hz(torque.rate_hz), {.relative = torque.noise_ratio, .bias = torque.bias_N_m}};
-  params.foot_sensor = {Hz(foot_force.rate_hz),
-                        {.relative = foot_force.noise_ratio, .bias = foot_force.bias_N}};
-  params.imu.rate = Hz(imu.rate_hz);
-  params.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s);
-  params.imu.angular_velocity_bias = imu.angular_velocity_bias_rad_per_s;
-  params.imu.specific_force_noise.setConstant(imu.acceleration_noise_m_per_s2);
-  params.imu.specific_force_bias = imu.acceleration_bias_m_per_s2;
 }
 
 /// When it ends [s].
@@ -44,21 +31,31 @@ QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
   return Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
 }
 
-/// The filter knows its sensors' noise, but takes none for perfect; it does not know their biases.
-LeggedStateEstimatorParams MakeEstimator(const SensorScenario& sensors, const QuadrupedDescription& robot,
+HardwareScenario HardwareOf(const QuadrupedScenario& scenario) {
+  return WithSensors(Blame("hardware", [&] { return LoadHardware(scenario.hardware); }), scenario.sensors);
+}
+
+/// The filter knows the robot that the controller believes in, where it starts but for what its deviations
+/// say, and its sensors' noise; it takes none for perfect and does not know their biases.
+LeggedStateEstimatorParams MakeEstimator(const QuadrupedScenario& scenario,
+                                         const QuadrupedDescription& believed,
                                          const QuadrupedPlantParams& plant) {
-  const auto& [encoders, torque, foot_force, imu] = sensors;
   LeggedStateEstimatorParams params;
-  params.robot = robot;
+  params.robot = believed;
   params.initial = plant.initial;
   params.gravity = plant.gravity;
-  params.noise.specific_force = std::max(imu.acceleration_noise_m_per_s2, 1e-3);
-  params.noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s, 1e-4);
-  params.noise.encoder = std::max(encoders.angle_noise_rad, 1e-5);
+  params.noise = BelievedNoise(HardwareOf(scenario));
+  RandomStream random(scenario.seed, "walk.state");
+  const LeggedStartDeviation& start = params.start;
+  const Vec<3> turn = NormalVector(random, Vec<3>::Constant(start.attitude));
+  params.initial.q_WB = QuaternionProduct(QuaternionFromRotationVector(turn), params.initial.q_WB);
+  params.initial.p_WB += NormalVector(random, Vec<3>::Constant(start.position));
+  params.initial.v_W += NormalVector(random, Vec<3>::Constant(start.velocity));
   return params;
 }
 
-QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot) {
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot,
+                                     Rate rate) {
   QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
   plant.robot = robot;
@@ -75,7 +72,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
   plant.initial.q = robot.stance;
 
-  SetSensors(scenario.sensors, params);
+  SetHardware(HardwareOf(scenario), rate, params);
 
   for (const ForceScenario& force : scenario.forces) {
     ExternalForce push = PointOf(robot, force);
@@ -123,28 +120,6 @@ void FallScenario::Validate() const {
                      min_height_ratio));
   DemandBetween("max_tilt_rad", max_tilt_rad, 1e-3, std::numbers::pi);
   DemandPositive("max_height_m", max_height_m);
-}
-
-void EncoderScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
-  DemandNotNegative("angle_noise_rad", angle_noise_rad);
-  DemandNotNegative("speed_noise_rad_per_s", speed_noise_rad_per_s);
-}
-
-void TorqueSensorScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
-  DemandNotNegative("noise_ratio", noise_ratio);
-}
-
-void FootForceSensorScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
-  DemandNotNegative("noise_ratio", noise_ratio);
-}
-
-void ImuScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
-  DemandNotNegative("angular_velocity_noise_rad_per_s", angular_velocity_noise_rad_per_s);
-  DemandNotNegative("acceleration_noise_m_per_s2", acceleration_noise_m_per_s2);
 }
 
 void ForceScenario::Validate() const {
@@ -218,7 +193,7 @@ double Duration(const QuadrupedScenario& scenario) {
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
   const QuadrupedDescription robot = LoadRobot(scenario);
   QuadrupedStandParams params;
-  params.world = MakeWorldParams(scenario, robot);
+  params.world = MakeWorldParams(scenario, robot, Hz(scenario.pd->rate_hz));
   const auto& [stiffness, damping, gravity_compensation, rate_hz] = *scenario.pd;
   params.pd = {robot, stiffness, damping, gravity_compensation, params.world.plant.gravity, Hz(rate_hz)};
   return params;
@@ -228,11 +203,14 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkScenario& walk = *scenario.walk;
   QuadrupedWalkParams params;
   const QuadrupedDescription robot = LoadRobot(scenario);
-  params.world = MakeWorldParams(scenario, robot);
+  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
+  params.world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
   EndOfWalk(walk);  // what cannot be walked is refused here, with its key
   params.walk = walk.path;
-  const QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
-  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
+  QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
+  const double rotor_inertia = params.world.plant.robot.drive.rotor_inertia;
+  if (rotor_inertia != robot.drive.rotor_inertia)
+    believed.drive.rotor_inertia = rotor_inertia;  // of a data sheet
   if (scenario.observer) profile.observer.kind = *scenario.observer;
   params.locomotion = Blame("walk.gaits", [&] { return MakeLocomotion(believed, profile, walk.gaits); });
   params.observer = MakeObserver(believed, profile);
@@ -241,7 +219,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(scenario.sensors, robot, params.world.plant);
+    params.estimator = MakeEstimator(scenario, believed, params.world.plant);
   return params;
 }
 

@@ -10,6 +10,7 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_faults.h>
+#include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
@@ -93,84 +94,6 @@ struct FallScenario {
             {"max_height_m", &FallScenario::max_height_m}};
   }
   void Validate() const;  ///< throws ParameterError
-};
-
-/// One standard deviation of white noise, and a constant that all samples carry; every sensor draws from a
-/// stream of its own, which follows from the run's seed and the sensor's name.
-struct EncoderScenario {
-  double rate_hz = 1000;
-  double angle_noise_rad = 0;
-  double angle_bias_rad = 0;  ///< the same at all joints
-  double speed_noise_rad_per_s = 0;
-  double speed_bias_rad_per_s = 0;
-
-  static FieldList Fields() {
-    return {{"rate_hz", &EncoderScenario::rate_hz},
-            {"angle_noise_rad", &EncoderScenario::angle_noise_rad},
-            {"angle_bias_rad", &EncoderScenario::angle_bias_rad},
-            {"speed_noise_rad_per_s", &EncoderScenario::speed_noise_rad_per_s},
-            {"speed_bias_rad_per_s", &EncoderScenario::speed_bias_rad_per_s}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-/// The noise grows with the signal: 0.1 is 10 % of it.
-struct TorqueSensorScenario {
-  double rate_hz = 1000;
-  double noise_ratio = 0;
-  double bias_N_m = 0;  ///< the same at all joints
-
-  static FieldList Fields() {
-    return {{"rate_hz", &TorqueSensorScenario::rate_hz},
-            {"noise_ratio", &TorqueSensorScenario::noise_ratio},
-            {"bias_N_m", &TorqueSensorScenario::bias_N_m}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-/// The noise grows with the signal: 0.1 is 10 % of it.
-struct FootForceSensorScenario {
-  double rate_hz = 1000;
-  double noise_ratio = 0;
-  double bias_N = 0;  ///< the same in all components of all feet
-
-  static FieldList Fields() {
-    return {{"rate_hz", &FootForceSensorScenario::rate_hz},
-            {"noise_ratio", &FootForceSensorScenario::noise_ratio},
-            {"bias_N", &FootForceSensorScenario::bias_N}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-struct ImuScenario {
-  double rate_hz = 1000;
-  double angular_velocity_noise_rad_per_s = 0;
-  Eigen::Vector3d angular_velocity_bias_rad_per_s = Eigen::Vector3d::Zero();  ///< in the trunk's frame
-  double acceleration_noise_m_per_s2 = 0;
-  Eigen::Vector3d acceleration_bias_m_per_s2 = Eigen::Vector3d::Zero();  ///< in the trunk's frame
-
-  static FieldList Fields() {
-    return {{"rate_hz", &ImuScenario::rate_hz},
-            {"angular_velocity_noise_rad_per_s", &ImuScenario::angular_velocity_noise_rad_per_s},
-            {"angular_velocity_bias_rad_per_s", &ImuScenario::angular_velocity_bias_rad_per_s},
-            {"acceleration_noise_m_per_s2", &ImuScenario::acceleration_noise_m_per_s2},
-            {"acceleration_bias_m_per_s2", &ImuScenario::acceleration_bias_m_per_s2}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-struct SensorScenario {
-  EncoderScenario encoders;
-  TorqueSensorScenario torque;
-  FootForceSensorScenario foot_force;
-  ImuScenario imu;
-
-  static FieldList Fields() {
-    return {{"encoders", &SensorScenario::encoders},
-            {"torque", &SensorScenario::torque},
-            {"foot_force", &SensorScenario::foot_force},
-            {"imu", &SensorScenario::imu}};
-  }
 };
 
 enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
@@ -271,7 +194,10 @@ struct QuadrupedScenario {
   /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
   YamlText profile{"standard"};
-  SensorScenario sensors;
+  /// Drives, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
+  /// differs.
+  YamlText hardware{"ideal"};
+  SensorScenario sensors;  ///< goes before what the hardware says
   std::vector<ForceScenario> forces;
   std::vector<RandomForceScenario> random_forces;
   TrunkLoadScenario payload;
@@ -297,6 +223,7 @@ struct QuadrupedScenario {
             {"walk", &QuadrupedScenario::walk},
             {"observer", &QuadrupedScenario::observer},
             {"profile", &QuadrupedScenario::profile},
+            {"hardware", &QuadrupedScenario::hardware},
             {"sensors", &QuadrupedScenario::sensors},
             {"forces", &QuadrupedScenario::forces},
             {"random_forces", &QuadrupedScenario::random_forces},

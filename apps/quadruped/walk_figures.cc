@@ -22,7 +22,10 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.locomotion.schedule,
                                      &loop.errors.errors,
                                      &loop.errors.external_foot_forces};
-  if (loop.estimator) signals.push_back(&loop.estimator->estimate);
+  if (loop.estimator) {
+    signals.push_back(&loop.estimator->estimate);
+    signals.push_back(&loop.errors.path);
+  }
   for (const Source*& signal : signals) signal = &signal->Current();
   return signals;
 }
@@ -107,6 +110,10 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("com_error_max_m", com_errors_.max());
   summary.Set("com_error_rms_m", com_errors_.rms());
   summary.Set("foot_error_max_m", largest_by_leg(&LegFigures::errors));
+  if (!estimate_.AddPathTo(summary)) {  // where the robot is told where it is, it goes where it is told
+    summary.Set("path_error_max_m", com_errors_.max());
+    summary.Set("path_foot_error_max_m", largest_by_leg(&LegFigures::errors));
+  }
   summary.Set("grf_error_mean_N", force_errors_.mean());
   summary.Set("force_estimate_mean_N",
               {{"x", estimates_[0].mean()}, {"y", estimates_[1].mean()}, {"z", estimates_[2].mean()}});

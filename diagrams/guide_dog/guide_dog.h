@@ -4,6 +4,7 @@
 
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 #include <tenon/controllers/guide_dog/supervisor.h>
+#include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
@@ -57,7 +58,8 @@ class GuideDog final : public Subdiagram {
   ObstacleDetector& obstacles;
   Person& person;
   Leash& leash;
-  LeggedStateEstimator* estimator = nullptr;  ///< if there is one
+  LeggedStateEstimator* estimator = nullptr;         ///< if there is one
+  FootForceEstimate* foot_force_estimate = nullptr;  ///< if the sensors of the feet are in the shanks
   TrackingError& errors;
   WalkView& view;
 };

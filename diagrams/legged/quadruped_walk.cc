@@ -29,7 +29,8 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     Connect(world.joints, estimator->joints);
     Connect(locomotion.schedule, estimator->schedule);
   }
-  ConnectWalk(*this, estimator ? estimator->state : world.state);
+  const OutputPort<LeggedState>& state = estimator ? estimator->state : world.state;
+  ConnectWalk(*this, state, ConnectFootForces(*this, params, state, foot_force_estimate));
 }
 
 }  // namespace tenon

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
@@ -44,7 +45,8 @@ class QuadrupedWalk final : public Subdiagram {
   LeggedLocomotion& locomotion;
   QuadrupedWorld& world;
   DisturbanceObserver& observer;
-  LeggedStateEstimator* estimator = nullptr;  ///< if there is one
+  LeggedStateEstimator* estimator = nullptr;         ///< if there is one
+  FootForceEstimate* foot_force_estimate = nullptr;  ///< if the sensors of the feet are in the shanks
   TrackingError& errors;
   WalkView& view;
 };

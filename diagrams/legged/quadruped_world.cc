@@ -1,6 +1,10 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 
+#include <tenon/plants/sensors/shank_forces.h>
+
 #include <string>
+
+#include <tenon/systems/primitives/sample_delay.h>
 
 namespace tenon {
 namespace {
@@ -35,11 +39,19 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   disturb.template operator()<SineForce>("sine", params.sines);
   disturb.template operator()<RandomForce>("random", params.random);
 
-  Connect(torque, plant.torque);
+  const QuadrupedHardwareParams& hardware = params.hardware;
+  ConnectDrives(hardware);
   Connect(disturbances.forces, plant.external);
   Connect(plant.state, encoders.state);
   Connect(plant.joint_torque, torque_sensor.torque);
-  Connect(plant.foot_forces, foot_sensor.forces);
+  if (hardware.shank_sensors) {
+    auto& shanks = Add<ShankForces>("shank_forces", ShankForcesParams{params.plant.robot});
+    Connect(plant.state, shanks.state);
+    Connect(plant.foot_forces, shanks.forces);
+    Connect(shanks.shank, foot_sensor.forces);
+  } else {
+    Connect(plant.foot_forces, foot_sensor.forces);
+  }
   Connect(plant.state, imu.body);
   Connect(plant.acceleration, imu.acceleration);
   Connect(plant.state, monitor.state);
@@ -47,10 +59,53 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   Connect(plant.state, state);
   Connect(plant.foot_forces, ground_forces);
   Connect(plant.external_torque, external_torque);
-  Connect(encoders.joints, joints);
-  Connect(torque_sensor.measured, measured_torque);
-  Connect(foot_sensor.measured, foot_forces);
-  Connect(imu.measurement, inertial);
+  const OutputPort<ImuMeasurement>* unit = &imu.measurement;
+  if (hardware.imu_errors) {
+    auto& errors = Add<ImuErrors>("imu_errors", *hardware.imu_errors);
+    Connect(*unit, errors.measurement);
+    unit = &errors.measured;
+  }
+  // Before the first samples arrive: what a robot at rest has.
+  const LeggedState& initial = params.plant.initial;
+  const ImuMeasurement at_rest{Vec<3>::Zero(),
+                               initial.R_WB().transpose() * Vec<3>(0, 0, params.plant.gravity)};
+  ConnectLate<JointMotion>("joints", encoders.joints, {initial.q, initial.qd}, params.encoders.rate,
+                           hardware.encoder_delay, joints);
+  ConnectLate<Vec<12>>("measured_torque", torque_sensor.measured, Vec<12>::Zero(), params.torque_sensor.rate,
+                       hardware.torque_delay, measured_torque);
+  ConnectLate<FootForces>("foot_forces", foot_sensor.measured, {}, params.foot_sensor.rate,
+                          hardware.foot_delay, foot_forces);
+  ConnectLate<ImuMeasurement>("inertial", *unit, at_rest, params.imu.rate, hardware.imu_delay, inertial);
+}
+
+void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {
+  InputPort<Vec<12>>* in = &plant.torque;  // of what the next one drives
+  if (hardware.drive_lag) {
+    auto& lag = Add<HeldLag<Vec<12>>>("drive_lag", *hardware.drive_lag);
+    Connect(lag.y, *in);
+    in = &lag.u;
+  }
+  if (hardware.drive_errors) {
+    auto& errors = Add<DriveErrors>("drive_errors", *hardware.drive_errors);
+    Connect(errors.torque, *in);
+    in = &errors.command;
+  }
+  if (hardware.command_delay) {
+    auto& delay = Add<JitteredDelay<Vec<12>>>("command_delay", *hardware.command_delay);
+    Connect(delay.y, *in);
+    in = &delay.u;
+  }
+  Connect(torque, *in);
+}
+
+template <class T>
+void QuadrupedWorld::ConnectLate(const std::string& name, const OutputPort<T>& from, const T& initial,
+                                 Rate rate, int samples, OutputPort<T>& to) {
+  if (samples == 0) return Connect(from, to);
+  auto& delay = Add<SampleDelay<T>>(
+      name + "_delay", SampleDelayParams<T>{.samples = samples, .initial = initial, .rate = rate});
+  Connect(from, delay.u);
+  Connect(delay.y, to);
 }
 
 }  // namespace tenon

@@ -1,23 +1,44 @@
 #pragma once
 
 #include <tenon/plants/legged/disturbances.h>
+#include <tenon/plants/legged/drive_errors.h>
 #include <tenon/plants/legged/fall_monitor.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/imu.h>
+#include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/joint_encoders.h>
 #include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/primitives/held_lag.h>
+#include <tenon/systems/primitives/jittered_delay.h>
 
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace tenon {
+
+/// What lies between a controller and an ideal plant with ideal sensors; what is not given is not there.
+struct QuadrupedHardwareParams {
+  std::optional<JitteredDelayParams<Vec<12>>> command_delay;  ///< computing and field bus
+  std::optional<DriveErrorsParams> drive_errors;
+  std::optional<HeldLagParams<Vec<12>>> drive_lag;
+  std::optional<ImuErrorsParams> imu_errors;
+  bool shank_sensors = false;  ///< the forces on the feet are measured, and come, in the shanks' axes
+  // How many samples old the sensors' values are when they arrive.
+  int encoder_delay = 0;
+  int torque_delay = 0;
+  int foot_delay = 0;
+  int imu_delay = 0;
+};
 
 struct QuadrupedWorldParams {
   QuadrupedPlantParams plant;
   JointEncodersParams encoders;
   ForceSensorParams torque_sensor;
-  ForceSensorParams foot_sensor;
-  ImuParams imu;                         ///< its place is the robot's
+  FootForceSensorParams foot_sensor;
+  ImuParams imu;  ///< its place is the robot's
+  QuadrupedHardwareParams hardware;
   std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
   std::vector<SineForceParams> sines;
   std::vector<RandomForceParams> random;
@@ -29,8 +50,9 @@ struct QuadrupedWorldParams {
 /// Everything of a quadruped's run that is not the controller's: the robot on its terrain, its sensors, the
 /// forces that disturb it, and a monitor that ends the run when it falls.
 ///
-///     pull, disturbances ──► plant ──► encoders, torque_sensor, foot_sensor, imu
-///                  torque ────▲
+///     pull, disturbances ──► plant ──► encoders, torque_sensor, foot_sensor, imu ──► delays ──► out
+///                             ▲
+///     torque ──► command_delay ──► drive_errors ──► drive_lag
 ///
 ///     ports in   torque           of the joints [N m]
 ///                pull             one more force on the robot; none if not connected
@@ -39,7 +61,7 @@ struct QuadrupedWorldParams {
 ///                external_torque  of forces on the legs at the joints, the true one [N m]
 ///                joints           of the encoders
 ///                measured_torque  of the joints [N m]
-///                foot_forces      as measured
+///                foot_forces      as measured, in W, or with `shank_sensors` in the shanks' axes
 ///                inertial         of the trunk's inertial unit
 ///
 /// The blocks are public, for logs and for taking it apart.
@@ -64,6 +86,12 @@ class QuadrupedWorld final : public Subdiagram {
   OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m"}};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}};
   OutputPort<ImuMeasurement> inertial{this, {"inertial"}};
+
+ private:
+  void ConnectDrives(const QuadrupedHardwareParams& hardware);
+  template <class T>
+  void ConnectLate(const std::string& name, const OutputPort<T>& from, const T& initial, Rate rate,
+                   int samples, OutputPort<T>& to);
 };
 
 }  // namespace tenon

@@ -8,6 +8,7 @@
 #include <tenon/plants/cdpr/cable_fault.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/io/external_input.h>
 #include <tenon/systems/network/lcm.h>
 #include <tenon/systems/network/udp.h>
@@ -19,7 +20,9 @@
 #include <tenon/systems/primitives/discrete_transfer_function.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/gauss_markov.h>
+#include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/integrator.h>
+#include <tenon/systems/primitives/jittered_delay.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/matrix_gain.h>
 #include <tenon/systems/primitives/multiport_switch.h>
@@ -113,9 +116,14 @@ Shelf Primitives() {
       "The output follows u at once if the numerator has as many coefficients as the denominator."));
   put(WithNote(MakeOfType<Gain<T>>("Gain", GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number));
   put(WithNote(MakeOfType<GaussMarkov<T>>("GaussMarkov", GaussMarkovParams<T>{.unit = "unit"}), number));
+  const std::string sized = "`T` is a double, a `Vec<N>` or an `Eigen::VectorXd` of the size of `initial`.";
+  put(WithNote(MakeOfType<HeldLag<T>>("HeldLag", HeldLagParams<T>{.unit = "unit"}), sized));
+  entries.back().placeholders.emplace_back("HeldLagPart<Vec<7>>", "HeldLagPart<T>");
   put(WithNote(
       MakeOfType<Integrator<T>>("Integrator", IntegratorParams<T>{.u_unit = "u_unit", .y_unit = "y_unit"}),
       number));
+  put(WithNote(MakeOfType<JitteredDelay<T>>("JitteredDelay", JitteredDelayParams<T>{.unit = "unit"}), sized));
+  entries.back().placeholders.emplace_back("MessageLine<Vec<7>>", "MessageLine<T>");
   put(WithNote(MakeOfType<LowPassFilter<T>>("LowPassFilter", LowPassFilterParams<T>{.unit = "unit"}),
                number));
   put({"MatrixGain<Rows, Cols>",
@@ -210,10 +218,13 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<ForceBundle>("ForceBundle", ForceBundleParams{.count = 2}));
   entries.push_back(Make<JointLock>("JointLock"));
   entries.push_back(Make<FallMonitor>("FallMonitor"));
+  entries.push_back(Make<DriveErrors>("DriveErrors"));
   entries.push_back(Make<JointEncoders>("JointEncoders"));
   entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
+  entries.push_back(Make<ShankForces>("ShankForces", ShankForcesParams{shipped.dog}));
   entries.push_back(Make<FootForceSensor>("FootForceSensor"));
   entries.push_back({"TrunkImu", "BasicImu", std::make_unique<TrunkImu>()});
+  entries.push_back(Make<ImuErrors>("ImuErrors"));
   return shelf;
 }
 
@@ -259,6 +270,8 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   LeggedStateEstimatorParams estimator;
   estimator.robot = shipped.dog;
   entries.push_back(Make<LeggedStateEstimator>("LeggedStateEstimator", estimator));
+  entries.push_back(
+      Make<FootForceEstimate>("FootForceEstimate", FootForceEstimateParams{.robot = shipped.dog}));
   entries.push_back(Make<Supervisor>("Supervisor"));
   entries.push_back(Make<AdmittanceFilter>("AdmittanceFilter"));
   entries.push_back(Make<TrackingError>("TrackingError", TrackingErrorParams{.robot = shipped.dog}));

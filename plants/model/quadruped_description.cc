@@ -148,6 +148,14 @@ Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints
   return p;
 }
 
+Eigen::Matrix3d QuadrupedDescription::ShankRotation(int leg, const Vec<kNumJoints>& q) const {
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  Eigen::Matrix3d R_BJ = Eigen::Matrix3d::Identity();
+  for (int i = 0; i < kJointsPerLeg; ++i)
+    R_BJ = R_BJ * Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], at.joints[static_cast<std::size_t>(i)].axis);
+  return R_BJ;
+}
+
 double QuadrupedDescription::StanceHeight() const {
   double sum = 0;
   for (int leg = 0; leg < kNumLegs; ++leg) sum += foot_radius - FootPosition(leg, stance)[2];

@@ -105,6 +105,8 @@ struct QuadrupedDescription {
   double LegLength(int leg) const;
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;
+  /// The axes of the leg's last body, R_BJ, at the joint angles q.
+  Eigen::Matrix3d ShankRotation(int leg, const Vec<kNumJoints>& q) const;
   /// Height of B's origin over level ground that the feet touch in the stance: the mean over the feet [m].
   double StanceHeight() const;
 };

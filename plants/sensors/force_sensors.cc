@@ -1,6 +1,16 @@
 #include <tenon/plants/sensors/force_sensors.h>
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace tenon {
+
+void FootForceSensorParams::Validate() const {
+  error.Validate("the force sensor");
+  Demand(std::isfinite(threshold) && threshold >= 0,
+         fmt::format("threshold = {} N must be finite and not negative; 0 for none", threshold));
+}
 
 Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, const SensorError& error,
                                         RandomStream& noise) const {
@@ -10,7 +20,10 @@ Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, const SensorError
 FootForces FootForceSensor::CalcMeasured(const FootForces& forces, const SensorError& error,
                                          RandomStream& noise) const {
   FootForces measured;
-  for (int leg = 0; leg < kNumLegs; ++leg) measured[leg] = error.Measure(forces[leg], noise);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    measured[leg] = error.Measure(forces[leg], noise);
+    if (measured[leg].norm() < params.threshold) measured[leg].setZero();
+  }
   return measured;
 }
 

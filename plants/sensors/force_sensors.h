@@ -17,6 +17,15 @@ struct ForceSensorParams {
   void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
 };
 
+/// Defaults: without errors.
+struct FootForceSensorParams {
+  Rate rate = Hz(1000);
+  SensorError error = {};  ///< of each component [N]
+  double threshold = 0;    ///< a foot whose measured force is smaller counts as being in the air [N]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// Measures the torques of all drives at a rate, each with an error (sensor_noise.h).
 ///
 ///     port in   torque    what the drives give [N m]
@@ -38,12 +47,13 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
   Vec<12> CalcMeasured(const Vec<12>& torque, const SensorError& error, RandomStream& noise) const;
 };
 
-/// Measures the forces on all feet at a rate, every component in W with an error (sensor_noise.h).
+/// Measures the forces on all feet at a rate, every component with an error (sensor_noise.h), in the axes in
+/// which they come. What is measured below the threshold is 0.
 ///
 ///     port in   forces    of the ground on the feet
 ///     port out  measured  sampled
 ///     parameter error     SensorError [N]
-class FootForceSensor final : public LeafSystem<ForceSensorParams> {
+class FootForceSensor final : public LeafSystem<FootForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<FootForces> forces{this, {"forces"}};

@@ -1,16 +1,45 @@
 #include <tenon/plants/sensors/joint_encoders.h>
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
 namespace tenon {
 
 void JointEncodersParams::Validate() const {
   angle.Validate("the joint angles");
   speed.Validate("the joint speeds");
+  const auto check = [](const char* name, double value, const char* unit) {
+    Demand(std::isfinite(value) && value >= 0,
+           fmt::format("{} = {} {} must be finite and not negative; 0 for none", name, value, unit));
+  };
+  check("resolution", resolution, "rad");
+  check("offset_deviation", offset_deviation, "rad");
+  check("speed_bandwidth", speed_bandwidth, "Hz");
+}
+
+Vec<12> JointEncoders::DrawOffset(RandomStream& noise) const {
+  Vec<12> offset;
+  for (double& angle : offset) angle = params.offset_deviation * noise.Normal();
+  return offset;
 }
 
 JointMotion JointEncoders::CalcJoints(const LeggedState& x, const SensorError& angle,
-                                      const SensorError& speed, RandomStream& angle_noise,
-                                      RandomStream& speed_noise) const {
-  return {angle.Measure(x.q, angle_noise), speed.Measure(x.qd, speed_noise)};
+                                      const SensorError& speed, const Vec<12>& offset,
+                                      RandomStream& angle_noise, RandomStream& speed_noise,
+                                      Memory& memory) const {
+  JointMotion joints{angle.Measure<12>(x.q + offset, angle_noise), speed.Measure(x.qd, speed_noise)};
+  if (params.resolution > 0)
+    joints.q = params.resolution * (joints.q / params.resolution).array().round().matrix();
+  if (params.speed_bandwidth > 0) {
+    const double h = params.rate.period();
+    const double a = std::exp(-2 * std::numbers::pi * params.speed_bandwidth * h);
+    joints.qd = memory.started ? Vec<12>(a * memory.last.qd + (1 - a) / h * (joints.q - memory.last.q))
+                               : Vec<12>::Zero();
+    memory = {true, joints};
+  }
+  return joints;
 }
 
 }  // namespace tenon

@@ -14,12 +14,26 @@ struct JointEncodersParams {
   Rate rate = Hz(1000);
   SensorError angle = {};  ///< [rad]
   SensorError speed = {};  ///< [rad/s]
+  double resolution = 0;   ///< between two angles that the encoders tell apart; 0: all [rad]
+  double offset_deviation =
+      0;  ///< of the angle that each joint's calibration is off; drawn at the start [rad]
+  double speed_bandwidth =
+      0;  ///< of the low-pass that speeds are differenced through; 0: see JointEncoders [Hz]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Measures angle and speed of all joints at a rate, each with an error of its own (sensor_noise.h); the
-/// speed is the drive's, not a difference of angles.
+/// Measures angle and speed of all joints at a rate, each with an error of its own (sensor_noise.h). An angle
+/// q is measured as
+///
+///     resolution round((q + offset + error) / resolution).
+///
+/// Without a bandwidth the speed is the drive's, with its error. With one, f, it is found from the angles
+/// that were measured: their differences over the period h through a low-pass of first order,
+///
+///     qd[n] = a qd[n - 1] + (1 - a) (q[n] - q[n - 1]) / h,   a = exp(-2 pi f h),
+///
+/// which lags by some 1 / (2 pi f), and carries the resolution as noise.
 ///
 ///     port in   state   the true state
 ///     port out  joints  sampled
@@ -28,6 +42,14 @@ struct JointEncodersParams {
 class JointEncoders final : public LeafSystem<JointEncodersParams> {
  public:
   using LeafSystem::LeafSystem;
+
+  /// What speeds are differenced from.
+  struct Memory {
+    bool started = false;
+    JointMotion last;
+    static FieldList Fields() { return {{"started", &Memory::started}, {"last", &Memory::last}}; }
+  };
+
   InputPort<LeggedState> state{this, {"state"}};
   Parameter<SensorError> angle{
       this, {"angle"}, params.angle, "error of each angle; absolute and bias in rad"};
@@ -35,15 +57,21 @@ class JointEncoders final : public LeafSystem<JointEncodersParams> {
       this, {"speed"}, params.speed, "error of each speed; absolute and bias in rad/s"};
   Random angle_noise{this, "angle_noise"};
   Random speed_noise{this, "speed_noise"};
+  Random offset_noise{this, "offset_noise"};
+  DiscreteState<Vec<12>> offset{this, {"offset", "rad"}};
+  Update<Vec<12>> draw_offset{offset, AtStart{}, Uses(offset_noise), &JointEncoders::DrawOffset};
+  Scratch<Memory> memory{this, "memory"};
   OutputPort<JointMotion> joints{this,
                                  {"joints"},
                                  Sampled{params.rate},
-                                 Uses(state, angle, speed, angle_noise, speed_noise),
+                                 Uses(state, angle, speed, offset, angle_noise, speed_noise, memory),
                                  &JointEncoders::CalcJoints};
 
  private:
+  Vec<12> DrawOffset(RandomStream& noise) const;
   JointMotion CalcJoints(const LeggedState& x, const SensorError& angle, const SensorError& speed,
-                         RandomStream& angle_noise, RandomStream& speed_noise) const;
+                         const Vec<12>& offset, RandomStream& angle_noise, RandomStream& speed_noise,
+                         Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 
@@ -34,6 +36,27 @@ WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const
   return errors;
 }
 
+PathErrors TrackingError::CalcPath(const QuadrupedDynamics& dynamics, const LeggedState& state,
+                                   const LeggedState& told, const ContactSchedule& schedule,
+                                   const BodyReference& body, const FeetReference& feet) const {
+  const auto heading = [](const LeggedState& x) {
+    const Vec<3> forward = x.R_WB().col(0);
+    return std::atan2(forward[1], forward[0]);
+  };
+  PathErrors errors;
+  errors.drift = told.p_WB - state.p_WB;
+  errors.yaw_drift = std::remainder(heading(told) - heading(state), 2 * std::numbers::pi);
+  const Eigen::AngleAxisd turn(errors.yaw_drift, Vec<3>::UnitZ());
+  const auto as_told = [&](const Vec<3>& x_W) -> Vec<3> { return told.p_WB + turn * (x_W - state.p_WB); };
+  errors.com = as_told(dynamics.com_W) - body.com_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    if (schedule.legs[i].state == ContactState::kSwing)
+      errors.foot[leg] = (as_told(dynamics.feet[i].p_W) - feet[leg].p_W).norm();
+  }
+  return errors;
+}
+
 FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynamics,
                                                  const Vec<12>& external_torque,
                                                  double min_singular_value) const {
@@ -43,3 +66,4 @@ FootForces TrackingError::CalcExternalFootForces(const QuadrupedDynamics& dynami
 }  // namespace tenon
 
 TENON_DEFINE_SIGNAL(tenon::WalkingErrors);
+TENON_DEFINE_SIGNAL(tenon::PathErrors);

@@ -33,13 +33,36 @@ struct WalkingErrors {
   }
 };
 
+/// The same over ground, with the drift of an estimate taken out that no sensor of the robot can see: of the
+/// planned motion, which is planned where the robot believes to be, as seen from the robot. With the true and
+/// the estimated position p, p^ and heading psi, psi^ of the trunk, a point x of the robot is at
+///
+///     x^ = p^ + Rz(psi^ - psi) (x - p)
+///
+/// in the axes of the plan. Errors of the estimated roll and pitch are errors still.
+struct PathErrors {
+  Vec<3> com = Vec<3>::Zero();    ///< x^ - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();   ///< |x^ - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<3> drift = Vec<3>::Zero();  ///< p^ - p [m]
+  double yaw_drift = 0;           ///< psi^ - psi, from -pi to pi [rad]
+
+  static FieldList Fields() {
+    return {{"com", &PathErrors::com, "m"},
+            {"foot", &PathErrors::foot, "m"},
+            {"drift", &PathErrors::drift, "m"},
+            {"yaw_drift", &PathErrors::yaw_drift, "rad"}};
+  }
+};
+
 /// How far a walking robot is from what was planned for it. It judges a run; nothing should be controlled by
 /// it, since it takes the true state and the true masses.
 ///
 ///     ports in   state, foot_forces              the true ones
+///                told                            the state that the controller is told
 ///                schedule, body, feet, plan      of the controller
 ///                external_torque                 of disturbances at the joints; none if not connected
 ///     ports out  errors
+///                path                            the same without the drift of what is told
 ///                external_foot_forces            those disturbances as forces at the feet, which do the same
 ///                                                at the joints, as observers tell them: see SolveFootForces
 ///     parameter  min_singular_value              [m]
@@ -47,6 +70,7 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> state{this, {"state"}};
+  InputPort<LeggedState> told{this, {"told"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<BodyReference> body{this, {"body"}};
@@ -65,6 +89,8 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
   OutputPort<WalkingErrors> errors{
       this, {"errors"}, Uses(dynamics_, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
+  OutputPort<PathErrors> path{
+      this, {"path"}, Uses(dynamics_, state, told, schedule, body, feet), &TrackingError::CalcPath};
   OutputPort<FootForces> external_foot_forces{this,
                                               {"external_foot_forces"},
                                               Uses(dynamics_, external_torque, min_singular_value),
@@ -75,6 +101,9 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                            const ContactSchedule& schedule, const BodyReference& body,
                            const FeetReference& feet, const WholeBodyPlan& plan) const;
+  PathErrors CalcPath(const QuadrupedDynamics& dynamics, const LeggedState& state, const LeggedState& told,
+                      const ContactSchedule& schedule, const BodyReference& body,
+                      const FeetReference& feet) const;
   FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque,
                                     double min_singular_value) const;
 };
@@ -82,3 +111,4 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
 }  // namespace tenon
 
 TENON_DECLARE_SIGNAL(tenon::WalkingErrors);
+TENON_DECLARE_SIGNAL(tenon::PathErrors);

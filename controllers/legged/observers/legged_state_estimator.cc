@@ -118,6 +118,12 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
   return Output(input.inertial, joints, memory);
 }
 
+ImuMeasurement LeggedStateEstimator::CalcInertial(const ImuMeasurement& imu,
+                                                  const LeggedEstimatorDiagnostics& diagnostics) const {
+  return {imu.angular_velocity_B - diagnostics.angular_velocity_bias_B,
+          imu.specific_force_B - diagnostics.specific_force_bias_B};
+}
+
 LeggedEstimate LeggedStateEstimator::Output(const ImuMeasurement& imu_B, const JointMotion& joints,
                                             const Memory& memory) const {
   const ContactAidedMean& mean = memory.filter.mean;

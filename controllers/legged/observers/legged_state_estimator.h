@@ -90,6 +90,7 @@ struct LeggedEstimate {
 ///     | estimate    | output, sampled | LeggedEstimate              |
 ///     | state       | output          | LeggedState, of estimate    |
 ///     | diagnostics | output          | LeggedEstimatorDiagnostics  |
+///     | inertial    | output          | ImuMeasurement, without the estimated biases |
 ///     | noise       | parameter       | ContactAidedNoise           |
 ///     | settle_time | parameter       | double [s]                  |
 ///     | outlier     | parameter       | double                      |
@@ -145,6 +146,8 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
       this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate) {
         return estimate.diagnostics;
       }};
+  OutputPort<ImuMeasurement> inertial{
+      this, {"inertial"}, Uses(imu, diagnostics), &LeggedStateEstimator::CalcInertial};
 
  private:
   void CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const;
@@ -152,6 +155,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
                               const JointMotion& joints, const ContactSchedule& schedule,
                               const ContactAidedNoise& noise, double settle_time, double outlier,
                               Memory& memory) const;
+  ImuMeasurement CalcInertial(const ImuMeasurement& imu, const LeggedEstimatorDiagnostics& diagnostics) const;
   double RollingRadius(const std::array<bool, kNumLegs>& anchored) const;
   void Start(const JointMotion& joints, double settle_time, Memory& memory) const;
   LeggedEstimate Output(const ImuMeasurement& imu_B, const JointMotion& joints, const Memory& memory) const;

@@ -141,6 +141,18 @@ TEST_F(TenonQuadrupedTest, WrittenScenarioRepeatsTheRun) {
   EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
 }
 
+TEST_F(TenonQuadrupedTest, WalksWithTheHardwareOfARobot) {
+  for (const char* hardware : {"standard", "rough"}) {
+    const Result result = RunApp(
+        "A4 --duration 0.3 --set walk.state=estimated --set hardware=" + std::string(hardware) + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(Read(out / "summary.json"),
+                AllOf(HasSubstr("\"path_error_max_m\": 0.0"), HasSubstr("\"drift_m\": 0.0")));
+  }
+  EXPECT_THAT(RunApp("A4 --set hardware=perfect" + Out()).text,
+              AllOf(HasSubstr("hardware"), HasSubstr("there is no 'perfect'")));
+}
+
 // In a robot at rest a sensor shows its bias, and changes as often as it samples.
 TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
   const Result result = RunApp(

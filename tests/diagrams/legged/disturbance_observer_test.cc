@@ -196,6 +196,7 @@ WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
   builder.Connect(observer.wrench, locomotion.wrench);
   builder.Connect(observer.leg_forces, locomotion.leg_forces);
   builder.Connect(world.state, errors.state);
+  builder.Connect(world.state, errors.told);
   builder.Connect(world.ground_forces, errors.foot_forces);
   builder.Connect(locomotion.schedule, errors.schedule);
   builder.Connect(locomotion.body, errors.body);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/imu.h>
@@ -67,6 +68,62 @@ TEST(JointEncodersTest, ErrorsHaveTheGivenMeanAndDeviation) {
   EXPECT_LT((product.sum / kSamples).cwiseAbs().maxCoeff(), 4 * 1e-4 * 0.02 / std::sqrt(kSamples));
 }
 
+TEST(JointEncodersTest, TellApartWhatTheirResolutionAllows) {
+  RandomStream random(2);
+  const LeggedState x = RandomState(random);
+  TestRig<JointEncoders> rig(JointEncodersParams{.resolution = 0.01});
+  rig.Fix(rig->state, x).Tick();
+  for (int j = 0; j < kNumJoints; ++j) {
+    EXPECT_NEAR(rig[rig->joints].q[j], x.q[j], 0.005 + 1e-12) << j;
+    EXPECT_NEAR(std::remainder(rig[rig->joints].q[j], 0.01), 0, 1e-12) << j;
+  }
+  EXPECT_EQ(rig[rig->joints].qd, x.qd);
+}
+
+TEST(JointEncodersTest, EachJointsCalibrationIsOffByItsOwn) {
+  const LeggedState x = Standing(DogBot());
+  TestRig<JointEncoders> rig(JointEncodersParams{.offset_deviation = 0.01});
+  rig.Fix(rig->state, x).Tick();
+  const Vec<12> offset = rig[rig->joints].q - x.q;
+  EXPECT_GT(offset.cwiseAbs().minCoeff(), 0);
+  EXPECT_LT(offset.cwiseAbs().maxCoeff(), 0.04);
+  EXPECT_NEAR(((rig.Tick()[rig->joints].q - x.q) - offset).norm(), 0, 1e-15) << "it stays";
+}
+
+/// A joint that turns evenly: the differences come to its speed as a low-pass of first order does.
+TEST(JointEncodersTest, SpeedsMayBeDifferencesOfAngles) {
+  constexpr double kBandwidth = 50, kSpeed = 2;
+  TestRig<JointEncoders> rig(JointEncodersParams{.speed_bandwidth = kBandwidth});
+  LeggedState x = Standing(DogBot());
+  rig.Fix(rig->state, x).Tick();
+  EXPECT_EQ(rig[rig->joints].qd.norm(), 0) << "nothing to difference yet";
+  for (int n = 1; n <= 20; ++n) {
+    x.q.array() += 1e-3 * kSpeed;
+    rig.Fix(rig->state, x).Tick();
+    EXPECT_NEAR(rig[rig->joints].qd[7],
+                kSpeed * (1 - std::exp(-2 * std::numbers::pi * kBandwidth * 1e-3 * n)), 1e-9)
+        << n;
+  }
+}
+
+TEST(JointEncodersTest, RefuseWhatNoEncoderHas) {
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { JointEncoders encoders({.resolution = -1}); }, "resolution = -1 rad"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { JointEncoders encoders({.speed_bandwidth = NAN}); }, "speed_bandwidth"));
+}
+
+TEST(FootForceSensorTest, SmallForcesAreAFootInTheAir) {
+  TestRig<FootForceSensor> rig(FootForceSensorParams{.threshold = 10});
+  FootForces forces;
+  forces[kFrontLeft] = {3, 4, 8};   // 9.4 N
+  forces[kRearRight] = {3, 4, 12};  // 13 N
+  rig.Fix(rig->forces, forces).Tick();
+  EXPECT_EQ(rig[rig->measured][kFrontLeft].norm(), 0);
+  EXPECT_EQ(rig[rig->measured][kRearRight], forces[kRearRight]);
+  EXPECT_TRUE(Throws<ParameterError>([] { FootForceSensor sensor({.threshold = -1}); }, "threshold = -1 N"));
+}
+
 TEST(JointTorqueSensorTest, RelativeNoiseGrowsWithTheSignal) {
   Vec<12> torque = Vec<12>::LinSpaced(12, -40, 37);
   torque[5] = 0;
@@ -81,7 +138,7 @@ TEST(FootForceSensorTest, EveryComponentHasItsOwnNoise) {
   FootForces forces;
   Vec<12> values = Vec<12>::LinSpaced(12, 10, 65);
   for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = values.segment<3>(3 * leg);
-  TestRig<FootForceSensor> rig(ForceSensorParams{.error = {.relative = 0.1}});
+  TestRig<FootForceSensor> rig(FootForceSensorParams{.error = {.relative = 0.1}});
   rig.Fix(rig.system().forces, forces);
   Statistics<12> error;
   for (int i = 0; i < kSamples; ++i) {
@@ -148,7 +205,7 @@ TEST(TrunkImuTest, ReadsTheTrunksMotionInItsAxes) {
 TEST(LeggedSensorsTest, DoNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   TestRig<JointEncoders> encoders(JointEncodersParams{.angle = {.absolute = 1e-4}});
-  TestRig<FootForceSensor> feet(ForceSensorParams{.error = {.relative = 0.1}});
+  TestRig<FootForceSensor> feet(FootForceSensorParams{.error = {.relative = 0.1}});
   encoders.Fix(encoders.system().state, Standing(DogBot())).RunTo(0.01);
   feet.Fix(feet.system().forces, FootForces{}).RunTo(0.01);
   AllocationGuard guard;
@@ -187,7 +244,7 @@ TEST(ForceSensorsTest, ErrorsAreSetInARun) {
   noisy_torque.Fix(noisy_torque->torque, Vec<12>::Constant(5)).Tick();
   EXPECT_EQ(torque[torque->measured], noisy_torque[noisy_torque->measured]);
   EXPECT_NE(torque[torque->measured], Vec<12>(Vec<12>::Constant(5)));
-  TestRig<FootForceSensor> force, noisy_force(params);
+  TestRig<FootForceSensor> force, noisy_force(FootForceSensorParams{.error = error});
   force.Fix(force->forces, FootForces()).Set(force->error, error).Tick();
   noisy_force.Fix(noisy_force->forces, FootForces()).Tick();
   EXPECT_EQ(force[force->measured][kRearLeft], noisy_force[noisy_force->measured][kRearLeft]);

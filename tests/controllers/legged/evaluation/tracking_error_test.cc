@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
@@ -16,7 +18,10 @@ class TrackingErrorTest : public ::testing::Test {
   TrackingErrorTest() {
     QuadrupedModel(robot_).Calc(state_, &dynamics_);
     auto& block = rig_.system();
-    rig_.Fix(block.state, state_).Fix(block.foot_forces, FootForces()).Fix(block.schedule, ContactSchedule());
+    rig_.Fix(block.state, state_)
+        .Fix(block.told, state_)
+        .Fix(block.foot_forces, FootForces())
+        .Fix(block.schedule, ContactSchedule());
     rig_.Fix(block.body, BodyReference()).Fix(block.feet, FeetReference()).Fix(block.plan, WholeBodyPlan());
   }
   QuadrupedDescription robot_ = test::DogBot();
@@ -45,6 +50,31 @@ TEST_F(TrackingErrorTest, TellsWhatIsPlannedFromWhatIs) {
   EXPECT_THAT(errors.com_position, IsNear(dynamics_.com_W, 1e-14));
   EXPECT_THAT(errors.foot, IsNear(Vec<4>(0, 0, 0.005, 0), 1e-14));
   EXPECT_THAT(errors.ground_force, IsNear(Vec<4>(5, 0, 0, 0), 1e-14));
+}
+
+// A robot that is where it believes to be but for its place and heading, which it cannot see, errs by
+// nothing.
+TEST_F(TrackingErrorTest, DriftIsNoErrorOverGround) {
+  auto& block = rig_.system();
+  const Eigen::AngleAxisd turn(0.7, Vec<3>::UnitZ());
+  const Vec<3> shift(2, -1, 0.05);
+  LeggedState told = state_;
+  told.p_WB = shift + turn * state_.p_WB;
+  const Eigen::Quaterniond q = turn * Eigen::Quaterniond(state_.R_WB());
+  told.q_WB = {q.w(), q.x(), q.y(), q.z()};
+  BodyReference body;
+  body.com_W = shift + turn * dynamics_.com_W;
+  FeetReference feet;
+  feet[kRearLeft].p_W = shift + turn * dynamics_.feet[kRearLeft].p_W + Vec<3>(0, 0.003, 0.004);
+  ContactSchedule schedule;
+  schedule.legs[kRearLeft].state = ContactState::kSwing;
+  rig_.Fix(block.told, told).Fix(block.body, body).Fix(block.feet, feet).Fix(block.schedule, schedule);
+  const PathErrors path = rig_[block.path];
+  EXPECT_THAT(path.com, IsNear(Vec<3>(0, 0, 0), 1e-12));
+  EXPECT_THAT(path.foot, IsNear(Vec<4>(0, 0, 0.005, 0), 1e-12));
+  EXPECT_THAT(path.drift, IsNear(Vec<3>(told.p_WB - state_.p_WB), 1e-12));
+  EXPECT_NEAR(path.yaw_drift, 0.7, 1e-12);
+  EXPECT_GT(rig_[block.errors].com.norm(), 1);
 }
 
 // A force at a foot is told as itself.

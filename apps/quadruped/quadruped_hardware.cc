@@ -1,0 +1,296 @@
+#include <tenon/apps/quadruped/quadruped_hardware.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+#include <utility>
+
+#include <tenon/apps/common/checks.h>
+#include <tenon/plants/model/resources.h>
+
+namespace tenon::apps {
+
+FieldList EncoderScenario::Fields() {
+  using S = EncoderScenario;
+  return {{"rate_hz", &S::rate_hz},
+          {"latency_samples", &S::latency_samples},
+          {"angle_noise_rad", &S::angle_noise_rad},
+          {"angle_bias_rad", &S::angle_bias_rad},
+          {"speed_noise_rad_per_s", &S::speed_noise_rad_per_s},
+          {"speed_bias_rad_per_s", &S::speed_bias_rad_per_s},
+          {"bits", &S::bits},
+          {"offset_rad", &S::offset_rad},
+          {"speed_bandwidth_hz", &S::speed_bandwidth_hz}};
+}
+
+FieldList TorqueSensorScenario::Fields() {
+  using S = TorqueSensorScenario;
+  return {{"rate_hz", &S::rate_hz},
+          {"latency_samples", &S::latency_samples},
+          {"noise_ratio", &S::noise_ratio},
+          {"bias_N_m", &S::bias_N_m}};
+}
+
+FieldList FootForceSensorScenario::Fields() {
+  using S = FootForceSensorScenario;
+  return {{"rate_hz", &S::rate_hz},         {"latency_samples", &S::latency_samples},
+          {"noise_ratio", &S::noise_ratio}, {"noise_weight_ratio", &S::noise_weight_ratio},
+          {"bias_N", &S::bias_N},           {"threshold_weight_ratio", &S::threshold_weight_ratio},
+          {"in_shank", &S::in_shank}};
+}
+
+FieldList ImuScenario::Fields() {
+  using S = ImuScenario;
+  return {{"rate_hz", &S::rate_hz},
+          {"latency_samples", &S::latency_samples},
+          {"angular_velocity_noise_rad_per_s", &S::angular_velocity_noise_rad_per_s},
+          {"angular_velocity_bias_rad_per_s", &S::angular_velocity_bias_rad_per_s},
+          {"acceleration_noise_m_per_s2", &S::acceleration_noise_m_per_s2},
+          {"acceleration_bias_m_per_s2", &S::acceleration_bias_m_per_s2},
+          {"angular_velocity_bias_deviation_rad_per_s", &S::angular_velocity_bias_deviation_rad_per_s},
+          {"acceleration_bias_deviation_m_per_s2", &S::acceleration_bias_deviation_m_per_s2},
+          {"angular_velocity_walk_rad_per_s_per_sqrt_s", &S::angular_velocity_walk_rad_per_s_per_sqrt_s},
+          {"acceleration_walk_m_per_s2_per_sqrt_s", &S::acceleration_walk_m_per_s2_per_sqrt_s},
+          {"misalignment_rad", &S::misalignment_rad}};
+}
+
+FieldList SensorScenario::Fields() {
+  using S = SensorScenario;
+  return {
+      {"encoders", &S::encoders}, {"torque", &S::torque}, {"foot_force", &S::foot_force}, {"imu", &S::imu}};
+}
+
+FieldList DriveScenario::Fields() {
+  using S = DriveScenario;
+  return {{"rotor_acceleration_rad_per_s2", &S::rotor_acceleration_rad_per_s2},
+          {"friction_ratio", &S::friction_ratio},
+          {"damping_ratio", &S::damping_ratio},
+          {"gain_deviation", &S::gain_deviation},
+          {"ripple_ratio", &S::ripple_ratio},
+          {"bandwidth_hz", &S::bandwidth_hz},
+          {"limit_speed", &S::limit_speed}};
+}
+
+FieldList LinkScenario::Fields() {
+  using S = LinkScenario;
+  return {{"delay_s", &S::delay_s}, {"jitter_s", &S::jitter_s}};
+}
+
+FieldList HardwareScenario::Fields() {
+  using S = HardwareScenario;
+  return {
+      {"description", &S::description}, {"drives", &S::drives}, {"link", &S::link}, {"sensors", &S::sensors}};
+}
+
+namespace {
+
+using Check = std::pair<const char*, const std::optional<double>*>;
+
+void DemandAllNotNegative(std::initializer_list<Check> checks) {
+  for (const auto& [name, value] : checks)
+    if (*value) DemandNotNegative(name, **value);
+}
+
+void CheckTiming(const std::optional<double>& rate_hz, const std::optional<int>& latency_samples) {
+  if (rate_hz) DemandRate("rate_hz", *rate_hz);
+  if (latency_samples) DemandBetween("latency_samples", *latency_samples, 0, 10'000);
+}
+
+/// The members of `first`, and where it has none, those of `then`.
+template <class S, class... Members>
+S Over(const S& first, const S& then, Members... members) {
+  S both = first;
+  const auto fill = [&](auto member) {
+    if (!(both.*member)) both.*member = then.*member;
+  };
+  (fill(members), ...);
+  return both;
+}
+
+EncoderScenario Over(const EncoderScenario& first, const EncoderScenario& then) {
+  using S = EncoderScenario;
+  return Over(first, then, &S::rate_hz, &S::latency_samples, &S::angle_noise_rad, &S::angle_bias_rad,
+              &S::speed_noise_rad_per_s, &S::speed_bias_rad_per_s, &S::bits, &S::offset_rad,
+              &S::speed_bandwidth_hz);
+}
+
+TorqueSensorScenario Over(const TorqueSensorScenario& first, const TorqueSensorScenario& then) {
+  using S = TorqueSensorScenario;
+  return Over(first, then, &S::rate_hz, &S::latency_samples, &S::noise_ratio, &S::bias_N_m);
+}
+
+FootForceSensorScenario Over(const FootForceSensorScenario& first, const FootForceSensorScenario& then) {
+  using S = FootForceSensorScenario;
+  return Over(first, then, &S::rate_hz, &S::latency_samples, &S::noise_ratio, &S::noise_weight_ratio,
+              &S::bias_N, &S::threshold_weight_ratio, &S::in_shank);
+}
+
+ImuScenario Over(const ImuScenario& first, const ImuScenario& then) {
+  using S = ImuScenario;
+  return Over(first, then, &S::rate_hz, &S::latency_samples, &S::angular_velocity_noise_rad_per_s,
+              &S::angular_velocity_bias_rad_per_s, &S::acceleration_noise_m_per_s2,
+              &S::acceleration_bias_m_per_s2, &S::angular_velocity_bias_deviation_rad_per_s,
+              &S::acceleration_bias_deviation_m_per_s2, &S::angular_velocity_walk_rad_per_s_per_sqrt_s,
+              &S::acceleration_walk_m_per_s2_per_sqrt_s, &S::misalignment_rad);
+}
+
+constexpr double kStandardRate = 1000;  // Hz
+
+double WeightOf(const QuadrupedWorldParams& world) {
+  return world.plant.robot.mass() * world.plant.gravity;
+}
+
+void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
+  const auto& [encoders, torque, foot_force, imu] = sensors;
+  QuadrupedHardwareParams& hardware = world.hardware;
+
+  JointEncodersParams& angles = world.encoders;
+  angles.rate = Hz(encoders.rate_hz.value_or(kStandardRate));
+  angles.angle = {.absolute = encoders.angle_noise_rad.value_or(0),
+                  .bias = encoders.angle_bias_rad.value_or(0)};
+  angles.speed = {.absolute = encoders.speed_noise_rad_per_s.value_or(0),
+                  .bias = encoders.speed_bias_rad_per_s.value_or(0)};
+  if (encoders.bits) angles.resolution = std::ldexp(2 * std::numbers::pi, -*encoders.bits);
+  angles.offset_deviation = encoders.offset_rad.value_or(0);
+  angles.speed_bandwidth = encoders.speed_bandwidth_hz.value_or(0);
+  hardware.encoder_delay = encoders.latency_samples.value_or(0);
+
+  world.torque_sensor = {Hz(torque.rate_hz.value_or(kStandardRate)),
+                         {.relative = torque.noise_ratio.value_or(0), .bias = torque.bias_N_m.value_or(0)}};
+  hardware.torque_delay = torque.latency_samples.value_or(0);
+
+  const double weight = WeightOf(world);
+  world.foot_sensor = {Hz(foot_force.rate_hz.value_or(kStandardRate)),
+                       {.absolute = weight * foot_force.noise_weight_ratio.value_or(0),
+                        .relative = foot_force.noise_ratio.value_or(0),
+                        .bias = foot_force.bias_N.value_or(0)},
+                       weight * foot_force.threshold_weight_ratio.value_or(0)};
+  hardware.foot_delay = foot_force.latency_samples.value_or(0);
+  hardware.shank_sensors = foot_force.in_shank.value_or(false);
+
+  world.imu.rate = Hz(imu.rate_hz.value_or(kStandardRate));
+  world.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s.value_or(0));
+  world.imu.angular_velocity_bias = imu.angular_velocity_bias_rad_per_s.value_or(Eigen::Vector3d::Zero());
+  world.imu.specific_force_noise.setConstant(imu.acceleration_noise_m_per_s2.value_or(0));
+  world.imu.specific_force_bias = imu.acceleration_bias_m_per_s2.value_or(Eigen::Vector3d::Zero());
+  if (imu.misalignment_rad || imu.angular_velocity_bias_deviation_rad_per_s ||
+      imu.acceleration_bias_deviation_m_per_s2 || imu.angular_velocity_walk_rad_per_s_per_sqrt_s ||
+      imu.acceleration_walk_m_per_s2_per_sqrt_s)
+    hardware.imu_errors = {
+        .rate = world.imu.rate,
+        .misalignment = imu.misalignment_rad.value_or(0),
+        .angular_velocity_bias = imu.angular_velocity_bias_deviation_rad_per_s.value_or(0),
+        .specific_force_bias = imu.acceleration_bias_deviation_m_per_s2.value_or(0),
+        .angular_velocity_walk = imu.angular_velocity_walk_rad_per_s_per_sqrt_s.value_or(0),
+        .specific_force_walk = imu.acceleration_walk_m_per_s2_per_sqrt_s.value_or(0)};
+  hardware.imu_delay = imu.latency_samples.value_or(0);
+}
+
+/// One drive is like the others: ratios are to the mean of the joints' limits.
+void SetDrives(const DriveScenario& drives, Rate rate, QuadrupedWorldParams& world) {
+  double torque = 0, speed = 0;
+  for (int j = 0; j < kNumJoints; ++j) {
+    torque += world.plant.robot.joint(j).torque_limit / kNumJoints;
+    speed += world.plant.robot.joint(j).speed_limit / kNumJoints;
+  }
+  DriveProperties& properties = world.plant.robot.drive;
+  if (drives.rotor_acceleration_rad_per_s2)
+    properties.rotor_inertia = torque / *drives.rotor_acceleration_rad_per_s2;
+  if (drives.friction_ratio) properties.friction = torque * *drives.friction_ratio;
+  if (drives.damping_ratio) properties.damping = torque * *drives.damping_ratio / speed;
+  if (drives.limit_speed) world.plant.limit_speed = true;
+  if (drives.gain_deviation > 0 || drives.ripple_ratio > 0)
+    world.hardware.drive_errors = {
+        .rate = rate, .gain_deviation = drives.gain_deviation, .ripple = drives.ripple_ratio};
+  if (drives.bandwidth_hz)
+    world.hardware.drive_lag = {
+        .time_constant = LagOfBandwidth(*drives.bandwidth_hz), .rate = rate, .unit = "N m"};
+}
+
+}  // namespace
+
+void EncoderScenario::Validate() const {
+  CheckTiming(rate_hz, latency_samples);
+  DemandAllNotNegative({{"angle_noise_rad", &angle_noise_rad},
+                        {"speed_noise_rad_per_s", &speed_noise_rad_per_s},
+                        {"offset_rad", &offset_rad},
+                        {"speed_bandwidth_hz", &speed_bandwidth_hz}});
+  if (bits) DemandBetween("bits", *bits, 1, 52);
+}
+
+void TorqueSensorScenario::Validate() const {
+  CheckTiming(rate_hz, latency_samples);
+  DemandAllNotNegative({{"noise_ratio", &noise_ratio}});
+}
+
+void FootForceSensorScenario::Validate() const {
+  CheckTiming(rate_hz, latency_samples);
+  DemandAllNotNegative({{"noise_ratio", &noise_ratio},
+                        {"noise_weight_ratio", &noise_weight_ratio},
+                        {"threshold_weight_ratio", &threshold_weight_ratio}});
+}
+
+void ImuScenario::Validate() const {
+  CheckTiming(rate_hz, latency_samples);
+  DemandAllNotNegative(
+      {{"angular_velocity_noise_rad_per_s", &angular_velocity_noise_rad_per_s},
+       {"acceleration_noise_m_per_s2", &acceleration_noise_m_per_s2},
+       {"angular_velocity_bias_deviation_rad_per_s", &angular_velocity_bias_deviation_rad_per_s},
+       {"acceleration_bias_deviation_m_per_s2", &acceleration_bias_deviation_m_per_s2},
+       {"angular_velocity_walk_rad_per_s_per_sqrt_s", &angular_velocity_walk_rad_per_s_per_sqrt_s},
+       {"acceleration_walk_m_per_s2_per_sqrt_s", &acceleration_walk_m_per_s2_per_sqrt_s},
+       {"misalignment_rad", &misalignment_rad}});
+}
+
+void DriveScenario::Validate() const {
+  if (rotor_acceleration_rad_per_s2)
+    DemandPositive("rotor_acceleration_rad_per_s2", *rotor_acceleration_rad_per_s2);
+  if (friction_ratio) DemandBetween("friction_ratio", *friction_ratio, 0, 1);
+  if (damping_ratio) DemandBetween("damping_ratio", *damping_ratio, 0, 1);
+  DemandBetween("gain_deviation", gain_deviation, 0, 0.5);
+  DemandBetween("ripple_ratio", ripple_ratio, 0, 0.5);
+  if (bandwidth_hz) DemandBetween("bandwidth_hz", *bandwidth_hz, 0.1, 1e6);
+}
+
+void LinkScenario::Validate() const {
+  DemandBetween("delay_s", delay_s, 0, 1);
+  Demand(jitter_s >= 0 && jitter_s <= delay_s,
+         fmt::format("jitter_s = {} must be from 0 to delay_s = {}: no command arrives before it is sent",
+                     jitter_s, delay_s));
+}
+
+HardwareScenario LoadHardware(const YamlText& what) {
+  return LoadResource("hardware", what).Read<HardwareScenario>();
+}
+
+HardwareScenario WithSensors(HardwareScenario hardware, const SensorScenario& sensors) {
+  SensorScenario& below = hardware.sensors;
+  below = {.encoders = Over(sensors.encoders, below.encoders),
+           .torque = Over(sensors.torque, below.torque),
+           .foot_force = Over(sensors.foot_force, below.foot_force),
+           .imu = Over(sensors.imu, below.imu)};
+  return hardware;
+}
+
+void SetHardware(const HardwareScenario& hardware, Rate rate, QuadrupedWorldParams& world) {
+  SetSensors(hardware.sensors, world);
+  SetDrives(hardware.drives, rate, world);
+  if (hardware.link.delay_s > 0)
+    world.hardware.command_delay = {
+        .delay = hardware.link.delay_s, .jitter = hardware.link.jitter_s, .rate = rate, .unit = "N m"};
+}
+
+ContactAidedNoise BelievedNoise(const HardwareScenario& hardware) {
+  const auto& [encoders, torque, foot_force, imu] = hardware.sensors;
+  ContactAidedNoise noise;
+  noise.specific_force = std::max(imu.acceleration_noise_m_per_s2.value_or(0), 1e-3);
+  noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s.value_or(0), 1e-4);
+  const double step = encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
+  noise.encoder = std::max(std::hypot(encoders.angle_noise_rad.value_or(0), step / std::sqrt(12)), 1e-5);
+  return noise;
+}
+
+}  // namespace tenon::apps

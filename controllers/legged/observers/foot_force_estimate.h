@@ -1,0 +1,44 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct FootForceEstimateParams {
+  QuadrupedDescription robot;
+  Rate rate = Hz(1000);
+  Vec<4> initial_q_WB{1, 0, 0, 0};  ///< attitude until the first estimate
+};
+
+/// The forces on the feet in the world's axes, from sensors in the shanks: f_W = R_WB R_BJ(q) f_J, with the
+/// estimated attitude of the tick before, since the estimate of this one depends on which feet stand, and
+/// that on the forces.
+///
+///     | port   | kind            | type                                              |
+///     | shank  | input           | FootForces, each in the axes of its last body [N] |
+///     | joints | input           | JointMotion                                       |
+///     | state  | input           | LeggedState, as estimated                         |
+///     | forces | output          | FootForces in W [N]                               |
+class FootForceEstimate final : public LeafSystem<FootForceEstimateParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<FootForces> shank{this, {"shank"}};
+  InputPort<JointMotion> joints{this, {"joints"}};
+  InputPort<LeggedState> state{this, {"state"}};
+
+ private:
+  DiscreteState<Vec<4>> q_WB_{this, {"q_WB"}, params.initial_q_WB};
+  Update<Vec<4>> next_{q_WB_, Sampled{params.rate}, Uses(state),
+                       [](const LeggedState& state) -> const Vec<4>& { return state.q_WB; }};
+
+ public:
+  OutputPort<FootForces> forces{this, {"forces"}, Uses(shank, joints, q_WB_), &FootForceEstimate::CalcForces};
+
+ private:
+  FootForces CalcForces(const FootForces& shank, const JointMotion& joints, const Vec<4>& q_WB) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tenon/plants/model/legged_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Defaults: without errors.
+struct DriveErrorsParams {
+  Rate rate = Hz(1000);       ///< of the commands
+  double gain_deviation = 0;  ///< standard deviation of each drive's torque constant, over the constant
+  double ripple = 0;          ///< standard deviation of the torque over the torque
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What drives make of the torque that they are asked for: their torque constants are not quite what is
+/// believed, and the torque ripples with the motor's angle. At walking speeds motor and gear turn by many
+/// teeth and poles within a tick, so ripple is white from tick to tick. Of a command u
+///
+///     y = (1 + g) (1 + ripple n) u,   g normal with the gain's deviation, drawn at the start, n normal, anew
+///     each tick.
+///
+///     port in   command  [N m]
+///     port out  torque   sampled [N m]
+class DriveErrors final : public LeafSystem<DriveErrorsParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Vec<12>> command{this, {"command", "N m"}};
+  Random random{this, "random"};
+  DiscreteState<Vec<12>> gain{this, {"gain"}};
+  Update<Vec<12>> draw{gain, AtStart{}, Uses(random), &DriveErrors::Draw};
+  OutputPort<Vec<12>> torque{
+      this, {"torque", "N m"}, Sampled{params.rate}, Uses(command, gain, random), &DriveErrors::CalcTorque};
+
+ private:
+  Vec<12> Draw(RandomStream& random) const;
+  Vec<12> CalcTorque(const Vec<12>& command, const Vec<12>& gain, RandomStream& random) const;
+};
+
+}  // namespace tenon

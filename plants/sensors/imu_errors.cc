@@ -1,0 +1,49 @@
+#include <tenon/plants/sensors/imu_errors.h>
+
+#include <fmt/format.h>
+#include <tenon/plants/sensors/sensor_noise.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace tenon {
+
+void ImuErrorsParams::Validate() const {
+  const auto check = [](const char* name, double value) {
+    Demand(std::isfinite(value) && value >= 0,
+           fmt::format("{} = {} is a standard deviation: finite and not negative, 0 for none", name, value));
+  };
+  check("misalignment", misalignment);
+  check("angular_velocity_bias", angular_velocity_bias);
+  check("specific_force_bias", specific_force_bias);
+  check("angular_velocity_walk", angular_velocity_walk);
+  check("specific_force_walk", specific_force_walk);
+}
+
+ImuErrors::Unit ImuErrors::Draw(RandomStream& random) const {
+  Unit unit;
+  unit.turn_B = NormalVector(random, Vec<3>::Constant(params.misalignment));
+  unit.angular_velocity_bias = NormalVector(random, Vec<3>::Constant(params.angular_velocity_bias));
+  unit.specific_force_bias = NormalVector(random, Vec<3>::Constant(params.specific_force_bias));
+  return unit;
+}
+
+ImuErrors::Unit ImuErrors::Walk(const Unit& unit, RandomStream& random) const {
+  const double root = std::sqrt(params.rate.period());
+  Unit next = unit;
+  next.angular_velocity_bias += NormalVector(random, Vec<3>::Constant(params.angular_velocity_walk * root));
+  next.specific_force_bias += NormalVector(random, Vec<3>::Constant(params.specific_force_walk * root));
+  return next;
+}
+
+ImuMeasurement ImuErrors::CalcMeasured(const ImuMeasurement& in, const Unit& unit) const {
+  const double angle = unit.turn_B.norm();
+  Eigen::Matrix3d R_IB = Eigen::Matrix3d::Identity();
+  if (angle > 0) R_IB = Eigen::AngleAxisd(-angle, unit.turn_B / angle).toRotationMatrix();
+  ImuMeasurement out;
+  out.angular_velocity_B = R_IB * in.angular_velocity_B + unit.angular_velocity_bias;
+  out.specific_force_B = R_IB * in.specific_force_B + unit.specific_force_bias;
+  return out;
+}
+
+}  // namespace tenon

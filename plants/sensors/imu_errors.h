@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Standard deviations per axis. Defaults: without errors.
+struct ImuErrorsParams {
+  Rate rate = Hz(1000);              ///< of the samples that pass
+  double misalignment = 0;           ///< of the unit's axes, as it is mounted, about each axis of B [rad]
+  double angular_velocity_bias = 0;  ///< at the start [rad/s]
+  double specific_force_bias = 0;    ///< at the start [m/s^2]
+  double angular_velocity_walk = 0;  ///< of its bias [rad/s/sqrt(s)]
+  double specific_force_walk = 0;    ///< of its bias [m/s^2/sqrt(s)]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What makes one inertial unit other than the next of its kind, put between a unit and its users: how it
+/// sits in the robot, and biases, which walk. In the unit's frame I, which is B turned by a small angle e,
+///
+///     out = R_IB in + b,   R_IB = exp(-[e] x),   b[n + 1] = b[n] + walk sqrt(h) n,
+///
+/// e and b[0] drawn at the start with their deviations. Users take I for B. White noise is the unit's own.
+///
+///     port in   measurement  in B
+///     port out  measured     in I, sampled
+class ImuErrors final : public LeafSystem<ImuErrorsParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// What one unit has.
+  struct Unit {
+    Vec<3> turn_B = Vec<3>::Zero();                 ///< e [rad]
+    Vec<3> angular_velocity_bias = Vec<3>::Zero();  ///< [rad/s]
+    Vec<3> specific_force_bias = Vec<3>::Zero();    ///< [m/s^2]
+    static FieldList Fields() {
+      return {{"turn_B", &Unit::turn_B, "rad"},
+              {"angular_velocity_bias", &Unit::angular_velocity_bias, "rad/s"},
+              {"specific_force_bias", &Unit::specific_force_bias, "m/s^2"}};
+    }
+  };
+
+  InputPort<ImuMeasurement> measurement{this, {"measurement"}};
+  Random random{this, "random"};
+  DiscreteState<Unit> unit{this, {"unit"}};
+  Update<Unit> draw{unit, AtStart{}, Uses(random), &ImuErrors::Draw};
+  Update<Unit> walk{unit, Sampled{params.rate}, Uses(unit, random), &ImuErrors::Walk};
+  OutputPort<ImuMeasurement> measured{
+      this, {"measured"}, Sampled{params.rate}, Uses(measurement, unit), &ImuErrors::CalcMeasured};
+
+ private:
+  Unit Draw(RandomStream& random) const;
+  Unit Walk(const Unit& unit, RandomStream& random) const;
+  ImuMeasurement CalcMeasured(const ImuMeasurement& in, const Unit& unit) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <numbers>
+#include <string>
+
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
+namespace tenon {
+
+template <class T = double>
+struct HeldLagParams {
+  double time_constant = 0.004;       ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
+  T initial = internal::Zeroed<T>();  ///< y at t = 0 [unit]
+  Rate rate = Hz(1000);               ///< at which u is taken over
+  std::string unit = "";              ///< of input and output
+  std::string elements = "";          ///< names of their elements
+  void Validate() const {
+    Demand(std::isfinite(time_constant) && time_constant > 0, "time_constant must be finite and positive");
+    Demand(internal::IsFinite(initial), "initial must be finite");
+  }
+};
+
+/// What a HeldLag goes from and to since its last tick.
+template <class T>
+struct HeldLagPart {
+  double since = 0;  ///< [s]
+  T from = internal::Zeroed<T>();
+  T to = internal::Zeroed<T>();
+  static FieldList Fields() {
+    return {{"since", &HeldLagPart::since, "s"}, {"from", &HeldLagPart::from}, {"to", &HeldLagPart::to}};
+  }
+};
+
+/// A first-order lag of a signal that is held between ticks, as a current controller follows its set-point:
+/// the solution in closed form, which costs the integrator neither states nor, if the lag is short, its step.
+///
+///     T dy/dt = u[k] - y   for k h < t <= (k + 1) h,   y(0) = initial:
+///     y(t) = u[k] + (y(k h) - u[k]) exp(-(t - k h) / T)
+///
+///     | port          | kind      | size   | unit |
+///     | u             | input     | T      | unit |
+///     | time_constant | Parameter | double | s    |
+///     | y             | output    | T      | unit |
+///
+/// y is continuous in time and does not depend on the present input, so the block breaks loops; where u
+/// jumps, y bends at the next tick. LowPassFilter is the block for signals that are not held. T is double, a
+/// Vec<N> or a vector of run-time size, which `initial` gives. Throws ParameterError if the time constant is
+/// not positive and finite.
+template <class T = double>
+class HeldLag final : public LeafSystem<HeldLagParams<T>> {
+  static_assert(internal::DoubleOrMatrix<T> || std::same_as<T, Eigen::VectorXd>,
+                "HeldLag: T is double, a Vec<N> or Eigen::VectorXd.");
+
+ public:
+  using LeafSystem<HeldLagParams<T>>::LeafSystem;
+  using LeafSystem<HeldLagParams<T>>::params;
+  using Part = HeldLagPart<T>;
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the lag"};
+  DiscreteState<Part> part{this, "part", Part{.from = params.initial, .to = params.initial}};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  params.initial,
+                  Uses(this->time, part, time_constant),
+                  [](double time, const Part& part, double time_constant, T* y) {
+                    *y = part.to + std::exp((part.since - time) / time_constant) * (part.from - part.to);
+                  }};
+  Update<Part> next{part, Sampled{params.rate}, Uses(this->time, y, u),
+                    [](double time, const T& y, const T& u, Part* next) {
+                      next->since = time;
+                      next->from = y;
+                      next->to = u;
+                    }};
+};
+
+/// The time constant of a lag with a bandwidth in Hz, at which its gain is 1/sqrt(2).
+inline double LagOfBandwidth(double hertz) {
+  return 1 / (2 * std::numbers::pi * hertz);
+}
+
+}  // namespace tenon

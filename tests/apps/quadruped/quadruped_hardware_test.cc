@@ -1,0 +1,108 @@
+#include <tenon/apps/quadruped/quadruped_hardware.h>
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon::apps {
+namespace {
+
+QuadrupedWorldParams WorldWith(const HardwareScenario& hardware) {
+  QuadrupedWorldParams world;
+  world.plant.robot = test::DogBot();  // joints of 60 N m and 6 rad/s
+  SetHardware(hardware, Hz(1000), world);
+  return world;
+}
+
+TEST(QuadrupedHardwareTest, TheIdealOneIsNotThere) {
+  const QuadrupedWorldParams world = WorldWith(LoadHardware({"ideal"}));
+  EXPECT_FALSE(world.hardware.command_delay || world.hardware.drive_errors || world.hardware.drive_lag ||
+               world.hardware.imu_errors || world.hardware.shank_sensors || world.plant.limit_speed);
+  EXPECT_EQ(world.hardware.encoder_delay + world.hardware.foot_delay + world.hardware.imu_delay, 0);
+  EXPECT_EQ(world.plant.robot.drive.friction, test::DogBot().drive.friction);
+}
+
+TEST(QuadrupedHardwareTest, DrivesAreRatedByTheRobotsOwnTorque) {
+  const QuadrupedWorldParams world = WorldWith(LoadHardware({"standard"}));
+  EXPECT_DOUBLE_EQ(world.plant.robot.drive.friction, 0.02 * 60);
+  EXPECT_DOUBLE_EQ(world.plant.robot.drive.damping, 0.02 * 60 / 6);
+  EXPECT_DOUBLE_EQ(world.plant.robot.drive.rotor_inertia, 60 / 7400.0);
+  EXPECT_TRUE(world.plant.limit_speed);
+  EXPECT_NEAR(world.hardware.drive_lag->time_constant, 1 / (2 * std::numbers::pi * 40), 1e-12);
+  EXPECT_NEAR(world.encoders.resolution, 2 * std::numbers::pi / 16384, 1e-12);
+  const double weight = 9.81 * test::DogBot().mass();
+  EXPECT_NEAR(world.foot_sensor.threshold, 0.06 * weight, 1e-9);
+  EXPECT_NEAR(world.foot_sensor.error.absolute, 0.01 * weight, 1e-9);
+}
+
+/// From sensor to torque: the sensors' sample and the link's delay.
+TEST(QuadrupedHardwareTest, RoughIsTwiceStandard) {
+  const HardwareScenario standard = LoadHardware({"standard"}), rough = LoadHardware({"rough"});
+  const auto delay = [](const HardwareScenario& hardware) {
+    return hardware.link.delay_s +
+           *hardware.sensors.encoders.latency_samples / *hardware.sensors.encoders.rate_hz;
+  };
+  EXPECT_NEAR(delay(standard), 0.002, 1e-12);
+  EXPECT_NEAR(delay(rough), 0.004, 1e-12);
+  EXPECT_EQ(rough.link.jitter_s, 2 * standard.link.jitter_s);
+  EXPECT_EQ(*rough.drives.friction_ratio, 2 * *standard.drives.friction_ratio);
+  EXPECT_EQ(*rough.drives.bandwidth_hz, *standard.drives.bandwidth_hz / 2);
+  EXPECT_EQ(*rough.sensors.encoders.bits, *standard.sensors.encoders.bits - 1);
+  EXPECT_EQ(*rough.sensors.imu.misalignment_rad, 2 * *standard.sensors.imu.misalignment_rad);
+  EXPECT_EQ(*rough.sensors.foot_force.noise_ratio, 2 * *standard.sensors.foot_force.noise_ratio);
+}
+
+TEST(QuadrupedHardwareTest, MayBeAShippedOneWithWhatDiffers) {
+  const HardwareScenario own = LoadHardware({"{file: standard, link: {delay_s: 0.004}}"});
+  EXPECT_EQ(own.link.delay_s, 0.004);
+  EXPECT_EQ(own.link.jitter_s, 0.0005);
+  EXPECT_EQ(own.drives.bandwidth_hz, 40);
+}
+
+TEST(QuadrupedHardwareTest, WhatAScenarioSaysOfASensorGoesBeforeKeyByKey) {
+  SensorScenario own;
+  own.imu.acceleration_noise_m_per_s2 = 0.5;
+  own.foot_force.in_shank = false;
+  const HardwareScenario both = WithSensors(LoadHardware({"standard"}), own);
+  EXPECT_EQ(both.sensors.imu.acceleration_noise_m_per_s2, 0.5);
+  EXPECT_EQ(both.sensors.imu.angular_velocity_noise_rad_per_s, 5.5e-3);
+  EXPECT_EQ(both.sensors.foot_force.in_shank, false);
+  EXPECT_EQ(both.sensors.encoders.bits, 14);
+}
+
+TEST(QuadrupedHardwareTest, TheEstimatorBelievesInDataSheetsAndInNothingPerfect) {
+  const ContactAidedNoise ideal = BelievedNoise(LoadHardware({"ideal"})),
+                          standard = BelievedNoise(LoadHardware({"standard"}));
+  EXPECT_GT(ideal.encoder, 0);
+  EXPECT_GT(ideal.specific_force, 0);
+  EXPECT_EQ(standard.specific_force, 0.038);
+  EXPECT_NEAR(standard.encoder, 2 * std::numbers::pi / 16384 / std::sqrt(12), 1e-12)
+      << "evenly within a step";
+}
+
+TEST(QuadrupedHardwareTest, RefusesWhatNoRobotHasWithItsPlace) {
+  const auto refused = [](const std::string& text, const std::string& place, const std::string& what) {
+    return Throws<ParameterError>([&] { YamlDocument::Parse(text, "own.yaml").Read<HardwareScenario>(); },
+                                  place, what);
+  };
+  EXPECT_TRUE(refused("link: {delay_s: 0.001, jitter_s: 0.002}",
+                      "own.yaml:1:", "jitter_s = 0.002 must be from 0 to delay_s"));
+  EXPECT_TRUE(refused("drives: {bandwidth_hz: 0}", "own.yaml:1:", "bandwidth_hz"));
+  EXPECT_TRUE(refused("drives: {friction_ratio: 2}", "own.yaml:1:", "friction_ratio"));
+  EXPECT_TRUE(
+      refused("drives: {rotor_acceleration_rad_per_s2: 0}", "own.yaml:1:", "rotor_acceleration_rad_per_s2"));
+  EXPECT_TRUE(refused("sensors: {encoders: {bits: 0}}", "own.yaml:1:", "bits"));
+  EXPECT_TRUE(refused("sensors: {imu: {misalignment_rad: -1}}", "own.yaml:1:", "misalignment_rad"));
+  EXPECT_TRUE(refused("sensors: {torque: {latency_samples: -1}}", "own.yaml:1:", "latency_samples"));
+  EXPECT_TRUE(Throws<ParameterError>([] { LoadHardware({"standart"}); }, "there is no 'standart' in hardware",
+                                     "'standard'"));
+}
+
+}  // namespace
+}  // namespace tenon::apps

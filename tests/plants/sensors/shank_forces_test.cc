@@ -1,0 +1,32 @@
+#include <tenon/plants/sensors/shank_forces.h>
+
+#include <gtest/gtest.h>
+
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// A force along the shank, from the knee to the foot, has in the shank's axes the direction that the
+/// description says.
+TEST(ShankForcesTest, AForceAlongTheShankIsAlongItInItsAxes) {
+  RandomStream random(3);
+  const QuadrupedDescription robot = test::DogBot();
+  const LeggedState x = test::RandomState(random);
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(robot).Calc(x, &dynamics);
+  FootForces forces;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    forces[leg] = dynamics.feet[static_cast<std::size_t>(leg)].p_W -
+                  dynamics.origin_W[static_cast<std::size_t>(kJointsPerLeg * leg + 2)];
+  TestRig<ShankForces> rig(ShankForcesParams{robot});
+  rig.Fix(rig->state, x).Fix(rig->forces, forces);
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_THAT(rig[rig->shank][leg], IsNear(robot.legs[static_cast<std::size_t>(leg)].foot_J, 1e-12)) << leg;
+}
+
+}  // namespace
+}  // namespace tenon
