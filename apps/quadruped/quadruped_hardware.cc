@@ -137,6 +137,11 @@ ImuScenario Over(const ImuScenario& first, const ImuScenario& then) {
               &S::acceleration_walk_m_per_s2_per_sqrt_s, &S::misalignment_rad);
 }
 
+/// Between two angles that the encoders tell apart; 0 if they tell apart all [rad].
+double ResolutionOf(const EncoderScenario& encoders) {
+  return encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
+}
+
 constexpr double kStandardRate = 1000;  // Hz
 
 double WeightOf(const QuadrupedWorldParams& world) {
@@ -153,7 +158,7 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
                   .bias = encoders.angle_bias_rad.value_or(0)};
   angles.speed = {.absolute = encoders.speed_noise_rad_per_s.value_or(0),
                   .bias = encoders.speed_bias_rad_per_s.value_or(0)};
-  if (encoders.bits) angles.resolution = std::ldexp(2 * std::numbers::pi, -*encoders.bits);
+  angles.resolution = ResolutionOf(encoders);
   angles.offset_deviation = encoders.offset_rad.value_or(0);
   angles.speed_bandwidth = encoders.speed_bandwidth_hz.value_or(0);
   hardware.encoder_delay = encoders.latency_samples.value_or(0);
@@ -288,8 +293,8 @@ ContactAidedNoise BelievedNoise(const HardwareScenario& hardware) {
   ContactAidedNoise noise;
   noise.specific_force = std::max(imu.acceleration_noise_m_per_s2.value_or(0), 1e-3);
   noise.angular_velocity = std::max(imu.angular_velocity_noise_rad_per_s.value_or(0), 1e-4);
-  const double step = encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
-  noise.encoder = std::max(std::hypot(encoders.angle_noise_rad.value_or(0), step / std::sqrt(12)), 1e-5);
+  noise.encoder = std::max(
+      std::hypot(encoders.angle_noise_rad.value_or(0), ResolutionOf(encoders) / std::sqrt(12)), 1e-5);
   return noise;
 }
 

@@ -37,15 +37,15 @@ HardwareScenario HardwareOf(const QuadrupedScenario& scenario) {
 
 /// The filter knows the robot that the controller believes in, where it starts but for what its deviations
 /// say, and its sensors' noise; it takes none for perfect and does not know their biases.
-LeggedStateEstimatorParams MakeEstimator(const QuadrupedScenario& scenario,
+LeggedStateEstimatorParams MakeEstimator(const HardwareScenario& hardware,
                                          const QuadrupedDescription& believed,
-                                         const QuadrupedPlantParams& plant) {
+                                         const QuadrupedPlantParams& plant, std::uint64_t seed) {
   LeggedStateEstimatorParams params;
   params.robot = believed;
   params.initial = plant.initial;
   params.gravity = plant.gravity;
-  params.noise = BelievedNoise(HardwareOf(scenario));
-  RandomStream random(scenario.seed, "walk.state");
+  params.noise = BelievedNoise(hardware);
+  RandomStream random(seed, "walk.state");
   const LeggedStartDeviation& start = params.start;
   const Vec<3> turn = NormalVector(random, Vec<3>::Constant(start.attitude));
   params.initial.q_WB = QuaternionProduct(QuaternionFromRotationVector(turn), params.initial.q_WB);
@@ -55,7 +55,7 @@ LeggedStateEstimatorParams MakeEstimator(const QuadrupedScenario& scenario,
 }
 
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot,
-                                     Rate rate) {
+                                     const HardwareScenario& hardware, Rate rate) {
   QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
   plant.robot = robot;
@@ -72,7 +72,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
   plant.initial.q = robot.stance;
 
-  SetHardware(HardwareOf(scenario), rate, params);
+  SetHardware(hardware, rate, params);
 
   for (const ForceScenario& force : scenario.forces) {
     ExternalForce push = PointOf(robot, force);
@@ -193,7 +193,7 @@ double Duration(const QuadrupedScenario& scenario) {
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
   const QuadrupedDescription robot = LoadRobot(scenario);
   QuadrupedStandParams params;
-  params.world = MakeWorldParams(scenario, robot, Hz(scenario.pd->rate_hz));
+  params.world = MakeWorldParams(scenario, robot, HardwareOf(scenario), Hz(scenario.pd->rate_hz));
   const auto& [stiffness, damping, gravity_compensation, rate_hz] = *scenario.pd;
   params.pd = {robot, stiffness, damping, gravity_compensation, params.world.plant.gravity, Hz(rate_hz)};
   return params;
@@ -203,14 +203,15 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkScenario& walk = *scenario.walk;
   QuadrupedWalkParams params;
   const QuadrupedDescription robot = LoadRobot(scenario);
-  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
-  params.world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
+  const HardwareScenario hardware = HardwareOf(scenario);
+  params.world = MakeWorldParams(scenario, robot, hardware, WholeBodyParams().rate);
   EndOfWalk(walk);  // what cannot be walked is refused here, with its key
   params.walk = walk.path;
   QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
   const double rotor_inertia = params.world.plant.robot.drive.rotor_inertia;
   if (rotor_inertia != robot.drive.rotor_inertia)
     believed.drive.rotor_inertia = rotor_inertia;  // of a data sheet
+  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
   if (scenario.observer) profile.observer.kind = *scenario.observer;
   params.locomotion = Blame("walk.gaits", [&] { return MakeLocomotion(believed, profile, walk.gaits); });
   params.observer = MakeObserver(believed, profile);
@@ -219,7 +220,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.locomotion.swing_planner.step = walk.step;
   params.locomotion.whole_body.gains.qp.friction = walk.friction;
   if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(scenario, believed, params.world.plant);
+    params.estimator = MakeEstimator(hardware, believed, params.world.plant, scenario.seed);
   return params;
 }
 

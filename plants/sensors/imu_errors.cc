@@ -1,9 +1,9 @@
 #include <tenon/plants/sensors/imu_errors.h>
 
 #include <fmt/format.h>
+#include <tenon/plants/model/quaternion.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tenon {
@@ -37,9 +37,7 @@ ImuErrors::Unit ImuErrors::Walk(const Unit& unit, RandomStream& random) const {
 }
 
 ImuMeasurement ImuErrors::CalcMeasured(const ImuMeasurement& in, const Unit& unit) const {
-  const double angle = unit.turn_B.norm();
-  Eigen::Matrix3d R_IB = Eigen::Matrix3d::Identity();
-  if (angle > 0) R_IB = Eigen::AngleAxisd(-angle, unit.turn_B / angle).toRotationMatrix();
+  const Eigen::Matrix3d R_IB = RotationFromQuaternion(QuaternionFromRotationVector(-unit.turn_B));
   ImuMeasurement out;
   out.angular_velocity_B = R_IB * in.angular_velocity_B + unit.angular_velocity_bias;
   out.specific_force_B = R_IB * in.specific_force_B + unit.specific_force_bias;

@@ -1,6 +1,7 @@
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 
 #include <fmt/core.h>
+#include <tenon/plants/model/euler.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -39,10 +40,7 @@ WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const
 PathErrors TrackingError::CalcPath(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                    const LeggedState& told, const ContactSchedule& schedule,
                                    const BodyReference& body, const FeetReference& feet) const {
-  const auto heading = [](const LeggedState& x) {
-    const Vec<3> forward = x.R_WB().col(0);
-    return std::atan2(forward[1], forward[0]);
-  };
+  const auto heading = [](const LeggedState& x) { return EulerFromRotation(x.R_WB())[2]; };
   PathErrors errors;
   errors.drift = told.p_WB - state.p_WB;
   errors.yaw_drift = std::remainder(heading(told) - heading(state), 2 * std::numbers::pi);

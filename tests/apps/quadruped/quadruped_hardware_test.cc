@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <numbers>
 
-#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>

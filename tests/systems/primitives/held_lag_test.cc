@@ -6,7 +6,6 @@
 
 #include <tenon/systems/framework/diagram_builder.h>
 #include <tenon/systems/framework/errors.h>
-#include <tenon/systems/primitives/discrete_transfer_function.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/zero_order_hold.h>

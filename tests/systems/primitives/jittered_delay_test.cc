@@ -40,7 +40,7 @@ TEST(JitteredDelayTest, BetweenTicksTheImpulseIsShared) {
   EXPECT_EQ(out[0] + out[3] + out[4], 0);
 }
 
-/// Against a receiver that is simulated at a hundredth of the period: its means over the ticks.
+/// Against a receiver that is simulated in fine steps: its means over the ticks.
 TEST(JitteredDelayTest, IsTheMeanOfWhatTheReceiverHolds) {
   constexpr double kDelay = 0.0021, kJitter = 0.0018, kPeriod = 0.001;
   constexpr int kTicks = 200, kParts = 10'000;
