@@ -43,9 +43,10 @@ void EstimateFigures::Row(std::span<const double> row) {
   const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
   velocity_.Add(velocity);
   tilt_.Add(tilt);
-  const double drift = (Take<3>(row, estimated_.position) - Take<3>(row, true_.position)).norm();
-  position_end_ = drift;
-  drift_.Add(drift);
+  const Vec<3> drift = Take<3>(row, estimated_.position) - Take<3>(row, true_.position);
+  position_end_ = drift.norm();
+  drift_.Add(drift.norm());
+  height_drift_.Add(std::abs(drift[2]));
   path_errors_.Add(Take<3>(row, path_com_).norm());
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 of feet that stand
     if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);
@@ -68,6 +69,7 @@ bool EstimateFigures::AddPathTo(Summary& summary) const {
   summary.Set("path_error_max_m", path_errors_.max());
   summary.Set("path_foot_error_max_m", feet);
   summary.Set("drift_m", drift_.max());
+  summary.Set("height_drift_m", height_drift_.max());
   return true;
 }
 

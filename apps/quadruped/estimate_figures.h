@@ -34,7 +34,7 @@ class EstimateFigures {
   Tally velocity_, tilt_;  // errors [m/s], [rad]
   std::optional<double> position_end_;
   std::vector<std::size_t> path_com_, path_foot_;
-  Tally path_errors_, drift_;  // [m]
+  Tally path_errors_, drift_, height_drift_;  // [m]
   std::array<Tally, kNumLegs> path_foot_errors_;
 };
 

@@ -10,6 +10,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/plants/model/standing.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/random_stream.h>
 
@@ -63,14 +64,10 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   plant.terrain = scenario.terrain;
   if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
-  // Parallel to the plane, its feet above it.
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
-  const double height = robot.StanceHeight();
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ground.normal_W);
-  plant.initial.p_WB = height * ground.normal_W + Vec<3>(0, 0, ground.height + scenario.start_height_m);
-  plant.initial.q_WB = {turn.w(), turn.x(), turn.y(), turn.z()};
-  plant.initial.q = robot.stance;
+  const Vec<2> slope = -ground.normal_W.head<2>() / ground.normal_W[2];
+  plant.initial = StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
+  plant.initial.p_WB[2] += scenario.start_height_m;
 
   SetHardware(hardware, rate, params);
 
@@ -92,7 +89,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   }
   for (const RandomForceScenario& force : scenario.random_forces)
     params.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
-  params.min_height = scenario.fall.min_height_ratio * height;
+  params.min_height = scenario.fall.min_height_ratio * robot.StanceHeight();
   params.max_tilt = scenario.fall.max_tilt_rad;
   params.max_height = scenario.fall.max_height_m;
   return params;

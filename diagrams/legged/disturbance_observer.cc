@@ -11,6 +11,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     Connect(state, legs->state);
     Connect(torque, legs->torque);
     Connect(foot_forces, legs->foot_forces);
+    Connect(ground, legs->ground);
     Connect(legs->estimate, leg_forces);
   } else if (kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse) {
     NonlinearDisturbanceObserverParams reading = params.ndo;
@@ -19,6 +20,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     Connect(state, ndo->state);
     Connect(torque, ndo->torque);
     Connect(foot_forces, ndo->foot_forces);
+    Connect(ground, ndo->ground);
     Connect(ndo->estimate, leg_forces);
   } else {
     Connect(Add<ConstantSource<LegForceEstimate>>("no_leg_forces").y, leg_forces);
@@ -29,6 +31,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     com = &Add<ComObserver>("com", of_kind);
     Connect(state, com->state);
     Connect(foot_forces, com->foot_forces);
+    Connect(ground, com->ground);
     Connect(imu, com->imu);
     Connect(com->estimate, wrench);
   } else {

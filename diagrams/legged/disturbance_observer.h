@@ -21,6 +21,7 @@ class DisturbanceObserver final : public Subdiagram {
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
 
   LegMomentumObserver* legs = nullptr;          ///< for kLegs and kHybrid
   NonlinearDisturbanceObserver* ndo = nullptr;  ///< for kNdoM and kNdoInverse

@@ -4,6 +4,7 @@ namespace tenon {
 
 LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
     : scheduler(Add<FootScheduler>("scheduler", params.scheduler)),
+      ground_estimator(Add<GroundEstimator>("ground_estimator", params.ground)),
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
       trunk_planner(Add<TrunkPlanner>("trunk_planner", params.trunk_planner)),
@@ -11,14 +12,18 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(command, scheduler.command);
   Connect(foot_forces, scheduler.foot_forces);
 
+  Connect(state, ground_estimator.state);
+  Connect(scheduler.schedule, ground_estimator.schedule);
+
   Connect(scheduler.schedule, com_planner.schedule);
   Connect(command, com_planner.command);
-  Connect(state, com_planner.state);
+  Connect(ground_estimator.ground, com_planner.ground);
 
   Connect(scheduler.schedule, swing_planner.schedule);
   Connect(com_planner.path, swing_planner.path);
   Connect(com_planner.reference, swing_planner.body);
   Connect(state, swing_planner.state);
+  Connect(ground_estimator.ground, swing_planner.ground);
   Connect(wrench, swing_planner.wrench);
 
   Connect(state, whole_body.state);
@@ -31,12 +36,14 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(swing_planner.feet, whole_body.feet);
   Connect(wrench, whole_body.wrench);
   Connect(leg_forces, whole_body.leg_forces);
+  Connect(ground_estimator.ground, whole_body.ground);
 
   Connect(whole_body.torque, torque);
   Connect(scheduler.schedule, schedule);
   Connect(com_planner.reference, body);
   Connect(swing_planner.feet, feet);
   Connect(whole_body.plan, plan);
+  Connect(ground_estimator.ground, ground);
 }
 
 }  // namespace tenon

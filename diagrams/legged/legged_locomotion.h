@@ -9,13 +9,14 @@ namespace tenon {
 ///
 ///     command ──► scheduler ──► com_planner ─┬► swing_planner ──► whole_body ──► torque
 ///                    ▲               ▲       └► trunk_planner ───────▲
-///     foot_forces ───┘               │               ▲               │
-///     state ─────────────────────────┴───────────────┼───────────────┤
+///     foot_forces ───┘     ground_estimator          ▲               │
+///     state ────────────────────▲────────────────────┼───────────────┤
 ///     wrench, leg_forces (what others exert) ────────┴───────────────┘
 ///
-/// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle. `wrench` and
-/// `leg_forces` are an observer's estimates; without a connection nothing is compensated. Each block can be
-/// replaced by any other with its ports; this diagram is its five blocks and these connections, nothing else.
+/// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle, the ground all
+/// but the trunk's. `wrench` and `leg_forces` are an observer's estimates; without a connection nothing is
+/// compensated. Each block can be replaced by any other with its ports; this diagram is its six blocks and
+/// these connections, nothing else.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -27,6 +28,7 @@ class LeggedLocomotion final : public Subdiagram {
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, LegForceEstimate()};
 
   FootScheduler& scheduler;
+  GroundEstimator& ground_estimator;
   ComPlanner& com_planner;
   SwingPlanner& swing_planner;
   TrunkPlanner& trunk_planner;
@@ -37,6 +39,7 @@ class LeggedLocomotion final : public Subdiagram {
   OutputPort<BodyReference> body{this, {"body"}};
   OutputPort<FeetReference> feet{this, {"feet"}};
   OutputPort<WholeBodyPlan> plan{this, {"plan"}};
+  OutputPort<GroundPlane> ground{this, {"ground"}};
 };
 
 }  // namespace tenon

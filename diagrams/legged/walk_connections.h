@@ -5,12 +5,13 @@
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/systems/framework/ports.h>
+#include <tenon/systems/primitives/unit_delay.h>
 
 namespace tenon {
 
 /// Connects what every diagram of a walking robot has: `locomotion`, `world` and `observer` with each other,
 /// and `errors` and `view`, which look on. Locomotion and observer are told `state` and `foot_forces`, the
-/// other two the true ones. The command is left to connect.
+/// other two the true ones, and the ground that was felt a tick ago. The command is left to connect.
 void ConnectWalk(auto& walk, const OutputPort<LeggedState>& state,
                  const OutputPort<FootForces>& foot_forces) {
   walk.Connect(state, walk.locomotion.state);
@@ -22,6 +23,11 @@ void ConnectWalk(auto& walk, const OutputPort<LeggedState>& state,
   walk.Connect(state, walk.observer.state);
   walk.Connect(walk.world.measured_torque, walk.observer.torque);
   walk.Connect(foot_forces, walk.observer.foot_forces);
+  auto& last_ground = walk.template Add<UnitDelay<GroundPlane>>(
+      "last_ground", UnitDelayParams<GroundPlane>{.rate = walk.locomotion.ground_estimator.params.rate});
+  walk.Connect(walk.locomotion.ground, last_ground.u);
+  walk.Connect(last_ground.y, walk.observer.ground);
+  if (walk.estimator) walk.Connect(last_ground.y, walk.estimator->ground);
   walk.Connect(walk.estimator ? walk.estimator->inertial : walk.world.inertial, walk.observer.imu);
 
   walk.Connect(walk.world.state, walk.view.state);

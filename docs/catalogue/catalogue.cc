@@ -258,6 +258,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   auto& entries = shelf.entries;
   entries.push_back(Make<WalkSchedule>("WalkSchedule", shipped.walk.walk));
   entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
+  entries.push_back(Make<GroundEstimator>("GroundEstimator", locomotion.ground));
   entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
   entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
   entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));

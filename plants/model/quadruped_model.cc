@@ -105,6 +105,15 @@ Eigen::Matrix3d QuadrupedDynamics::LegJacobian(int leg, const Eigen::Vector3d& p
   return J;
 }
 
+QuadrupedDynamics::Foot QuadrupedDynamics::Contact(int leg, const Eigen::Vector3d& arm_W) const {
+  Foot foot = feet[static_cast<std::size_t>(leg)];
+  foot.p_W += arm_W;
+  foot.v_W += foot.w_W.cross(arm_W);
+  foot.bias += foot.turn_bias.cross(arm_W);
+  foot.J_leg = LegJacobian(leg, foot.p_W);
+  return foot;
+}
+
 QuadrupedModel::QuadrupedModel(const QuadrupedDescription& robot, double gravity)
     : trunk_{Vector3d::Zero(), Vector3d::Zero(), robot.trunk.com, robot.trunk.inertia, robot.trunk.mass},
       rotor_inertia_(robot.drive.rotor_inertia),
@@ -155,6 +164,8 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
     foot.p_W = x.p_WB + parent->p + arm;
     foot.v_W = parent->Velocity(arm);
     foot.bias = parent->Acceleration(arm);
+    foot.w_W = parent->w;
+    foot.turn_bias = parent->alpha;
     foot.J_leg = out->LegJacobian(leg, foot.p_W);
 
     Composite carried;  // by joint i

@@ -18,10 +18,12 @@ using DynamicsMatrix = Eigen::Matrix<double, R, C, Eigen::DontAlign>;
 ///     M nu' + coriolis + gravity = (0, tau) + sum_i J_i^T f_i.
 struct QuadrupedDynamics {
   struct Foot {
-    Eigen::Vector3d p_W;    ///< centre of its sphere [m]
-    Eigen::Vector3d v_W;    ///< [m/s]
-    Eigen::Vector3d bias;   ///< J' nu: its acceleration is J nu' + bias [m/s^2]
-    Eigen::Matrix3d J_leg;  ///< J's columns of the leg's own joints [m]
+    Eigen::Vector3d p_W;        ///< centre of its sphere [m]
+    Eigen::Vector3d v_W;        ///< [m/s]
+    Eigen::Vector3d bias;       ///< J' nu: its acceleration is J nu' + bias [m/s^2]
+    Eigen::Matrix3d J_leg;      ///< J's columns of the leg's own joints [m]
+    Eigen::Vector3d w_W;        ///< angular velocity of its shank [rad/s]
+    Eigen::Vector3d turn_bias;  ///< the shank's angular acceleration at nu' = 0 [rad/s^2]
   };
   DynamicsMatrix<18, 18> M;  ///< mass matrix, rotors included
   Vec<18> coriolis;          ///< C nu
@@ -48,6 +50,11 @@ struct QuadrupedDynamics {
   DynamicsMatrix<3, 18> FootJacobian(int leg) const;
   /// J_leg of any point p_W that is fixed to the leg's last body.
   Eigen::Matrix3d LegJacobian(int leg, const Eigen::Vector3d& p_W) const;
+  /// The foot's point that touches the ground, `arm_W` away from its centre: the radius, against the ground's
+  /// normal. There the ground's force acts, and while the foot rolls this point has no velocity, and J nu' +
+  /// bias = 0. (That is the acceleration of the centre less alpha x (-arm); the centripetal one of a point
+  /// that stays on the sphere is not in it, since the contact wanders.)
+  Foot Contact(int leg, const Eigen::Vector3d& arm_W) const;
 };
 
 /// The legs apart from the centroidal motion, in the coordinates of Morlando 2023, eqs. (2.1) to (2.3): with

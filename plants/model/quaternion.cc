@@ -20,6 +20,16 @@ Vec<4> QuaternionFromRotationVector(const Eigen::Vector3d& v) {
   return {std::cos(angle / 2), scale * v[0], scale * v[1], scale * v[2]};
 }
 
+Vec<4> QuaternionFromEuler(const Eigen::Vector3d& euler) {
+  const auto turn = [](double angle, int axis) {
+    Vec<4> q = Vec<4>::Zero();
+    q[0] = std::cos(angle / 2);
+    q[1 + axis] = std::sin(angle / 2);
+    return q;
+  };
+  return QuaternionProduct(QuaternionProduct(turn(euler[2], 2), turn(euler[1], 1)), turn(euler[0], 0));
+}
+
 Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b) {
   const Eigen::Quaterniond q =
       Eigen::Quaterniond(a[0], a[1], a[2], a[3]) * Eigen::Quaterniond(b[0], b[1], b[2], b[3]);

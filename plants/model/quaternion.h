@@ -19,6 +19,9 @@ Vec<4> QuaternionFromRotation(const Eigen::Matrix3d& R);
 /// The rotation by |v| [rad] about v.
 Vec<4> QuaternionFromRotationVector(const Eigen::Vector3d& v);
 
+/// The rotation of ZYX Euler angles, see euler.h; continuous in them.
+Vec<4> QuaternionFromEuler(const Eigen::Vector3d& euler);
+
 /// First b, then a: R(a b) = R(a) R(b).
 Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b);
 

@@ -3,6 +3,7 @@
 #include <tenon/plants/model/cdpr_signals.h>
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/leash_signals.h>
 #include <tenon/plants/model/legged_signals.h>
@@ -21,6 +22,7 @@ TENON_DEFINE_SIGNAL(tenon::WrenchEstimate);
 TENON_DEFINE_SIGNAL(tenon::LegForceEstimate);
 TENON_DEFINE_SIGNAL(tenon::ContactSchedule);
 TENON_DEFINE_SIGNAL(tenon::WalkCommand);
+TENON_DEFINE_SIGNAL(tenon::GroundPlane);
 TENON_DEFINE_SIGNAL(tenon::ImuMeasurement);
 TENON_DEFINE_SIGNAL(tenon::PersonState);
 TENON_DEFINE_SIGNAL(tenon::LeashState);

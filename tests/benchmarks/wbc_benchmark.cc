@@ -99,12 +99,20 @@ void Scheduler(benchmark::State& state) {
          });
 }
 
+void Ground(benchmark::State& state) {
+  Replay(state, Loop().locomotion.ground_estimator,
+         [](Context& context, const GroundEstimator& b, const test::TrotTick& tick) {
+           context.Set(b.state, tick.state);
+           context.Set(b.schedule, tick.schedule);
+         });
+}
+
 void Com(benchmark::State& state) {
   Replay(state, Loop().locomotion.com_planner,
          [](Context& context, const ComPlanner& b, const test::TrotTick& tick) {
            context.Set(b.command, tick.command);
            context.Set(b.schedule, tick.schedule);
-           context.Set(b.state, tick.state);
+           context.Set(b.ground, tick.ground);
          });
 }
 
@@ -115,6 +123,7 @@ void Swing(benchmark::State& state) {
            context.Set(b.path, tick.path);
            context.Set(b.body, tick.body);
            context.Set(b.state, tick.state);
+           context.Set(b.ground, tick.ground);
          });
 }
 
@@ -136,6 +145,7 @@ void Wbc(benchmark::State& state) {
            context.Set(b.feet, tick.feet);
            context.Set(b.wrench, {});
            context.Set(b.leg_forces, {});
+           context.Set(b.ground, tick.ground);
          });
 }
 
@@ -249,6 +259,7 @@ const bool kRegistered = [] {
   Register("loop/imu", Imu);
   Register("loop/walk", Walk);
   Register("loop/scheduler", Scheduler);
+  Register("loop/ground_estimator", Ground);
   Register("loop/com_planner", Com);
   Register("loop/swing_planner", Swing);
   Register("loop/trunk_planner", Trunk);

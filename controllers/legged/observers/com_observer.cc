@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include <tenon/controllers/legged/whole_body/foot_forces.h>
-
 namespace tenon {
 
 void ComObserverGains::Validate() const {
@@ -23,8 +21,8 @@ void ComObserverParams::Validate() const {
 }
 
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                         const Vec<3>& specific_force_W, const ComObserverGains& gains,
-                                         Memory& memory) const {
+                                         const GroundPlane& ground, const Vec<3>& specific_force_W,
+                                         const ComObserverGains& gains, Memory& memory) const {
   QuadrupedDynamics dynamics;
   model_.Calc(state, &dynamics);
   const bool from_imu = gains.force_source == ForceSource::kImu;
@@ -39,8 +37,9 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
   memory.angular = dynamics.angular_momentum_W;
   memory.ground.setZero();
   memory.moment.setZero();
+  const Vec<3> contact = ground.ContactArm(params.robot.foot_radius);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Vec<3> arm = LowestPoint(dynamics, leg, params.robot.foot_radius) - dynamics.com_W;
+    const Vec<3> arm = dynamics.feet[static_cast<std::size_t>(leg)].p_W + contact - dynamics.com_W;
     memory.ground += foot_forces[leg];
     memory.moment += arm.cross(foot_forces[leg]);
   }

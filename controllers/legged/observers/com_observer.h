@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
 
@@ -71,12 +72,13 @@ struct ComObserverParams {
 /// acceleration is needed. `kMomentum` takes the mean of m x'' from x' itself, and that of f_i from both
 /// ends.
 ///
-/// The ground's forces act at the lowest point of each foot's sphere. All forces of the surroundings are in
-/// the wrench, wherever they act; estimates of other observers do not enter.
+/// The ground's forces act where each foot's sphere touches the plane that is told. All forces of the
+/// surroundings are in the wrench, wherever they act; estimates of other observers do not enter.
 ///
 ///     | port        | kind            | type                                      |
 ///     | state       | input           | LeggedState; v_W is read by kMomentum only |
 ///     | foot_forces | input           | FootForces                                |
+///     | ground      | input           | GroundPlane; level if not connected       |
 ///     | imu         | input           | ImuMeasurement                            |
 ///     | estimate    | output, sampled | WrenchEstimate                            |
 ///     | gains       | parameter       | ComObserverGains                          |
@@ -112,6 +114,7 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
  public:
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   Parameter<ComObserverGains> gains{this, {"gains"}, params.gains, "bandwidths, and the source of the force"};
 
@@ -124,13 +127,13 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   OutputPort<WrenchEstimate> estimate{this,
                                       {"estimate"},
                                       Sampled{params.rate},
-                                      Uses(state, foot_forces, specific_force_W, gains, memory),
+                                      Uses(state, foot_forces, ground, specific_force_W, gains, memory),
                                       &ComObserver::CalcEstimate};
 
  private:
   WrenchEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                              const Vec<3>& specific_force_W, const ComObserverGains& gains,
-                              Memory& memory) const;
+                              const GroundPlane& ground, const Vec<3>& specific_force_W,
+                              const ComObserverGains& gains, Memory& memory) const;
 };
 
 }  // namespace tenon

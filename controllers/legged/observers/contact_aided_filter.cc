@@ -86,7 +86,7 @@ ContactAidedMean Propagate(const ContactAidedMean& mean, const ContactAidedInput
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     if (!anchored[leg]) continue;
     const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[leg]);
-    out.feet_W[leg] += radius * turn_W.cross(Vec<3>::UnitZ());
+    out.feet_W[leg] += radius * turn_W.cross(input.normal_W);
   }
   return out;
 }
@@ -96,7 +96,7 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
                                        double gravity) {
   const ContactAidedMean next = Propagate(mean, input, anchored, T, radius, gravity);
   const Unbiased imu(mean, input.inertial);
-  const Matrix3d R = mean.R_WB(), up = Skew(Vec<3>::UnitZ());
+  const Matrix3d R = mean.R_WB(), up = Skew(Vec<3>::UnitZ()), normal = Skew(input.normal_W);
   // How an error of the rate turns everything in the interval.
   const Matrix3d turned = -T * RotationFromQuaternion(QuaternionProduct(
                                    mean.q_WB, QuaternionFromRotationVector(T / 2 * imu.w_B)));
@@ -112,8 +112,10 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
   for (int leg = 0; leg < kNumLegs; ++leg) {
     if (!anchored[At(leg)]) continue;
     const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[At(leg)]);
-    F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * Skew(turn_W) * up;
-    F.block<3, 3>(Rows(leg), Filter::kRateBias) = Skew(next.feet_W[At(leg)]) * turned + radius * T * up * R;
+    // The normal is the ground's, and does not turn with the error of the attitude.
+    F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * Skew(turn_W) * normal;
+    F.block<3, 3>(Rows(leg), Filter::kRateBias) =
+        Skew(next.feet_W[At(leg)]) * turned + radius * T * normal * R;
   }
   return F;
 }

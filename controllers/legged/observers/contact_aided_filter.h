@@ -60,6 +60,7 @@ struct ContactAidedMean {
 struct ContactAidedInput {
   ImuMeasurement inertial;              ///< at the beginning of the interval, in the trunk's axes
   std::array<Vec<3>, kNumLegs> turn_B;  ///< of the shanks against the trunk, as rotation vectors [rad]
+  Vec<3> normal_W{0, 0, 1};             ///< of the ground
 };
 
 /// Where a foot is, from its leg's joints.
@@ -73,11 +74,11 @@ struct FootMeasurement {
 /// stands still tells of the trunk's motion and not of its place. With f = f_read - b_f, w = w_read - b_w,
 /// period T and a = R f + g, one tick is
 ///
-///     p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x),   p_i += rho (R (T w + turn_i)) x e_z
+///     p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x),   p_i += rho (R (T w + turn_i)) x n
 ///
-/// The last says that a standing foot, a sphere of radius rho on level ground, rolls with its shank: it is
-/// the point in contact that stands still and not the centre. (On a slope s the rolling's vertical part, sin
-/// s of it, is left out.) A foot that is anchored is measured by
+/// The last says that a standing foot, a sphere of radius rho on ground with the normal n, rolls with its
+/// shank: it is the point in contact that stands still and not the centre. A foot that is anchored is
+/// measured by
 ///
 ///     0 = p_i - p - R y_i + noise,   y_i the place from the joints;
 ///

@@ -32,7 +32,8 @@ DisturbanceFilter LegMomentumObserver::CalcFilter(const LegObserverGains& gains)
 }
 
 LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                                   const Vec<12>& held_torque, const LegObserverGains& gains,
+                                                   const GroundPlane& ground, const Vec<12>& held_torque,
+                                                   const LegObserverGains& gains,
                                                    const DisturbanceFilter& filter, Memory& memory) const {
   const bool exact = gains.dynamics == LegDynamics::kExact;
   QuadrupedDynamics dynamics;
@@ -44,11 +45,11 @@ LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, con
   if (exact) {
     momentum = dynamics.leg_momentum;
     known_rate = dynamics.leg_momentum_rate - dynamics.gravity.tail<12>() +
-                 GroundTorque(dynamics, foot_forces, params.robot.foot_radius);
+                 GroundTorque(dynamics, foot_forces, ground.ContactArm(params.robot.foot_radius));
   } else {
     momentum = decoupled.momentum;
-    known_rate =
-        decoupled.momentum_rate + DecoupledGroundTorque(dynamics, foot_forces, params.robot.foot_radius);
+    known_rate = decoupled.momentum_rate +
+                 DecoupledGroundTorque(dynamics, foot_forces, ground.ContactArm(params.robot.foot_radius));
   }
   filter.Fit<12>(&memory.estimator);
   if (memory.started && memory.dynamics == gains.dynamics) {

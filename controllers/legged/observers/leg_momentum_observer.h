@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
@@ -65,15 +66,16 @@ struct LegMomentumObserverParams {
 /// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts
 /// at the joints, say their friction, is part of the estimate.
 ///
-/// The ground's forces act at the lowest point of each foot's sphere. The estimate is also told as forces at
-/// the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all). Near a singular
-/// leg, one that is straight, say, the part of f that the joints hardly feel goes to zero instead of to
-/// infinity, see SolveFootForces.
+/// The ground's forces act where each foot's sphere touches the plane that is told. The estimate is also told
+/// as forces at the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all). Near
+/// a singular leg, one that is straight, say, the part of f that the joints hardly feel goes to zero instead
+/// of to infinity, see SolveFootForces.
 ///
 ///     | port        | kind            | type             |
 ///     | state       | input           | LeggedState      |
 ///     | torque      | input           | Vec<12> [N m]    |
 ///     | foot_forces | input           | FootForces       |
+///     | ground      | input           | GroundPlane; level if not connected |
 ///     | estimate    | output, sampled | LegForceEstimate |
 ///     | gains       | parameter       | LegObserverGains |
 ///
@@ -108,6 +110,7 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<LegObserverGains> gains{
       this, {"gains"}, params.gains, "of the estimator, and the dynamics that it takes"};
   Shared<DisturbanceFilter> filter{this, "filter", Uses(gains), &LegMomentumObserver::CalcFilter};
@@ -119,14 +122,15 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   OutputPort<LegForceEstimate> estimate{this,
                                         {"estimate"},
                                         Sampled{params.rate},
-                                        Uses(state, foot_forces, held_torque, gains, filter, memory),
+                                        Uses(state, foot_forces, ground, held_torque, gains, filter, memory),
                                         &LegMomentumObserver::CalcEstimate};
 
  private:
   DisturbanceFilter CalcFilter(const LegObserverGains& gains) const;
   LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const Vec<12>& held_torque, const LegObserverGains& gains,
-                                const DisturbanceFilter& filter, Memory& memory) const;
+                                const GroundPlane& ground, const Vec<12>& held_torque,
+                                const LegObserverGains& gains, const DisturbanceFilter& filter,
+                                Memory& memory) const;
 };
 
 }  // namespace tenon

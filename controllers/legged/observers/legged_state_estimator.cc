@@ -70,13 +70,13 @@ void LeggedStateEstimator::CalcLegs(const JointMotion& joints, QuadrupedDynamics
 
 LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu,
                                                   const QuadrupedDynamics& legs, const JointMotion& joints,
-                                                  const ContactSchedule& schedule,
+                                                  const ContactSchedule& schedule, const GroundPlane& ground,
                                                   const ContactAidedNoise& noise, double settle_time,
                                                   double outlier, Memory& memory) const {
   const double T = params.rate.period();
   ContactAidedFilter& filter = memory.filter;
   const bool first = !memory.started;
-  ContactAidedInput input{last_imu, {}};
+  ContactAidedInput input{last_imu, {}, ground.Normal()};
   if (first) {
     Start(joints, settle_time, memory);
     input.inertial.angular_velocity_B = params.initial.R_WB().transpose() * params.initial.w_W;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
@@ -87,6 +88,7 @@ struct LeggedEstimate {
 ///     | imu         | input           | ImuMeasurement              |
 ///     | joints      | input           | JointMotion                 |
 ///     | schedule    | input           | ContactSchedule             |
+///     | ground      | input           | GroundPlane; level if not connected |
 ///     | estimate    | output, sampled | LeggedEstimate              |
 ///     | state       | output          | LeggedState, of estimate    |
 ///     | diagnostics | output          | LeggedEstimatorDiagnostics  |
@@ -118,6 +120,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<ContactAidedNoise> noise{
       this, {"noise"}, params.noise, "standard deviations that the filter believes in"};
   Parameter<double> settle_time{
@@ -138,7 +141,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
       this,
       {"estimate"},
       Sampled{params.rate},
-      Uses(last_imu_, legs_, joints, schedule, noise, settle_time, outlier, memory),
+      Uses(last_imu_, legs_, joints, schedule, ground, noise, settle_time, outlier, memory),
       &LeggedStateEstimator::CalcEstimate};
   OutputPort<LeggedState> state{
       this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.state; }};
@@ -153,8 +156,8 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   void CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const;
   LeggedEstimate CalcEstimate(const ImuMeasurement& last_imu, const QuadrupedDynamics& legs,
                               const JointMotion& joints, const ContactSchedule& schedule,
-                              const ContactAidedNoise& noise, double settle_time, double outlier,
-                              Memory& memory) const;
+                              const GroundPlane& ground, const ContactAidedNoise& noise, double settle_time,
+                              double outlier, Memory& memory) const;
   ImuMeasurement CalcInertial(const ImuMeasurement& imu, const LeggedEstimatorDiagnostics& diagnostics) const;
   double RollingRadius(const std::array<bool, kNumLegs>& anchored) const;
   void Start(const JointMotion& joints, double settle_time, Memory& memory) const;

@@ -18,6 +18,7 @@ void NonlinearDisturbanceObserverParams::Validate() const {
 
 LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,
                                                             const FootForces& foot_forces,
+                                                            const GroundPlane& ground,
                                                             const Vec<12>& held_torque, double gain,
                                                             double min_singular_value, Memory& memory) const {
   QuadrupedDynamics dynamics;
@@ -26,7 +27,8 @@ LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& s
   model_.CalcDecoupled(state, dynamics, &decoupled);
 
   const Vec<12> known_torque =
-      DecoupledGroundTorque(dynamics, foot_forces, params.robot.foot_radius) - decoupled.coriolis;
+      DecoupledGroundTorque(dynamics, foot_forces, ground.ContactArm(params.robot.foot_radius)) -
+      decoupled.coriolis;
   if (memory.started) {
     const double period = params.rate.period();
     const double x = params.reading == NdoReading::kM ? gain : 1 / gain;

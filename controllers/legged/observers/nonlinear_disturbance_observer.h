@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
@@ -51,6 +52,7 @@ struct NonlinearDisturbanceObserverParams {
 ///     | state       | input           | LeggedState      |
 ///     | torque      | input           | Vec<12> [N m]    |
 ///     | foot_forces | input           | FootForces       |
+///     | ground      | input           | GroundPlane; level if not connected |
 ///     | estimate    | output, sampled | LegForceEstimate |
 ///
 /// `gain` and `min_singular_value` are Parameters: a run can change them.
@@ -80,6 +82,7 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<double> gain{this, {"gain"}, params.gain, "X, in N m s/rad, or its inverse"};
   Parameter<double> min_singular_value{this,
                                        {"min_singular_value", "m"},
@@ -94,13 +97,13 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
       this,
       {"estimate"},
       Sampled{params.rate},
-      Uses(state, foot_forces, held_torque, gain, min_singular_value, memory),
+      Uses(state, foot_forces, ground, held_torque, gain, min_singular_value, memory),
       &NonlinearDisturbanceObserver::CalcEstimate};
 
  private:
   LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const Vec<12>& held_torque, double gain, double min_singular_value,
-                                Memory& memory) const;
+                                const GroundPlane& ground, const Vec<12>& held_torque, double gain,
+                                double min_singular_value, Memory& memory) const;
 };
 
 }  // namespace tenon

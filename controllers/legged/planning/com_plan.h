@@ -5,6 +5,7 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/motion_signals.h>
 
 namespace tenon {
@@ -35,10 +36,10 @@ struct ComPlan {
   PlanarPath path;            ///< then
   PeriodicPendulum pendulum;  ///< the CoM over ground, after blending,
   PlanarSpline spline;        ///< or, if it has segments, this, and beyond its end the path
-  double ground = 0;          ///< height of the ground below the robot [m]
+  GroundPlane ground;         ///< below the robot
   double blend = 0;           ///< time until the old plan is forgotten [s]
-  /// What is left of the old plan: (x, y, z, yaw), coefficients of t^0 ... t^3.
-  std::array<Vec<4>, 4> remainder{Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero(), Vec<4>::Zero()};
+  /// What is left of the old plan: (x, y, z, yaw, slope), coefficients of t^0 ... t^3.
+  std::array<Vec<6>, 4> remainder{Vec<6>::Zero(), Vec<6>::Zero(), Vec<6>::Zero(), Vec<6>::Zero()};
   ComDiagnostics diagnostics;
 
   static FieldList Fields() {
@@ -47,7 +48,7 @@ struct ComPlan {
             {"path", &ComPlan::path},
             {"pendulum", &ComPlan::pendulum},
             {"spline", &ComPlan::spline},
-            {"ground", &ComPlan::ground, "m"},
+            {"ground", &ComPlan::ground},
             {"blend", &ComPlan::blend, "s"},
             {"remainder", &ComPlan::remainder},
             {"diagnostics", &ComPlan::diagnostics}};

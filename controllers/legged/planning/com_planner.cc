@@ -5,13 +5,15 @@
 #include <cmath>
 
 #include <tenon/controllers/legged/planning/planned_phases.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/plants/model/quaternion.h>
 
 namespace tenon {
 namespace {
 
-/// (x, y, z, yaw) and two derivatives.
+/// (x, y, z, yaw, slope of the ground) and two derivatives.
 struct Pose {
-  Vec<4> position, velocity, acceleration;
+  Vec<6> position, velocity, acceleration;
 };
 
 PlanarPoint OnPath(const PlanarPath& path) {
@@ -26,9 +28,11 @@ Pose PoseAt(const ComPlan& plan, double com_height, double time) {
                                   : t < plan.spline.duration    ? plan.spline.At(t)
                                                                 : OnPath(path);
   Pose pose;
-  pose.position << over_ground.position, plan.ground + com_height, path.yaw;
-  pose.velocity << over_ground.velocity, 0, path.yaw_rate;
-  pose.acceleration << over_ground.acceleration, 0, 0;
+  const Vec<2>& slope = plan.ground.slope;
+  pose.position << over_ground.position, plan.ground.HeightAt(over_ground.position) + com_height, path.yaw,
+      slope;
+  pose.velocity << over_ground.velocity, slope.dot(over_ground.velocity), path.yaw_rate, 0, 0;
+  pose.acceleration << over_ground.acceleration, slope.dot(over_ground.acceleration), 0, 0, 0;
   if (t < plan.blend) {
     const auto& c = plan.remainder;
     pose.position += c[0] + t * (c[1] + t * (c[2] + t * c[3]));
@@ -39,7 +43,7 @@ Pose PoseAt(const ComPlan& plan, double com_height, double time) {
 }
 
 /// The cubic that begins at `offset` with `rate` and ends at rest at 0 after the time `blend`.
-void Fade(const Vec<4>& offset, const Vec<4>& rate, double blend, ComPlan* plan) {
+void Fade(const Vec<6>& offset, const Vec<6>& rate, double blend, ComPlan* plan) {
   plan->blend = blend;
   plan->remainder = {offset, rate, -(3 * offset + 2 * blend * rate) / (blend * blend),
                      (2 * offset + blend * rate) / (blend * blend * blend)};
@@ -63,11 +67,12 @@ void ComPlannerParams::Validate() const {
 }
 
 /// At rest where the robot stands in its nominal stance; its CoM need not be over the centre of its feet.
-ComPlan ComPlanner::FirstPlan(double time, double blend) const {
+ComPlan ComPlanner::FirstPlan(double time, const GroundPlane& ground, double blend) const {
   ComPlan plan;
   plan.start = time;
   plan.path.yaw = params.start_yaw;
-  const Eigen::Matrix2d R = plan.path.Heading();
+  plan.ground = ground;
+  const Eigen::Matrix2d R = FootprintOnSlope(ground.slope, params.start_yaw);
   plan.path.position_W = params.start_position + R * stance.center_B;
   plan.pendulum.Begin(plan.path, 1);
   plan.blend = blend;
@@ -76,14 +81,11 @@ ComPlan ComPlanner::FirstPlan(double time, double blend) const {
 }
 
 void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
-                          const LeggedState& state, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
+                          const GroundPlane& ground, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
                           ZmpSpline& optimizer, ComPlan* plan) const {
   *plan = memory;
   if (memory.footsteps == schedule.footsteps) return;
-  if (memory.footsteps < 0) {
-    *plan = FirstPlan(time, blend);
-    plan->ground = GroundHeight(schedule, state, 0);
-  }
+  if (memory.footsteps < 0) *plan = FirstPlan(time, ground, blend);
   const Pose old = PoseAt(*plan, stance.com_height, time);
   memory = *plan;
   plan->path = plan->path.At(time - plan->start);
@@ -91,7 +93,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   const bool walks = schedule.gait != Gait::kStand;
   plan->path.velocity = walks ? Vec<2>(command.forward, command.left) : Vec<2>(0, 0);
   plan->path.yaw_rate = walks ? command.yaw_rate : 0;
-  plan->ground = GroundHeight(schedule, state, plan->ground);
+  plan->ground = ground;
   plan->blend = 0;
   plan->spline.num_segments = 0;
   PlanPendulum(schedule, plan);
@@ -100,7 +102,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   if (walks && params.reference == ComReference::kZmpSpline) {
     const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
     if (PlanSpline(schedule, begin, command.height[0], zmp, optimizer, plan)) {
-      for (Vec<4>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
+      for (Vec<6>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
     } else {
       memory.diagnostics = plan->diagnostics;
       *plan = memory;
@@ -113,7 +115,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
 /// The cycle from the beginning of the present step on.
 void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const {
   plan->pendulum.Begin(plan->path, std::sqrt(params.gravity / stance.com_height));
-  ForEachPlannedPhase(plan->path, schedule, stance, schedule.timing.num_steps,
+  ForEachPlannedPhase(plan->path, plan->ground.slope, schedule, stance, schedule.timing.num_steps,
                       [&](double duration, std::span<const Eigen::Vector2d> feet) {
                         Eigen::Vector2d sum = Eigen::Vector2d::Zero();
                         for (const Eigen::Vector2d& foot : feet) sum += foot;
@@ -127,7 +129,7 @@ bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& 
   std::array<SupportPhase, ZmpSpline::kMaxPhases> phases;
   std::size_t count = 0, visited = 0;
   double duration = 0;
-  ForEachPlannedPhase(plan->path, schedule, stance, zmp.horizon + 1,
+  ForEachPlannedPhase(plan->path, plan->ground.slope, schedule, stance, zmp.horizon + 1,
                       [&](double seconds, std::span<const Eigen::Vector2d> feet) {
                         if (++visited > 2 * static_cast<std::size_t>(zmp.horizon) + 1) return;
                         if (seconds <= 0) return;
@@ -153,18 +155,6 @@ bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& 
   return report.ok();
 }
 
-double ComPlanner::GroundHeight(const ContactSchedule& schedule, const LeggedState& state,
-                                double otherwise) const {
-  const Eigen::Matrix3d R = state.R_WB();
-  double sum = 0;
-  for (int i = 0; i < kNumLegs; ++i) {
-    if (!schedule.legs[static_cast<std::size_t>(i)].stance()) continue;
-    sum += (state.p_WB + R * params.robot.FootPosition(i, state.q))[2] - params.robot.foot_radius;
-  }
-  const int count = schedule.num_stance();
-  return count > 0 ? sum / count : otherwise;
-}
-
 BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan,
                                         const WalkCommand& command) const {
   const Pose pose = PoseAt(plan, stance.com_height, time);
@@ -175,9 +165,12 @@ BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan,
   reference.com_W[2] += command.height[0];
   reference.com_velocity_W[2] += command.height[1];
   reference.com_acceleration_W[2] += command.height[2];
-  reference.q_WB << std::cos(pose.position[3] / 2), 0, 0, std::sin(pose.position[3] / 2);
-  reference.w_W[2] = pose.velocity[3];
-  reference.alpha_W[2] = pose.acceleration[3];
+  const Vec<2> slope = pose.position.tail<2>(), slope_rate = pose.velocity.tail<2>();
+  const double yaw = pose.position[3], yaw_rate = pose.velocity[3];
+  const Vec<3> euler = EulerOnSlope(slope, yaw);
+  reference.q_WB = QuaternionFromEuler(euler);
+  reference.w_W = EulerRateMatrix(euler) * EulerRateOnSlope(slope, slope_rate, yaw, yaw_rate);
+  reference.alpha_W[2] = pose.acceleration[3];  // slopes are gentle, and change slowly
   return reference;
 }
 

@@ -7,7 +7,7 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/zmp_spline.h>
 #include <tenon/plants/model/gait_signals.h>
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
@@ -57,7 +57,7 @@ struct ComPlannerParams {
 ///
 ///     ports in   schedule     which feet stand and when they will swing
 ///                command      velocities; the gait is the scheduler's
-///                state        for the height of the ground at the feet, nothing else
+///                ground       below the robot
 ///     parameters zmp          ZmpPlanParams, from the next plan on
 ///                blend        [s], from the next plan on
 ///     ports out  plan         sampled
@@ -67,22 +67,22 @@ struct ComPlannerParams {
 ///
 /// The commanded path goes on from where the last plan has brought it, with the velocities commanded at the
 /// footstep. Along it the feet are planted so that each is at its nominal place below the robot in the middle
-/// of its stance. The CoM is at the nominal height h above the ground and moves over it as the linear
-/// inverted pendulum x'' = (g / h) (x - p) of which p is the centre of the feet that stand in each phase: of
-/// all its motions the one that repeats itself from cycle to cycle (PeriodicPendulum). So the ZMP, (2.4) and
-/// (2.5) with L' = z'' = 0, stays in the middle of the support polygon. Or else the CoM moves on a spline
-/// (see ZmpSpline) from where the reference has brought it, acceleration included, over the phases of the
-/// next `horizon` steps and the stance that follows, and ends on the path, with its velocity. If no spline
-/// keeps the ZMP in the polygons, the old plan goes on, its path too, until the next footstep: a failure,
-/// which is counted. Standing, the CoM rests over the path. The commanded height is added at every tick; a
-/// spline's ZMP is that of the height commanded when it was made. The trunk is level and heads along the
-/// path.
+/// of its stance. The CoM is at the nominal height h above the ground, straight up, and moves over it as the
+/// linear inverted pendulum x'' = (g / h) (x - p) of which p is the centre of the feet that stand in each
+/// phase: of all its motions the one that repeats itself from cycle to cycle (PeriodicPendulum). So the ZMP,
+/// (2.4) and (2.5) with L' = 0, stays in the middle of the support polygon, on a slope too: there (g + z'')
+/// (x - p) = x'' (z - z_p) with z - z_p = h + s (x - p) and z'' = s x'' is the same pendulum. Or else the CoM
+/// moves on a spline (see ZmpSpline) from where the reference has brought it, acceleration included, over the
+/// phases of the next `horizon` steps and the stance that follows, and ends on the path, with its velocity.
+/// If no spline keeps the ZMP in the polygons, the old plan goes on, its path too, until the next footstep: a
+/// failure, which is counted. Standing, the CoM rests over the path. The commanded height is added at every
+/// tick; a spline's ZMP is that of the height commanded when it was made. The trunk is parallel to the ground
+/// and heads along the path.
 ///
-/// Position, velocity, yaw and yaw rate do not jump at a new plan: what the old one said differently is taken
-/// over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing. The
-/// reference is never restarted at the actual state, or the tracking error would hide itself; only the mean
-/// height of the feet that stand is taken from it. A plan is a function of the time, and so goes on through a
-/// wait of the gait clock for a late foot.
+/// Position, velocity, attitude and its rate do not jump at a new plan: what the old one said differently is
+/// taken over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing.
+/// The reference is never restarted at the actual state, or the tracking error would hide itself. A plan is a
+/// function of the time, and so goes on through a wait of the gait clock for a late foot.
 class ComPlanner final : public LeafSystem<ComPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -90,7 +90,7 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
 
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<WalkCommand> command{this, {"command"}};
-  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<GroundPlane> ground{this, {"ground"}};
   Parameter<ZmpPlanParams> zmp{
       this, {"zmp"}, params.zmp, "how a spline is planned, if that is the reference"};
   Parameter<double> blend{this, {"blend", "s"}, params.blend, "time of going over to a new plan"};
@@ -99,7 +99,7 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
   OutputPort<ComPlan> plan{this,
                            {"plan"},
                            Sampled{params.rate},
-                           Uses(time, schedule, command, state, zmp, blend, memory, optimizer),
+                           Uses(time, schedule, command, ground, zmp, blend, memory, optimizer),
                            &ComPlanner::CalcPlan};
   OutputPort<BodyReference> reference{
       this, {"reference"}, Sampled{params.rate}, Uses(time, plan, command), &ComPlanner::CalcReference};
@@ -109,16 +109,15 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
 
  private:
   void CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,
-                const LeggedState& state, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
+                const GroundPlane& ground, const ZmpPlanParams& zmp, double blend, ComPlan& memory,
                 ZmpSpline& optimizer, ComPlan* plan) const;
   BodyReference CalcReference(const double& time, const ComPlan& plan, const WalkCommand& command) const;
   PlanarPath CalcPath(const double& time, const ComPlan& plan) const;
 
-  ComPlan FirstPlan(double time, double blend) const;
+  ComPlan FirstPlan(double time, const GroundPlane& ground, double blend) const;
   void PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const;
   bool PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
                   const ZmpPlanParams& zmp, ZmpSpline& optimizer, ComPlan* plan) const;
-  double GroundHeight(const ContactSchedule& schedule, const LeggedState& state, double otherwise) const;
 };
 
 }  // namespace tenon

@@ -5,21 +5,23 @@
 
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/motion_signals.h>
 
 namespace tenon {
 
 /// Calls visit(duration, feet) for the phases of the next `steps` steps, from the beginning of the present
 /// one on: the stance of all feet, then the swing with those that stand, of each step. `path` is then. A foot
-/// is planted where the path has it at its nominal place in the middle of its stance.
+/// is planted where the path has it at its nominal place in the middle of its stance, on ground of this
+/// slope.
 template <class Visit>
-void ForEachPlannedPhase(const PlanarPath& path, const ContactSchedule& schedule, const NominalStance& stance,
-                         int steps, Visit&& visit) {
+void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const ContactSchedule& schedule,
+                         const NominalStance& stance, int steps, Visit&& visit) {
   const GaitTiming& timing = schedule.timing;
   std::array<Eigen::Vector2d, kNumLegs> foot;
   const auto plant = [&](std::size_t leg, double mid_stance) {
     const PlanarPath there = path.At(mid_stance);
-    foot[leg] = there.position_W + there.Heading() * stance.foot[leg];
+    foot[leg] = there.position_W + FootprintOnSlope(slope, there.yaw) * stance.foot[leg];
   };
   const auto steps_ahead = [&](std::size_t leg) {
     return (timing.step[leg] - schedule.step + timing.num_steps) % timing.num_steps;

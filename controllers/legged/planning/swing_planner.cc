@@ -48,7 +48,8 @@ FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& st
                     double duration) {
   const double t = phase * duration, half = duration / 2;
   const PlanarPoint course = Course(leg, duration, t);
-  const double z_begin = leg.lift_off_height, z_end = leg.foothold[2];
+  // Heights as they were without the slope from lift-off on.
+  const double z_begin = leg.lift_off[2], z_end = leg.ground.HeightAt(leg.lift_off.head<2>());
   const double z_top = std::max(z_begin, z_end) + step.height;
   // At the top, the mean of what cubics from rest to rest would have on its two sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
@@ -57,9 +58,11 @@ FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& st
   const MotionPoint height =
       t < half ? Quintic({z_begin}, top, half, t) : Quintic(top, touchdown, half, t - half);
   FootReference foot;
-  foot.p_W << course.position, height.position;
-  foot.v_W << course.velocity, height.velocity;
-  foot.a_W << course.acceleration, height.acceleration;
+  const Vec<2>& slope = leg.ground.slope;
+  const double climbed = slope.dot(course.position - leg.lift_off.head<2>());
+  foot.p_W << course.position, height.position + climbed;
+  foot.v_W << course.velocity, height.velocity + slope.dot(course.velocity);
+  foot.a_W << course.acceleration, height.acceleration + slope.dot(course.acceleration);
   return foot;
 }
 
@@ -100,15 +103,13 @@ void SwingPlannerParams::Validate() const {
 }
 
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
-                            const BodyReference& body, const LeggedState& state, const WrenchEstimate& wrench,
-                            const StepProperties& step, Memory& memory, Memory* plan) const {
+                            const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
+                            const WrenchEstimate& wrench, const StepProperties& step, Memory& memory,
+                            Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
-  double ground = 0;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (std::size_t i = 0; i < kNumLegs; ++i)
     foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
-    if (schedule.legs[i].stance()) ground += foot[i][2] / schedule.num_stance();
-  }
   if (step.wrench_shift) {
     const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
     memory.shift += gain * (Shift(wrench, step) - memory.shift);
@@ -130,13 +131,16 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       if (lifts_off) {
         leg.from = {.position = foot[i].head<2>()};
         leg.from_time = 0;
-        leg.lift_off_height = foot[i][2];
-        leg.foothold[2] = schedule.num_stance() > 0 ? ground : foot[i][2];
+        leg.lift_off = foot[i];
+        leg.ground = ground;
+        leg.ground.p_W[2] += params.robot.foot_radius / ground.Normal()[2];
       } else {
         leg.from = Course(leg, swing, t);
         leg.from_time = t;
       }
-      leg.foothold.head<2>() = Foothold(i, schedule, path, step.velocity_feedback * v_error + memory.shift);
+      leg.foothold.head<2>() =
+          Foothold(i, schedule, path, ground.slope, step.velocity_feedback * v_error + memory.shift);
+      leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();
     } else {
@@ -159,11 +163,12 @@ Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProp
 }
 
 Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,
-                                       const PlanarPath& path, const Eigen::Vector2d& correction) const {
+                                       const PlanarPath& path, const Eigen::Vector2d& slope,
+                                       const Eigen::Vector2d& correction) const {
   const double touchdown = schedule.legs[leg].time_to_touchdown;
   const auto nominal = [&](double t) -> Eigen::Vector2d {
     const PlanarPath there = path.At(t);
-    return there.position_W + there.Heading() * stance.foot[leg];
+    return there.position_W + FootprintOnSlope(slope, there.yaw) * stance.foot[leg];
   };
   const Eigen::Vector2d at_touchdown = nominal(touchdown);
   const Eigen::Vector2d wanted = nominal(touchdown + schedule.timing.leg_stance() / 2) + correction;

@@ -6,6 +6,7 @@
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/systems/framework/parameter.h>
@@ -54,6 +55,7 @@ struct SwingPlannerParams {
 ///                path       of the CoM planner, with its twist
 ///                body       the CoM planner's reference, for the velocity error
 ///                state      where the feet are
+///                ground     below the robot
 ///                wrench     estimated disturbance, for the option wrench_shift; none if not connected
 ///     parameter  step       StepProperties
 ///     ports out  feet       position, velocity, acceleration of all feet; sampled
@@ -68,11 +70,12 @@ struct SwingPlannerParams {
 /// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
 /// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that
 /// move for every push disturb the walk more than it does. Then drawn into the reach of the leg, seen from
-/// its nominal place at touchdown. The height is the mean of the feet that stand.
+/// its nominal place at touchdown. Its height is that of the ground as it is felt at lift-off.
 ///
 /// **Swing.** From the measured place at lift-off. Over ground a polynomial of degree five from rest to rest,
 /// which a new foothold replaces by the one that goes on from where the old has come, with its velocity and
-/// acceleration; in height two, each half of the swing long: lift and lower, joined with equal acceleration.
+/// acceleration; in height over the ground's slope two, each half of the swing long: lift and lower, joined
+/// with equal acceleration.
 /// It arrives with a small speed downwards. A foot that is late, or searches, goes on from there,
 ///
 ///     z = z_0 - D (1 - e^(-v t / D)),
@@ -92,7 +95,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     ContactState state = ContactState::kStance;
     PlanarPoint from;                  ///< over ground, where the course to the foothold began,
     double from_time = 0;              ///< at this time after lift-off [s]
-    double lift_off_height = 0;        ///< [m]
+    Vec<3> lift_off = Vec<3>::Zero();  ///< where the foot left the ground [m]
+    GroundPlane ground;                ///< then, at the feet's centres
     Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
     Vec<3> hip = Vec<3>::Zero();       ///< [m]
     double searching = 0;              ///< for how long, late included [s]
@@ -101,7 +105,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
       return {{"state", &LegMemory::state},
               {"from", &LegMemory::from},
               {"from_time", &LegMemory::from_time, "s"},
-              {"lift_off_height", &LegMemory::lift_off_height, "m"},
+              {"lift_off", &LegMemory::lift_off, "m"},
+              {"ground", &LegMemory::ground},
               {"foothold", &LegMemory::foothold, "m"},
               {"hip", &LegMemory::hip, "m"},
               {"searching", &LegMemory::searching, "s"}};
@@ -121,13 +126,14 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<PlanarPath> path{this, {"path"}};
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<LeggedState> state{this, {"state"}};
+  InputPort<GroundPlane> ground{this, {"ground"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
   Parameter<StepProperties> step{this, {"step"}, params.step, "shape of the steps, choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<Memory> plan{this,
                           {"plan"},
                           Sampled{params.rate},
-                          Uses(schedule, path, body, state, wrench, step, memory),
+                          Uses(schedule, path, body, state, ground, wrench, step, memory),
                           &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
@@ -136,15 +142,15 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
 
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
-                const LeggedState& state, const WrenchEstimate& wrench, const StepProperties& step,
-                Memory& memory, Memory* plan) const;
+                const LeggedState& state, const GroundPlane& ground, const WrenchEstimate& wrench,
+                const StepProperties& step, Memory& memory, Memory* plan) const;
   FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
 
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
-                           const Eigen::Vector2d& correction) const;
+                           const Eigen::Vector2d& slope, const Eigen::Vector2d& correction) const;
 
   const double mass_ = params.robot.mass();
 };

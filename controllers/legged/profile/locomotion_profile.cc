@@ -17,6 +17,7 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
                                       const std::string& gaits) {
   LeggedLocomotionParams params;
   params.scheduler = YamlDocument::Load(FindResource("gaits", gaits)).Read<FootSchedulerParams>();
+  params.ground = {.robot = robot, .belief = profile.ground};
   params.com_planner.robot = robot;
   params.swing_planner.robot = robot;
   params.trunk_planner = {.robot = robot, .sway_limit = profile.sway_limit};

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <tenon/controllers/legged/observers/com_observer.h>
+#include <tenon/controllers/legged/observers/ground_estimator.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/controllers/legged/observers/nonlinear_disturbance_observer.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
@@ -45,9 +46,10 @@ struct DisturbanceObserverParams {
   NonlinearDisturbanceObserverParams ndo;
 };
 
-/// Of the five blocks of a LeggedLocomotion.
+/// Of the six blocks of a LeggedLocomotion.
 struct LeggedLocomotionParams {
   FootSchedulerParams scheduler;
+  GroundEstimatorParams ground;
   ComPlannerParams com_planner;
   SwingPlannerParams swing_planner;
   TrunkPlannerParams trunk_planner;
@@ -71,12 +73,14 @@ struct ObserverProfile {
 struct LocomotionProfile {
   WholeBodyGains whole_body;
   double sway_limit = 80;  ///< of the TrunkPlanner [rad/s^2]
+  GroundBelief ground;
   double qp_rate_hz = 1000;
   ObserverProfile observer;
 
   static FieldList Fields() {
     return {Required("whole_body", &LocomotionProfile::whole_body),
             Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit),
+            Required("ground", &LocomotionProfile::ground),
             Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz),
             Required("observer", &LocomotionProfile::observer)};
   }

@@ -25,10 +25,6 @@ double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
 
 }  // namespace
 
-Vec<3> LowestPoint(const QuadrupedDynamics& dynamics, int leg, double radius) {
-  return FootOf(dynamics, leg).p_W - Vec<3>(0, 0, radius);
-}
-
 FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& torque,
                            double min_singular_value) {
   FootForces forces;
@@ -65,22 +61,23 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const DecoupledDyn
   return forces;
 }
 
-Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius) {
+Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, const Vec<3>& arm_W) {
   Vec<12> torque;
   for (int leg = 0; leg < kNumLegs; ++leg)
     torque.segment<3>(3 * leg) =
-        dynamics.LegJacobian(leg, LowestPoint(dynamics, leg, radius)).transpose() * forces[leg];
+        dynamics.LegJacobian(leg, FootOf(dynamics, leg).p_W + arm_W).transpose() * forces[leg];
   return torque;
 }
 
-Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius) {
+Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces,
+                              const Vec<3>& arm_W) {
   Eigen::Matrix<double, 6, 1> on_trunk = Eigen::Matrix<double, 6, 1>::Zero();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     on_trunk.head<3>() += forces[leg];
-    on_trunk.tail<3>() += (LowestPoint(dynamics, leg, radius) - dynamics.base_W).cross(forces[leg]);
+    on_trunk.tail<3>() += (FootOf(dynamics, leg).p_W + arm_W - dynamics.base_W).cross(forces[leg]);
   }
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> inertia(dynamics.M.topLeftCorner<6, 6>());
-  return GroundTorque(dynamics, forces, radius) -
+  return GroundTorque(dynamics, forces, arm_W) -
          dynamics.M.bottomLeftCorner<12, 6>() * inertia.solve(on_trunk);
 }
 

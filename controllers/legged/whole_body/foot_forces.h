@@ -4,14 +4,12 @@
 
 namespace tenon {
 
-/// Where the ground's force acts on a foot, for want of knowing better: the lowest point of its sphere of
-/// this radius [m].
-Vec<3> LowestPoint(const QuadrupedDynamics& dynamics, int leg, double radius);
-
-/// What forces of the ground at these points do at the joints: the sum of J_i^T f_i, joints' rows [N m].
-Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius);
+/// What forces of the ground do at the joints: the sum of J_i^T f_i, joints' rows [N m]. They act where the
+/// feet touch the ground, `arm_W` away from their centres: the radius, against the ground's normal [m].
+Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, const Vec<3>& arm_W);
 /// The same of the decoupled legs, see DecoupledDynamics: the sum of J_q^T f_i.
-Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces, double radius);
+Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces,
+                              const Vec<3>& arm_W);
 
 /// The forces at the centres of the feet that do at the joints what `torque` does: J_leg^T f = torque for
 /// each leg. A leg is singular if it is straight, or if the foot is below the roll joint's axis; where the

@@ -59,18 +59,25 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
   return limit;
 }
 
-void WholeBodyController::CalcDynamics(const LeggedState& state, const WholeBodyGains& gains,
+void WholeBodyController::CalcDynamics(const LeggedState& state, const ContactSchedule& schedule,
+                                       const GroundPlane& ground, const WholeBodyGains& gains,
                                        QuadrupedDynamics* dynamics) const {
   model_.Calc(state, dynamics);
+  const Vec<3> arm = ground.ContactArm(params.robot.foot_radius);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    if (schedule.legs[i].stance()) dynamics->feet[i] = dynamics->Contact(leg, arm);
+  }
   if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
 }
 
 WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                             const ContactSchedule& schedule, const BodyReference& body,
                                             const FeetReference& feet, const WrenchEstimate& wrench,
-                                            const LegForceEstimate& leg_forces,
+                                            const LegForceEstimate& leg_forces, const GroundPlane& ground,
                                             const WholeBodyGains& gains) const {
   WholeBodyTask task;
+  task.normal_W = ground.Normal();
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::Matrix3d R_WB = state.R_WB();
   const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * R_WB.transpose());
@@ -95,8 +102,8 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     task.stance[i] = schedule.legs[i].stance();
     const Vec<3>& v_W = dynamics.feet[i].v_W;
     if (task.stance[i]) {
-      const Eigen::Vector3d hip_W = state.p_WB + R_WB * params.robot.HipPosition(leg, state.q);
-      const Eigen::Vector3d to_hip = hip_W - dynamics.feet[i].p_W;
+      const Eigen::Vector3d to_hip =
+          R_WB * (params.robot.HipPosition(leg, state.q) - params.robot.FootPosition(leg, state.q));
       const double length = to_hip.norm();
       const double excess = length - gains.stretch_limit * params.robot.LegLength(leg);
       task.foot_acceleration[i] = -gains.stance_damping * v_W;
@@ -119,10 +126,12 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
 void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                    const ContactSchedule& schedule, const BodyReference& body,
                                    const FeetReference& feet, const WrenchEstimate& wrench,
-                                   const LegForceEstimate& leg_forces, const WholeBodyGains& gains,
-                                   WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const {
+                                   const LegForceEstimate& leg_forces, const GroundPlane& ground,
+                                   const WholeBodyGains& gains, WholeBodyPlan& last, WholeBodyQp& qp,
+                                   WholeBodyPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
-  const WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces, gains);
+  const WholeBodyTask task =
+      MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces, ground, gains);
   const QpReport report = qp.Solve(dynamics, task, gains.qp, &last.solution);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   WholeBodyDiagnostics& diagnostics = last.diagnostics;

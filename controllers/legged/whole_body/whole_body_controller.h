@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
 
@@ -123,10 +124,11 @@ struct WholeBodyPlan {
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.
 ///
-/// The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken to stand but has no
-/// contact; with (2.30) alone it would go on at its speed until the leg is straight. And it gives up a foot
-/// that is farther from its hip, by l along u, than the part r of the leg's length l_max: a leg that the
-/// trunk pulls straight snaps over, and throws the robot.
+/// Feet are spheres that roll on the ground: the stance's v and a are those of the point in contact, where
+/// the ground's force acts. The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken
+/// to stand but has no contact; with (2.30) alone it would go on at its speed until the leg is straight. And
+/// it gives up a foot that is farther from its hip, by l along u, than the part r of the leg's length l_max:
+/// a leg that the trunk pulls straight snaps over, and throws the robot.
 ///
 /// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
 /// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.
@@ -138,6 +140,7 @@ struct WholeBodyPlan {
 ///     | feet        | input           | FeetReference        |
 ///     | wrench      | input           | WrenchEstimate       |
 ///     | leg_forces  | input           | LegForceEstimate     |
+///     | ground      | input           | GroundPlane; level if not connected |
 ///     | plan        | output, sampled | WholeBodyPlan        |
 ///     | torque      | output, sampled | Vec<12> [N m]        |
 ///     | diagnostics | output          | WholeBodyDiagnostics |
@@ -152,6 +155,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<WholeBodyGains> gains{
       this, {"gains"}, params.gains, "stiffness, damping and weights of what is asked for"};
   Parameter<long> max_failures_in_a_row{
@@ -159,7 +163,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
 
  private:
   QuadrupedModel model_{params.robot};
-  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state, gains),
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state, schedule, ground, gains),
                                       &WholeBodyController::CalcDynamics};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
   Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot))};
@@ -170,7 +174,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
       this,
       {"plan"},
       Sampled{params.qp_rate},
-      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, gains, last_plan_, qp_),
+      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, ground, gains, last_plan_, qp_),
       &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m"},
@@ -183,20 +187,23 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
                  &WholeBodyController::CheckSolves};
 
+  /// The believed robot, feet that stand by their points in contact; without A' nu where `gains` say so.
+  void CalcDynamics(const LeggedState& state, const ContactSchedule& schedule, const GroundPlane& ground,
+                    const WholeBodyGains& gains, QuadrupedDynamics* dynamics) const;
   /// What the optimisation is asked for: (2.26), (2.40) and the compensation.
   WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                          const ContactSchedule& schedule, const BodyReference& body,
                          const FeetReference& feet, const WrenchEstimate& wrench,
-                         const LegForceEstimate& leg_forces, const WholeBodyGains& gains) const;
+                         const LegForceEstimate& leg_forces, const GroundPlane& ground,
+                         const WholeBodyGains& gains) const;
   /// The torque limits of the joints, in order [N m].
   static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
 
  private:
-  void CalcDynamics(const LeggedState& state, const WholeBodyGains& gains, QuadrupedDynamics* dynamics) const;
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
-                const LegForceEstimate& leg_forces, const WholeBodyGains& gains, WholeBodyPlan& last,
-                WholeBodyQp& qp, WholeBodyPlan* plan) const;
+                const LegForceEstimate& leg_forces, const GroundPlane& ground, const WholeBodyGains& gains,
+                WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const;
   Verdict CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const;
   Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
                      const LegForceEstimate& leg_forces, const WholeBodyGains& gains, Vec<12>& last) const;

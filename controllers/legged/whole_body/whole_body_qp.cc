@@ -77,6 +77,8 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
                                const WholeBodyQpParams& params, int first, Problem* qp) {
   Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
   Vec<12> weight;
+  const Vec<3>& n = task.normal_W;
+  const Eigen::Vector3d t_1 = (Eigen::Vector3d::UnitX() - n[0] * n).normalized(), t_2 = n.cross(t_1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
     const int row = kRowsPerLeg * leg, column = first + 3 * leg;
@@ -87,7 +89,11 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
     G.block<3, 3>(0, 3 * leg).setIdentity();
     G.block<3, 3>(3, 3 * leg) = Cross(FootOf(dynamics, leg).p_W - dynamics.com_W);
     const double mu = params.friction;
-    qp->A_in.block<4, 3>(row, column) << 1, 0, mu, -1, 0, mu, 0, 1, mu, 0, -1, mu;
+    auto pyramid = qp->A_in.block<4, 3>(row, column);
+    pyramid.row(0) = (mu * n + t_1).transpose();
+    pyramid.row(1) = (mu * n - t_1).transpose();
+    pyramid.row(2) = (mu * n + t_2).transpose();
+    pyramid.row(3) = (mu * n - t_2).transpose();
   }
   auto H = qp->H.block<12, 12>(first, first);
   Eigen::Matrix<double, 6, 12> QG = params.wrench_weight * G;

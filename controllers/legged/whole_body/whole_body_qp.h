@@ -50,6 +50,7 @@ struct WholeBodyTask {
   Vec<12> joint_disturbance = Vec<12>::Zero();       ///< F-hat, which others exert on the joints [N m]
   std::array<Vec<3>, kNumLegs> foot_acceleration{};  ///< wanted: hard in stance, soft in swing [m/s^2]
   double tilt = 0;                                   ///< of the trunk, from its reference [rad]
+  Vec<3> normal_W{0, 0, 1};                          ///< of the ground
 
   WholeBodyTask() { foot_acceleration.fill(Vec<3>::Zero()); }
 };
@@ -79,7 +80,11 @@ struct WholeBodySolution {
 ///     min |G f - (w - w_hat)|^2_Q + |f|^2_R + |nu'|^2_R + |gamma|^2_slack      over nu', f, gamma
 ///     the trunk's rows of   M nu' + h = (w_hat about B's origin, tau + F_hat) + sum J_i^T f_i
 ///     J_i nu' + J_i' nu = a_i,   J_k nu' + J_k' nu = a_k + gamma_k
-///     |f_x|, |f_y| <= mu f_z,   |tau| <= limit, with tau from the joints' rows
+///     |f . t_1|, |f . t_2| <= mu f . n,   |tau| <= limit, with tau from the joints' rows
+///
+/// with the ground's normal n and tangents t_1 and t_2, of which t_1 heads along W's x. J_i is that of the
+/// foot's point in contact, see QuadrupedDynamics::Contact, J_k that of the foot's centre: `dynamics.feet`
+/// has to hold the one of standing and the other of swinging feet.
 ///
 /// which are the exact dynamics: (2.28) as in the thesis but with w_hat, the slack of (2.43) as an equality,
 /// since a symmetric slack is a quadratic cost, and tau less F_hat on all legs in place of (2.41).

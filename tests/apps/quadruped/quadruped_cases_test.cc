@@ -68,6 +68,26 @@ TEST_F(QuadrupedCasesTest, B1) {
   }
 }
 
+// 20 degrees up, down, along and across, pushed as in A1 and, across, as in B2.
+TEST_F(QuadrupedCasesTest, Slopes) {
+  const std::string random =
+      " --set 'forces=[]' --set 'random_forces=[{on_trunk: true, lower_N: 2.5, upper_N: 40, period_s: 4}, "
+      "{lower_N: 2.5, upper_N: 40, period_s: 4}]'";
+  for (const auto& [grade, forces] : {std::pair<std::string, std::string>{"0.364,0", ""},
+                                      {"-0.364,0", ""},
+                                      {"0,0.364", ""},
+                                      {"0.2574,-0.2574", random}}) {
+    const std::string arguments = "slope --set 'terrain.grade=[" + grade + "]'" + forces;
+    const test::Case run = RunCase(arguments);
+    EXPECT_TRUE(run.finished()) << arguments;
+    EXPECT_LE(1e3 * run["com_error_max_m"], 10) << arguments;
+    const test::Case by_estimate = RunCase(arguments + " --set walk.state=estimated");
+    EXPECT_TRUE(by_estimate.finished()) << arguments;
+    EXPECT_LE(1e3 * by_estimate["path_error_max_m"], 10) << arguments;
+    EXPECT_LE(by_estimate["height_drift_m"], 0.01 * by_estimate["distance_m"]) << arguments;
+  }
+}
+
 // Pushes at 2 of the 8 phases in 4 of the 8 directions.
 TEST_F(QuadrupedCasesTest, A3AtOtherPhasesInOtherDirections) {
   const auto sweep = [&](const std::string& scenario, double com, double foot) {

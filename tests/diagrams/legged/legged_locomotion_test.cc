@@ -16,13 +16,22 @@
 namespace tenon {
 namespace {
 
-enum class Replaced { kNone, kScheduler, kComPlanner, kSwingPlanner, kTrunkPlanner, kWholeBody };
+enum class Replaced {
+  kNone,
+  kScheduler,
+  kGroundEstimator,
+  kComPlanner,
+  kSwingPlanner,
+  kTrunkPlanner,
+  kWholeBody
+};
 
 /// What a second of trotting on the spot comes to.
 struct Trot {
   double lift = 0;    ///< highest that a foot came above its place [m]
   double height = 0;  ///< of the CoM above where it stood, at the end [m]
   double yaw = 0;     ///< of the trunk at the end [rad]
+  double pitch = 0;   ///< likewise
   LeggedState end;
 };
 
@@ -53,6 +62,7 @@ Trot Observe(const QuadrupedDescription& robot, const QuadrupedWorld& world, con
   trot.height = now.com_W[2] - first.com_W[2];
   const Eigen::Matrix3d R = trot.end.R_WB();
   trot.yaw = std::atan2(R(1, 0), R(0, 0));
+  trot.pitch = -std::asin(R(2, 0));
   return trot;
 }
 
@@ -103,6 +113,18 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     schedule = &scheduler.schedule;
   }
 
+  const OutputPort<GroundPlane>* ground = nullptr;
+  if (replaced == Replaced::kGroundEstimator) {  // believes in a ramp
+    ground = &builder.AddFunction({"ground_estimator"}, Uses(builder.time), [](double) {
+      return GroundPlane{.p_W = Vec<3>::Zero(), .slope = {0.1, 0}};
+    });
+  } else {
+    auto& estimator = builder.Add<GroundEstimator>("ground_estimator", params.ground);
+    builder.Connect(world.state, estimator.state);
+    builder.Connect(*schedule, estimator.schedule);
+    ground = &estimator.ground;
+  }
+
   const OutputPort<BodyReference>* body = nullptr;
   const OutputPort<PlanarPath>* path = nullptr;
   if (replaced == Replaced::kComPlanner) {  // 2 cm lower
@@ -118,7 +140,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     auto& planner = builder.Add<ComPlanner>("com_planner", params.com_planner);
     builder.Connect(*schedule, planner.schedule);
     builder.Connect(command, planner.command);
-    builder.Connect(world.state, planner.state);
+    builder.Connect(*ground, planner.ground);
     body = &planner.reference;
     path = &planner.path;
   }
@@ -138,6 +160,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     builder.Connect(*path, planner.path);
     builder.Connect(*body, planner.body);
     builder.Connect(world.state, planner.state);
+    builder.Connect(*ground, planner.ground);
     builder.Connect(wrench, planner.wrench);
     feet = &planner.feet;
   }
@@ -174,6 +197,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     builder.Connect(*feet, whole_body.feet);
     builder.Connect(wrench, whole_body.wrench);
     builder.Connect(leg_forces, whole_body.leg_forces);
+    builder.Connect(*ground, whole_body.ground);
     builder.Connect(whole_body.torque, world.torque);
   }
   return Observe(robot, world, *builder.Build());
@@ -181,8 +205,9 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
 
 // The robot does what the function says, and all else as before.
 TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
-  for (const Replaced replaced : {Replaced::kNone, Replaced::kScheduler, Replaced::kComPlanner,
-                                  Replaced::kSwingPlanner, Replaced::kTrunkPlanner, Replaced::kWholeBody}) {
+  for (const Replaced replaced :
+       {Replaced::kNone, Replaced::kScheduler, Replaced::kGroundEstimator, Replaced::kComPlanner,
+        Replaced::kSwingPlanner, Replaced::kTrunkPlanner, Replaced::kWholeBody}) {
     const Trot trot = TrotWith(replaced);
     const bool stands = replaced == Replaced::kScheduler || replaced == Replaced::kWholeBody;
     const double lift = stands ? 0 : replaced == Replaced::kSwingPlanner ? 0.025 : 0.05;
@@ -190,13 +215,15 @@ TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
     EXPECT_NEAR(trot.height, replaced == Replaced::kComPlanner ? -0.02 : 0,
                 replaced == Replaced::kWholeBody ? 0.01 : 2e-3)  // a PD is soft
         << static_cast<int>(replaced);
+    EXPECT_NEAR(trot.pitch, replaced == Replaced::kGroundEstimator ? -0.1 : 0, 0.02)
+        << static_cast<int>(replaced);
     EXPECT_NEAR(trot.yaw, replaced == Replaced::kTrunkPlanner ? 0.1 : 0, 0.02) << static_cast<int>(replaced);
   }
 }
 
-// The nested diagram is those five blocks and nothing else: wired by hand they do the same, bit for bit, what
+// The nested diagram is those six blocks and nothing else: wired by hand they do the same, bit for bit, what
 // they are told of disturbances included.
-TEST(LeggedLocomotionTest, IsItsFiveBlocks) {
+TEST(LeggedLocomotionTest, IsItsSixBlocks) {
   const QuadrupedDescription robot = test::DogBot();
   const Vec<3> felt(5, 60, -10);  // moves the footholds too
   DiagramBuilder builder;

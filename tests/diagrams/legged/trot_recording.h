@@ -52,6 +52,7 @@ struct TrotTick {
   FootForces foot_forces;
   LeggedState state;
   ContactSchedule schedule;
+  GroundPlane ground;
   BodyReference body;
   PlanarPath path;
   FeetReference feet;
@@ -75,6 +76,7 @@ inline std::vector<TrotTick> RecordTrot(const TrotLoop& trot, double seconds) {
     tick.foot_forces = context.Eval(world.foot_sensor.measured);
     tick.state = context.Eval(world.plant.state);
     tick.schedule = context.Eval(locomotion.scheduler.schedule);
+    tick.ground = context.Eval(locomotion.ground_estimator.ground);
     tick.body = context.Eval(locomotion.com_planner.reference);
     tick.path = context.Eval(locomotion.com_planner.path);
     tick.feet = context.Eval(locomotion.swing_planner.feet);
@@ -92,9 +94,10 @@ struct TrotTask {
 };
 inline TrotTask MakeTask(const WholeBodyController& controller, const TrotTick& tick) {
   TrotTask made;
-  QuadrupedModel(controller.params.robot).Calc(tick.state, &made.dynamics);
+  const WholeBodyGains& gains = controller.params.gains;
+  controller.CalcDynamics(tick.state, tick.schedule, tick.ground, gains, &made.dynamics);
   made.task = controller.MakeTask(made.dynamics, tick.state, tick.schedule, tick.body, tick.feet, {}, {},
-                                  controller.params.gains);
+                                  tick.ground, gains);
   return made;
 }
 

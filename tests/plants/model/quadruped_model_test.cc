@@ -152,6 +152,29 @@ TEST_P(QuadrupedModelTest, VelocitiesAreRatesOfPositions) {
   }
 }
 
+// A foot on a plane touches it always at the same distance from its centre, with other points of its sphere.
+TEST_P(QuadrupedModelTest, ThePointInContactIsTheShanks) {
+  const Vec<3> arm(0.005, -0.01, -0.02);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    const LeggedState x = RandomState(random_);
+    const Loads loads = RandomLoads(random_);
+    model_.Calc(x, &dynamics_);
+    const Vec<18> a = ForwardDynamics(dynamics_, loads);
+    const QuadrupedDynamics::Foot contact = dynamics_.Contact(leg, arm);
+    EXPECT_THAT(contact.p_W, IsNear(dynamics_.feet[i].p_W + arm, 1e-15));
+    Vec<18> nu;
+    nu << x.v_W, x.w_W, x.qd;
+    dynamics_.feet[i] = contact;
+    EXPECT_THAT(contact.v_W, IsNear(dynamics_.FootJacobian(leg) * nu, 1e-12));
+    EXPECT_THAT(
+        dynamics_.FootJacobian(leg) * a + contact.bias,
+        IsNear(RateAlongMotion(model_, loads, x,
+                               [&](auto&, const auto& d) -> Vec<3> { return d.Contact(leg, arm).v_W; }),
+               1e-8 * (1 + a.norm())));
+  }
+}
+
 TEST_P(QuadrupedModelTest, BiasesCompleteTheAccelerations) {
   for (int i = 0; i < 5; ++i) {
     const LeggedState x = RandomState(random_);

@@ -33,8 +33,7 @@ class ScheduledWalk {
  public:
   explicit ScheduledWalk(const ComPlannerParams& params)
       : scheduler_(YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<FootSchedulerParams>()),
-        planner_(params),
-        state_(test::Standing(params.robot)) {}
+        planner_(params) {}
 
   void Command(Gait gait, double forward, double left = 0, double yaw_rate = 0) {
     command_ = {gait, forward, left, yaw_rate};
@@ -51,7 +50,7 @@ class ScheduledWalk {
     scheduler_.Fix(scheduler_.system().command, command_).Fix(scheduler_.system().foot_forces, forces).Tick();
     schedule_ = scheduler_[scheduler_.system().schedule];
     planner_.Fix(planner_.system().schedule, schedule_).Fix(planner_.system().command, command_);
-    planner_.Fix(planner_.system().state, state_).Tick();
+    planner_.Fix(planner_.system().ground, GroundPlane()).Tick();
   }
   const ContactSchedule& schedule() const { return schedule_; }
   BodyReference reference() { return planner_[planner_.system().reference]; }
@@ -60,7 +59,6 @@ class ScheduledWalk {
   const ComPlan& plan() { return planner_[planner_.system().plan]; }
   ComPlanner& system() { return planner_.system(); }
   TestRig<ComPlanner>& rig() { return planner_; }
-  LeggedState& state() { return state_; }
   Eigen::Vector2d Zmp() {
     const BodyReference r = reference();
     return r.com_W.head<2>() - system().stance.com_height / 9.81 * r.com_acceleration_W.head<2>();
@@ -69,7 +67,6 @@ class ScheduledWalk {
  private:
   TestRig<FootScheduler> scheduler_;
   TestRig<ComPlanner> planner_;
-  LeggedState state_;
   ContactSchedule schedule_;
   WalkCommand command_;
   std::array<bool, kNumLegs> up_{};
@@ -186,23 +183,6 @@ TEST(ComPlannerSpline, OfATrotOnTheSpotRests) {
   for (int n = 0; n < 8000; ++n) walk.Tick();
   EXPECT_THAT(walk.reference().com_W.head<2>(), IsNear(walk.path().position_W, 1e-6));
   EXPECT_LT(walk.reference().com_acceleration_W.norm(), 1e-4);
-}
-
-TEST(ComPlannerSpline, IsNotRestartedAtTheActualState) {
-  ScheduledWalk straight(SplineParams()), pushed(SplineParams());
-  for (ScheduledWalk* walk : {&straight, &pushed}) {
-    walk->Tick();
-    walk->Command(Gait::kPace, 0.12);
-  }
-  for (int n = 0; n < 2000; ++n) {
-    if (n == 1000) {
-      pushed.state().p_WB += Vec<3>(0.05, -0.08, 0);
-      pushed.state().v_W << 0.2, 0.3, 0;
-    }
-    straight.Tick();
-    pushed.Tick();
-  }
-  EXPECT_EQ(straight.reference().com_W, pushed.reference().com_W);
 }
 
 /// A polygon that the margin has eaten up admits no spline: the old plan, here the stand, goes on.

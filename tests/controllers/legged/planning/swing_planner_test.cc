@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/plants/model/standing.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
@@ -49,7 +50,7 @@ class Trot {
   const FootReference& Tick() {
     auto& block = rig_.system();
     rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
-    rig_.Fix(block.state, state).Fix(block.wrench, wrench).Tick();
+    rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench).Tick();
     return rig_[block.feet][kFrontLeft];
   }
   /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
@@ -80,6 +81,7 @@ class Trot {
   PlanarPath path;
   BodyReference body;
   LeggedState state;
+  GroundPlane ground;
   WrenchEstimate wrench;
 
  private:
@@ -329,6 +331,24 @@ TEST(SwingPlannerTest, ShiftIsAnOption) {
   WrenchEstimate wrench;
   wrench.force_W << 100, 0, 0;
   EXPECT_EQ(ShiftUnder(wrench, params, 1000), Vec<3>(Vec<3>::Zero()));
+}
+
+// The foot climbs with the ground, and what is a step on level ground is one over it.
+TEST(SwingPlannerTest, StepsAlongASlope) {
+  Trot level, uphill;
+  for (Trot* trot : {&level, &uphill}) trot->path.velocity << 0.12, 0.03;
+  uphill.ground.slope << 0.3, -0.2;
+  uphill.state = StandingOn(Params().robot, uphill.ground);
+  const double begin = uphill.Foot(kFrontLeft)[2];
+  const auto flat = level.Swing(), climb = uphill.Swing();
+  ExpectConsistent(climb);
+  const double clearance = Params().robot.foot_radius / uphill.ground.Normal()[2];
+  const auto over_ground = [&](const Vec<3>& p) { return p[2] - uphill.ground.HeightAt(p.head<2>()); };
+  EXPECT_NEAR(begin, climb.front().p_W[2], 1e-12);
+  for (std::size_t n = 0; n < flat.size(); ++n)
+    EXPECT_NEAR(over_ground(climb[n].p_W) - clearance, flat[n].p_W[2] - Params().robot.foot_radius, 1e-8)
+        << n;
+  EXPECT_NEAR(over_ground(uphill.Foothold(kFrontLeft)), clearance, 1e-12);
 }
 
 TEST(SwingPlannerTest, DoesNotAllocate) {

@@ -27,7 +27,8 @@ WholeBodyParams Params() {
 
 /// All that the controller reads, consistent with a robot that stands still where it should.
 struct Inputs {
-  explicit Inputs(const QuadrupedDescription& robot) : model(robot), state(test::Standing(robot)) {
+  explicit Inputs(const QuadrupedDescription& robot)
+      : model(robot), arm(0, 0, -robot.foot_radius), state(test::Standing(robot)) {
     Follow();
   }
   /// References at the present state, at rest.
@@ -38,9 +39,12 @@ struct Inputs {
     body.q_WB = state.q_WB;
     feet = {};
     for (int leg = 0; leg < kNumLegs; ++leg) feet[leg].p_W = dynamics.feet[leg].p_W;
+    StandOnContacts();
   }
   void Swing(std::initializer_list<int> legs) {
     for (const int leg : legs) schedule.legs[leg].state = ContactState::kSwing;
+    model.Calc(state, &dynamics);
+    StandOnContacts();
   }
   void Give(TestRig<WholeBodyController>& rig) const {
     WholeBodyController& block = rig.system();
@@ -49,13 +53,20 @@ struct Inputs {
   }
 
   QuadrupedModel model;
-  QuadrupedDynamics dynamics;
+  Vec<3> arm;                  ///< from a foot's centre to the ground
+  QuadrupedDynamics dynamics;  ///< with the stance feet's points in contact
   LeggedState state;
   ContactSchedule schedule;
   BodyReference body;
   FeetReference feet;
   WrenchEstimate wrench;
   LegForceEstimate leg_forces;
+
+ private:
+  void StandOnContacts() {
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      if (schedule.legs[leg].stance()) dynamics.feet[leg] = dynamics.Contact(leg, arm);
+  }
 };
 
 /// nu' of a robot whose stance feet the ground holds, under torques and a generalised force.
@@ -196,7 +207,7 @@ TEST(WholeBodyController, AStretchedStanceLegIsBent) {
   inputs.Give(rig);
   rig.Tick();
   const Vec<3> hip = inputs.state.p_WB + Params().robot.HipPosition(kFrontRight, inputs.state.q);
-  const Vec<3> to_hip = hip - inputs.dynamics.feet[kFrontRight].p_W;
+  const Vec<3> to_hip = hip - inputs.feet[kFrontRight].p_W;
   const double excess = to_hip.norm() - 0.97 * Params().robot.LegLength(kFrontRight);
   ASSERT_GT(excess, 5e-3);
   const Vec<3> a = inputs.dynamics.FootJacobian(kFrontRight) * rig[rig.system().plan].solution.acceleration +

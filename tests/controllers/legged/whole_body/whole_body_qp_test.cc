@@ -149,6 +149,30 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
 }
 
 // On two feet a force from the side rolls the trunk. The more it is tilted, the more the torque counts.
+// On a slope the cone stands along its normal: the weight alone takes tan of it in friction, and what exceeds
+// mu is projected.
+TEST_F(WholeBodyQpTest, TheConeStandsAlongTheNormal) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  const double mu = 0.3, weight = model_.mass() * 9.81;
+  for (const double slope : {0.25, 0.4}) {
+    WholeBodyTask task;
+    task.wrench << 0, 0, weight, 0, 0, 0;
+    task.normal_W = Vec<3>(-slope, 0, 1).normalized();
+    for (const bool eliminate : {true, false}) {
+      WholeBodyQp qp(Limits());
+      WholeBodySolution solution;
+      ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu, .eliminate = eliminate}, &solution).ok());
+      const Vec<3> force = WrenchOf(dynamics_, solution.force).head<3>();
+      if (slope < mu) {
+        EXPECT_THAT(force, IsNear(Vec<3>(0, 0, weight), 0.02));
+        continue;
+      }
+      const Vec<3> edge = (task.normal_W + mu * Vec<3>(1, 0, slope).normalized()).normalized();
+      EXPECT_THAT(force, IsNear(edge * edge[2] * weight, 0.05));
+    }
+  }
+}
+
 TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   const WholeBodyQpParams params{.moment_weight = 30, .tilt_weight = 500, .free_tilt = 0.3};
   EXPECT_EQ(params.MomentWeight(0), 30);

@@ -1,0 +1,93 @@
+#include <tenon/controllers/legged/observers/ground_estimator.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <utility>
+
+namespace tenon {
+namespace {
+
+constexpr double kAnyHeight = 1e3;  // standard deviation of the first foothold's [m]
+
+Eigen::Matrix3d Unpacked(const Vec<6>& c) {
+  Eigen::Matrix3d P;
+  P << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return P;
+}
+
+Vec<6> Packed(const Eigen::Matrix3d& P) {
+  Vec<6> c;
+  c << P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2);
+  return c;
+}
+
+/// The filter's step to a foothold: height and slope are seen from there, have wandered, and are corrected.
+void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, GroundEstimator::Memory& memory) {
+  GroundPlane& plane = memory.plane;
+  const Eigen::Vector2d place = foothold_W.head<2>();
+  Eigen::Matrix3d there = Eigen::Matrix3d::Identity();
+  there.block<1, 2>(0, 1) = (place - plane.p_W.head<2>()).transpose();
+  Eigen::Matrix3d P = there * Unpacked(memory.covariance) * there.transpose();
+  P(0, 0) += belief.level_walk * belief.level_walk;
+  P(1, 1) += belief.slope_walk * belief.slope_walk;
+  P(2, 2) += belief.slope_walk * belief.slope_walk;
+  plane.p_W[2] = plane.HeightAt(place);
+  plane.p_W.head<2>() = place;
+
+  const Eigen::Vector3d gain = P.col(0) / (P(0, 0) + belief.roughness * belief.roughness);
+  const double innovation = foothold_W[2] - plane.p_W[2];
+  plane.p_W[2] += gain[0] * innovation;
+  plane.slope += gain.tail<2>() * innovation;
+  P -= (gain * P.row(0)).eval();
+  memory.covariance = Packed(P);
+}
+
+}  // namespace
+
+void GroundBelief::Validate() const {
+  Demand(std::isfinite(roughness) && roughness > 0,
+         fmt::format("roughness = {} m must be positive: four feet are never quite in a plane", roughness));
+  for (const auto& [name, value] : {std::pair{"level_walk", level_walk}, std::pair{"slope_walk", slope_walk},
+                                    std::pair{"start_slope", start_slope}})
+    Demand(std::isfinite(value) && value >= 0,
+           fmt::format("{} = {} must be finite and not negative; 0 stays as it is", name, value));
+}
+
+void GroundEstimatorParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  belief.Validate();
+}
+
+GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
+                                        const GroundBelief& belief, Memory& memory) const {
+  if (!memory.started) {
+    const double slope = belief.start_slope * belief.start_slope;
+    memory.covariance << kAnyHeight * kAnyHeight, 0, 0, slope, 0, slope;
+    memory.started = true;
+  }
+  const Eigen::Matrix3d R = state.R_WB();
+  std::array<Vec<3>, kNumLegs> contact;
+  int count = 0;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    const bool stands = schedule.legs[i].stance();
+    if (stands) {
+      contact[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q) +
+                   memory.plane.ContactArm(params.robot.foot_radius);
+      if (!memory.stood[i]) Correct(contact[i], belief, memory);
+      ++count;
+    }
+    memory.stood[i] = stands;
+  }
+  if (count > 0) {
+    Vec<3> middle = Vec<3>::Zero();
+    for (std::size_t i = 0; i < kNumLegs; ++i)
+      if (memory.stood[i]) middle += contact[i] / count;
+    memory.told.p_W = middle;
+  }
+  memory.told.slope = memory.plane.slope;
+  return memory.told;
+}
+
+}  // namespace tenon

@@ -1,0 +1,134 @@
+#include <tenon/controllers/legged/observers/ground_estimator.h>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include <tenon/plants/model/standing.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/random_stream.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+/// A robot that is put down on the ground, again and again, each time 5 cm on and with other feet first.
+class Walk {
+ public:
+  explicit Walk(const GroundBelief& belief = {}) : rig_({.robot = robot_, .belief = belief}) {}
+
+  const GroundPlane& Stand(const GroundPlane& ground) {
+    rig_.Fix(rig_.system().state, StandingOn(robot_, ground)).Fix(rig_.system().schedule, schedule_).Tick();
+    return rig_[rig_.system().ground];
+  }
+  /// Two steps; the ground goes through its own point, wherever the robot is. Its feet find it higher by
+  /// `roughness`, each by a part of its own.
+  const GroundPlane& Step(GroundPlane ground, double roughness = 0) {
+    for (const auto& pair : {std::array{kFrontLeft, kRearRight}, std::array{kFrontRight, kRearLeft}}) {
+      x_ += 0.05;
+      const double height = ground.HeightAt({x_, 0});
+      GroundPlane here = ground;
+      here.p_W << x_, 0, height + roughness * random_.Uniform(-1, 1);
+      for (const Leg leg : pair) schedule_.legs[leg].state = ContactState::kSwing;
+      Stand(here);
+      here.p_W[2] = height + roughness * random_.Uniform(-1, 1);
+      for (const Leg leg : pair) schedule_.legs[leg].state = ContactState::kStance;
+      Stand(here);
+    }
+    return rig_[rig_.system().ground];
+  }
+  TestRig<GroundEstimator>& rig() { return rig_; }
+  const QuadrupedDescription& robot() const { return robot_; }
+
+ private:
+  QuadrupedDescription robot_ = test::DogBot();
+  TestRig<GroundEstimator> rig_;
+  ContactSchedule schedule_;
+  RandomStream random_{3};
+  double x_ = 0;
+};
+
+GroundPlane Ramp(double x, double y) {
+  return {.p_W = {0, 0, 0.1}, .slope = {x, y}};
+}
+
+TEST(GroundEstimatorTest, FeelsTheSlopeOnWhichItStands) {
+  Walk walk;
+  const GroundPlane& felt = walk.Stand(Ramp(0.3, -0.2));
+  EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 0.02));
+  EXPECT_NEAR(felt.HeightAt({0, 0}), 0.1, 2e-3);
+  for (int n = 0; n < 20; ++n) walk.Step(Ramp(0.3, -0.2));
+  EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 2e-3));
+}
+
+TEST(GroundEstimatorTest, FindsARampWithinSomeSteps) {
+  Walk walk;
+  for (int n = 0; n < 10; ++n) walk.Step({});
+  for (int n = 0; n < 3; ++n) walk.Step(Ramp(0.2, 0));
+  const GroundPlane felt = walk.Step(Ramp(0.2, 0));
+  EXPECT_GT(felt.slope[0], 0.03);
+  for (int n = 0; n < 20; ++n) walk.Step(Ramp(0.2, 0));
+  EXPECT_NEAR(walk.Step(Ramp(0.2, 0)).slope[0], 0.2, 0.02);
+}
+
+TEST(GroundEstimatorTest, BlocksAreNoSlope) {
+  Walk walk;
+  double largest = 0;
+  for (int n = 0; n < 10; ++n) walk.Step({});
+  for (int n = 0; n < 300; ++n) largest = std::max(largest, walk.Step({}, 0.04).slope.norm());
+  EXPECT_LT(largest, 0.06);  // 8 cm over the distance of the feet are 0.13
+  EXPECT_GT(largest, 0.002);
+}
+
+TEST(GroundEstimatorTest, ThePlaneGoesThroughTheFeetThatStand) {
+  Walk walk;
+  walk.Stand({});
+  LeggedState x = test::Standing(walk.robot());
+  x.p_WB[2] += 0.04;  // not one foothold, but all that is seen from now on
+  ContactSchedule schedule;
+  schedule.legs[kFrontLeft].state = ContactState::kSearching;
+  auto& rig = walk.rig();
+  rig.Fix(rig.system().state, x).Fix(rig.system().schedule, schedule).Tick();
+  EXPECT_NEAR(rig[rig.system().ground].p_W[2], 0.04, 1e-3);
+  for (LegContact& leg : schedule.legs) leg.state = ContactState::kSwing;
+  x.p_WB[2] += 1;  // in the air it stays
+  rig.Fix(rig.system().state, x).Fix(rig.system().schedule, schedule).Tick();
+  EXPECT_NEAR(rig[rig.system().ground].p_W[2], 0.04, 1e-3);
+}
+
+TEST(GroundEstimatorTest, DoesNotAllocate) {
+  Walk walk;
+  walk.Stand({});
+  walk.rig().Fix(walk.rig().system().state, test::Standing(walk.robot()));
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  AllocationGuard guard;
+  walk.rig().Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(GroundEstimatorTest, RefusesWhatMakesNoSense) {
+  const auto with = [](auto member, double value) {
+    GroundEstimatorParams params{.robot = test::DogBot(), .belief = {}};
+    params.belief.*member = value;
+    return GroundEstimator(params);
+  };
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { with(&GroundBelief::roughness, 0); }, "roughness = 0 m must be positive"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { with(&GroundBelief::level_walk, -1); }, "level_walk = -1 must be finite"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { with(&GroundBelief::slope_walk, -1); }, "slope_walk = -1 must be finite"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { with(&GroundBelief::start_slope, std::numeric_limits<double>::infinity()); },
+      "start_slope = inf must be finite"));
+  EXPECT_TRUE(Throws<ParameterError>([] { GroundEstimatorParams().Validate(); }, "the robot has no mass"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,57 @@
+#include <tenon/plants/model/standing.h>
+
+#include <gmock/gmock.h>
+
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon {
+namespace {
+
+TEST(StandingTest, IsTheNominalStanceOnLevelGround) {
+  const QuadrupedDescription robot = test::DogBot();
+  const LeggedState x = StandingOn(robot, {});
+  EXPECT_EQ(x.q, robot.stance);
+  EXPECT_THAT(x.p_WB, IsNear(test::Standing(robot).p_WB, 1e-12));
+  EXPECT_THAT(x.R_WB(), IsNear(Eigen::Matrix3d::Identity(), 1e-15));
+}
+
+TEST(StandingTest, FeetTouchASlopeAndTheCoMIsOverThem) {
+  for (const QuadrupedDescription& robot : {test::DogBot(), test::A1()}) {
+    QuadrupedDynamics level, on_slope;
+    QuadrupedModel(robot).Calc(test::Standing(robot), &level);
+    const GroundPlane ground{.p_W = {2, -1, 0.3}, .slope = {0.3, -0.2}};
+    const LeggedState x = StandingOn(robot, ground, 0.8);
+    QuadrupedModel(robot).Calc(x, &on_slope);
+    EXPECT_THAT(x.R_WB().col(2), IsNear(ground.Normal(), 1e-12));
+    Vec<3> middle = Vec<3>::Zero(), nominal = Vec<3>::Zero();
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+      const Vec<3> contact = on_slope.feet[leg].p_W + ground.ContactArm(robot.foot_radius);
+      EXPECT_NEAR(contact[2], ground.HeightAt(contact.head<2>()), 1e-8) << kLegNames[leg];
+      middle += on_slope.feet[leg].p_W / kNumLegs;
+      nominal += level.feet[leg].p_W / kNumLegs;
+    }
+    const Eigen::Vector2d com = (level.com_W - nominal).head<2>();
+    EXPECT_THAT((on_slope.com_W - middle).head<2>(), IsNear(FootprintOnSlope(ground.slope, 0.8) * com, 1e-8));
+    EXPECT_NEAR(on_slope.com_W[2] - ground.HeightAt(on_slope.com_W.head<2>()), level.com_W[2], 1e-8);
+  }
+}
+
+TEST(StandingTest, SaysWhichLegDoesNotReach) {
+  QuadrupedDescription robot = test::DogBot();
+  JointDescription& hip = robot.legs[kRearLeft].joints[1];
+  hip.lower = robot.stance[7] - 0.1;
+  hip.upper = robot.stance[7] + 0.1;
+  StandingOn(robot, {.p_W = {0, 0, 0}, .slope = {0.05, 0}});
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        StandingOn(robot, {.p_W = {0, 0, 0}, .slope = {0.4, 0}});
+      },
+      "the rear_left leg of 'dogbot' does not reach ground of slope (0.4, 0)"));
+}
+
+}  // namespace
+}  // namespace tenon
