@@ -39,7 +39,7 @@ FieldList FootForceSensorScenario::Fields() {
   return {{"rate_hz", &S::rate_hz},         {"latency_samples", &S::latency_samples},
           {"noise_ratio", &S::noise_ratio}, {"noise_weight_ratio", &S::noise_weight_ratio},
           {"bias_N", &S::bias_N},           {"threshold_weight_ratio", &S::threshold_weight_ratio},
-          {"in_shank", &S::in_shank}};
+          {"mounted", &S::mounted}};
 }
 
 FieldList ImuScenario::Fields() {
@@ -125,7 +125,7 @@ TorqueSensorScenario Over(const TorqueSensorScenario& first, const TorqueSensorS
 FootForceSensorScenario Over(const FootForceSensorScenario& first, const FootForceSensorScenario& then) {
   using S = FootForceSensorScenario;
   return Over(first, then, &S::rate_hz, &S::latency_samples, &S::noise_ratio, &S::noise_weight_ratio,
-              &S::bias_N, &S::threshold_weight_ratio, &S::in_shank);
+              &S::bias_N, &S::threshold_weight_ratio, &S::mounted);
 }
 
 ImuScenario Over(const ImuScenario& first, const ImuScenario& then) {
@@ -174,7 +174,7 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
                         .bias = foot_force.bias_N.value_or(0)},
                        weight * foot_force.threshold_weight_ratio.value_or(0)};
   hardware.foot_delay = foot_force.latency_samples.value_or(0);
-  hardware.shank_sensors = foot_force.in_shank.value_or(false);
+  hardware.foot_sensing = foot_force.mounted.value_or(FootSensing::kWorld);
 
   world.imu.rate = Hz(imu.rate_hz.value_or(kStandardRate));
   world.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s.value_or(0));

@@ -51,8 +51,10 @@ struct FootForceSensorScenario {
   std::optional<double> noise_weight_ratio;  ///< of each component, over the robot's weight
   std::optional<double> bias_N;              ///< the same in all components of all feet
   std::optional<double>
-      threshold_weight_ratio;    ///< smaller forces are measured as 0; over the robot's weight
-  std::optional<bool> in_shank;  ///< measured in the shank's axes, and turned by what the robot knows
+      threshold_weight_ratio;  ///< smaller forces are measured as 0; over the robot's weight
+  /// In the shank's axes they are turned by what the robot knows; without sensors the leg observer tells
+  /// them.
+  std::optional<FootSensing> mounted;
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError

@@ -44,7 +44,7 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   Connect(disturbances.forces, plant.external);
   Connect(plant.state, encoders.state);
   Connect(plant.joint_torque, torque_sensor.torque);
-  if (hardware.shank_sensors) {
+  if (hardware.foot_sensing == FootSensing::kShank) {
     auto& shanks = Add<ShankForces>("shank_forces", ShankForcesParams{params.plant.robot});
     Connect(plant.state, shanks.state);
     Connect(plant.foot_forces, shanks.forces);

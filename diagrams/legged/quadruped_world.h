@@ -12,11 +12,23 @@
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace tenon {
+
+/// Where the forces on the feet are measured.
+enum class FootSensing {
+  kWorld,  ///< they come in W
+  kShank,  ///< in the shanks, and come in their axes
+  kNone,   ///< nowhere: there is no `foot_forces`
+};
+constexpr auto EnumNames(FootSensing) {
+  return std::array{Named{FootSensing::kWorld, "world"}, Named{FootSensing::kShank, "shank"},
+                    Named{FootSensing::kNone, "none"}};
+}
 
 /// What lies between a controller and an ideal plant with ideal sensors; what is not given is not there.
 struct QuadrupedHardwareParams {
@@ -24,7 +36,7 @@ struct QuadrupedHardwareParams {
   std::optional<DriveErrorsParams> drive_errors;
   std::optional<HeldLagParams<Vec<12>>> drive_lag;
   std::optional<ImuErrorsParams> imu_errors;
-  bool shank_sensors = false;  ///< the forces on the feet are measured, and come, in the shanks' axes
+  FootSensing foot_sensing = FootSensing::kWorld;
   // How many samples old the sensors' values are when they arrive.
   int encoder_delay = 0;
   int torque_delay = 0;
@@ -61,7 +73,7 @@ struct QuadrupedWorldParams {
 ///                external_torque  of forces on the legs at the joints, the true one [N m]
 ///                joints           of the encoders
 ///                measured_torque  of the joints [N m]
-///                foot_forces      as measured, in W, or with `shank_sensors` in the shanks' axes
+///                foot_forces      as measured, by `foot_sensing` in W or in the shanks' axes
 ///                inertial         of the trunk's inertial unit
 ///
 /// The blocks are public, for logs and for taking it apart.

@@ -3,6 +3,7 @@
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
+#include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/primitives/unit_delay.h>
@@ -45,11 +46,23 @@ void ConnectWalk(auto& walk, const OutputPort<LeggedState>& state,
 }
 
 /// The forces on the feet in W: as the world gives them, or, from sensors in the shanks, by a
-/// FootForceEstimate, which is added for that and returned in `estimate`.
+/// FootForceEstimate, which is added for that and returned in `estimate`, or, without any, by
+/// FootForcesOfLegs.
 const OutputPort<FootForces>& ConnectFootForces(auto& walk, const auto& params,
                                                 const OutputPort<LeggedState>& state,
                                                 FootForceEstimate*& estimate) {
-  if (!params.world.hardware.shank_sensors) return walk.world.foot_forces;
+  const FootSensing sensing = params.world.hardware.foot_sensing;
+  if (sensing == FootSensing::kWorld) return walk.world.foot_forces;
+  if (sensing == FootSensing::kNone) {
+    FootForcesOfLegsParams of_legs{.robot = walk.locomotion.whole_body.params.robot,
+                                   .rate = walk.locomotion.scheduler.params.rate};
+    of_legs.initial = params.world.plant.initial;
+    auto& legs = walk.template Add<FootForcesOfLegs>("foot_forces", of_legs);
+    walk.Connect(state, legs.state);
+    walk.Connect(walk.world.measured_torque, legs.torque);
+    walk.Connect(walk.locomotion.ground, legs.ground);
+    return legs.forces;
+  }
   FootForceEstimateParams turned{.robot = params.world.plant.robot, .rate = params.world.foot_sensor.rate};
   turned.initial_q_WB = params.world.plant.initial.q_WB;
   estimate = &walk.template Add<FootForceEstimate>("foot_force_estimate", turned);

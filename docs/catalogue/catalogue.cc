@@ -5,6 +5,8 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/controllers/legged/observers/ground_force_observer.h>
+#include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/plants/cdpr/cable_fault.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/model/resources.h>
@@ -273,6 +275,8 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   entries.push_back(Make<LeggedStateEstimator>("LeggedStateEstimator", estimator));
   entries.push_back(
       Make<FootForceEstimate>("FootForceEstimate", FootForceEstimateParams{.robot = shipped.dog}));
+  entries.push_back(
+      Make<GroundForceObserver>("GroundForceObserver", GroundForceObserverParams{.robot = shipped.dog}));
   entries.push_back(Make<Supervisor>("Supervisor"));
   entries.push_back(Make<AdmittanceFilter>("AdmittanceFilter"));
   entries.push_back(Make<TrackingError>("TrackingError", TrackingErrorParams{.robot = shipped.dog}));
@@ -300,6 +304,10 @@ Shelf Diagrams(const Shipped& shipped) {
   auto& entries = shelf.entries;
   entries.push_back(Make<LeggedLocomotion>("LeggedLocomotion", shipped.walk.locomotion));
   entries.push_back(Make<DisturbanceObserver>("DisturbanceObserver", shipped.walk.observer));
+  FootForcesOfLegsParams of_legs;
+  of_legs.robot = shipped.dog;
+  of_legs.initial = shipped.walk.world.plant.initial;
+  entries.push_back(Make<FootForcesOfLegs>("FootForcesOfLegs", of_legs));
   entries.push_back(Make<QuadrupedWorld>("QuadrupedWorld", shipped.walk.world));
   entries.push_back(Make<QuadrupedWalk>("QuadrupedWalk", shipped.walk));
   entries.push_back(Make<QuadrupedStand>("QuadrupedStand", shipped.stand));

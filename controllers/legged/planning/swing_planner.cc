@@ -94,6 +94,8 @@ void StepProperties::Validate() const {
       shift_bandwidth > 0,
       fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
   Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
+  Demand(free_offset >= 0, fmt::format("a free offset of {} m: it must not be negative", free_offset));
+  Demand(free_turn >= 0, fmt::format("a free turn of {} rad: it must not be negative", free_turn));
   Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
 }
 
@@ -114,6 +116,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
     memory.shift += gain * (Shift(wrench, step) - memory.shift);
   }
+  const PlanarPath below = BelowTheRobot(path, body, state, step);
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
@@ -139,7 +142,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         leg.from_time = t;
       }
       leg.foothold.head<2>() =
-          Foothold(i, schedule, path, ground.slope, step.velocity_feedback * v_error + memory.shift);
+          Foothold(i, schedule, below, ground.slope, step.velocity_feedback * v_error + memory.shift);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();
@@ -160,6 +163,22 @@ Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProp
   const double length = shift.norm() / load, free = step.free_shift;
   if (length <= free) return Eigen::Vector2d::Zero();
   return Shortened<2>(shift / load * (1 - free * free / (length * length)), step.largest_shift);
+}
+
+PlanarPath SwingPlanner::BelowTheRobot(const PlanarPath& path, const BodyReference& body,
+                                       const LeggedState& state, const StepProperties& step) const {
+  const Eigen::Matrix3d R = state.R_WB();
+  const Eigen::Vector2d off = (state.p_WB + R * stance.com_B - body.com_W).head<2>();
+  const Eigen::Vector3d forward = RotationFromQuaternion(body.q_WB).transpose() * R.col(0);
+  const double turn = std::atan2(forward[1], forward[0]);
+  PlanarPath below = path;
+  if (off.norm() > step.free_offset) below.position_W += off * (1 - step.free_offset / off.norm());
+  if (std::abs(turn) > step.free_turn) {
+    const double beyond = turn - std::copysign(step.free_turn, turn);
+    below.yaw += beyond;
+    below.velocity = Eigen::Rotation2Dd(-beyond) * path.velocity;  // it goes where the path goes
+  }
+  return below;
 }
 
 Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& schedule,

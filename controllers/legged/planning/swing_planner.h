@@ -25,6 +25,8 @@ struct StepProperties {
   bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
   double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
   double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
+  double free_offset = 0.03;        ///< a CoM that is farther off takes its feet along [m]
+  double free_turn = 0.1;           ///< and so does a trunk that is turned more [rad]
   double largest_shift = 0.1;       ///< [m]
 
   static FieldList Fields() {
@@ -36,7 +38,9 @@ struct StepProperties {
             {"wrench_shift", &StepProperties::wrench_shift},
             {"free_shift_m", &StepProperties::free_shift},
             {"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
-            {"largest_shift_m", &StepProperties::largest_shift}};
+            {"largest_shift_m", &StepProperties::largest_shift},
+            {"free_offset_m", &StepProperties::free_offset},
+            {"free_turn_rad", &StepProperties::free_turn}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -69,8 +73,13 @@ struct SwingPlannerParams {
 ///
 /// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
 /// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that
-/// move for every push disturb the walk more than it does. Then drawn into the reach of the leg, seen from
-/// its nominal place at touchdown. Its height is that of the ground as it is felt at lift-off.
+/// move for every push disturb the walk more than it does.
+///
+/// Feet belong below the robot. Where friction does not hold it on its path, it is pushed along or turned,
+/// and feet that were planted below the path all the same would be out of its legs' reach: beyond free_offset
+/// and free_turn, the errors of CoM and heading move the path below which the feet are planted. Then drawn
+/// into the reach of the leg, seen from its nominal place at touchdown. Its height is that of the ground as
+/// it is felt at lift-off.
 ///
 /// **Swing.** From the measured place at lift-off. Over ground a polynomial of degree five from rest to rest,
 /// which a new foothold replaces by the one that goes on from where the old has come, with its velocity and
@@ -151,6 +160,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
                            const Eigen::Vector2d& slope, const Eigen::Vector2d& correction) const;
+  PlanarPath BelowTheRobot(const PlanarPath& path, const BodyReference& body, const LeggedState& state,
+                           const StepProperties& step) const;
 
   const double mass_ = params.robot.mass();
 };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -24,6 +25,26 @@ void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   dynamics->angular_momentum_bias_W.setZero();
 }
 
+/// How to turn an attitude into its reference: first the trunk's z axis, by the shortest way, then about it.
+/// Rotation vectors [rad]. That of both together would, where the robot is turned by much, point the way out
+/// of a tilt by half of that turn wrongly.
+struct TiltAndTurn {
+  Eigen::Vector3d tilt, turn;
+};
+TiltAndTurn AttitudeError(const Eigen::Matrix3d& R_WB, const Eigen::Matrix3d& reference) {
+  const Eigen::AngleAxisd upright(Eigen::Quaterniond::FromTwoVectors(R_WB.col(2), reference.col(2)));
+  const Eigen::Vector3d ahead = reference.transpose() * (upright * R_WB.col(0));
+  return {upright.angle() * upright.axis(), -std::atan2(ahead[1], ahead[0]) * reference.col(2)};
+}
+
+/// A force of the ground without what is beyond its pyramid sideways.
+Eigen::Vector3d WithinFriction(const Eigen::Vector3d& force, const Eigen::Vector3d& normal, double friction) {
+  const double pressing = std::max(0.0, force.dot(normal)), most = friction * pressing;
+  const Eigen::Vector3d t_1 = FirstTangent(normal), t_2 = normal.cross(t_1);
+  return force.dot(normal) * normal + std::clamp(force.dot(t_1), -most, most) * t_1 +
+         std::clamp(force.dot(t_2), -most, most) * t_2;
+}
+
 }  // namespace
 
 void WholeBodyGains::Validate() const {
@@ -37,7 +58,9 @@ void WholeBodyGains::Validate() const {
         std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
   }
-  Demand(swing_limit > 0, fmt::format("swing_limit = {} must be positive", swing_limit));
+  for (const auto& [name, value] : {std::pair{"com_limit", com_limit}, std::pair{"turn_limit", turn_limit},
+                                    std::pair{"swing_limit", swing_limit}})
+    Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   Demand(stretch_limit > 0 && stretch_limit <= 1,
          fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
   Demand(std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
@@ -80,15 +103,14 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.normal_W = ground.Normal();
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::Matrix3d R_WB = state.R_WB();
-  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) * R_WB.transpose());
-  const Eigen::Vector3d lean = turn.angle() * turn.axis();
-  task.wrench.head<3>() = gains.com_stiffness * (body.com_W - dynamics.com_W) +
+  const auto [tilt, turn] = AttitudeError(R_WB, RotationFromQuaternion(body.q_WB));
+  task.wrench.head<3>() = gains.com_stiffness * Shortened<3>(body.com_W - dynamics.com_W, gains.com_limit) +
                           gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
                           model_.mass() * (body.com_acceleration_W + up);
   task.wrench.tail<3>() =
-      dynamics.centroidal_inertia_W *
-      (gains.trunk_stiffness * lean + gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
-  task.tilt = lean.head<2>().norm();
+      dynamics.centroidal_inertia_W * (gains.trunk_stiffness * (tilt + Shortened<3>(turn, gains.turn_limit)) +
+                                       gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+  task.tilt = tilt.norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
   if (gains.dynamics == BodyDynamics::kExact) {
@@ -96,6 +118,9 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   } else {
     task.wrench -= disturbance;
   }
+  const Vec<3> by_others = task.disturbance.head<3>();
+  task.wrench.head<3>() =
+      by_others + WithinFriction(task.wrench.head<3>() - by_others, task.normal_W, gains.qp.friction);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];

@@ -38,8 +38,10 @@ constexpr auto EnumNames(BodyDynamics) {
 struct WholeBodyGains {
   double com_stiffness = 2500;    ///< [N/m]
   double com_damping = 400;       ///< [N s/m]
+  double com_limit = 0.08;        ///< an error of the CoM counts up to this length [m]
   double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
   double trunk_damping = 50;      ///< [1/s]
+  double turn_limit = 0.2;        ///< an error of the heading counts up to this angle [rad]
   double swing_stiffness = 4900;  ///< acceleration of a swing foot per error [1/s^2]
   double swing_damping = 140;     ///< [1/s]
   double swing_limit = 200;       ///< of both together: a foot that is stuck does not get all torque [m/s^2]
@@ -48,13 +50,15 @@ struct WholeBodyGains {
   double stretch_stiffness = 2500;  ///< with this acceleration per length [1/s^2]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
-  WholeBodyQpParams qp;
+  WholeBodyQpParams qp = {};
 
   static FieldList Fields() {
     return {{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
             {"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
+            {"com_limit_m", &WholeBodyGains::com_limit},
             {"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
             {"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
+            {"turn_limit_rad", &WholeBodyGains::turn_limit},
             {"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
             {"swing_damping_per_s", &WholeBodyGains::swing_damping},
             {"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
@@ -117,12 +121,18 @@ struct WholeBodyPlan {
 /// forces of the ground for the wrench (2.26) and the accelerations (2.40),
 ///
 ///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
-///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e the rotation vector from B to its reference
+///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e from B to its reference: tilt, then turn
 ///     a_swing = a_ref + [k_d (v_ref - v) + k_p (p_ref - p)],   a_stance = -k_s v + k_l max(0, l - r l_max) u
 ///
 /// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
 /// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
 /// after `max_failures_in_a_row`.
+///
+/// x_ref - x is not longer than `com_limit`, and e is the shortest way to upright and then the turn to the
+/// heading, of which no more than `turn_limit` counts: a robot that was pushed off its path comes back at a
+/// speed that its feet can follow, and one that was turned far knows which way is up. What the force asks of
+/// the ground sideways is kept within friction: for more than that, the optimisation would press on the
+/// ground with more than is wanted, and lift the robot.
 ///
 /// Feet are spheres that roll on the ground: the stance's v and a are those of the point in contact, where
 /// the ground's force acts. The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken

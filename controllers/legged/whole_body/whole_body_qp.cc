@@ -72,13 +72,17 @@ QuadraticProgram WholeBodyQp::problem() const {
   return {qp.H, qp.g, qp.A_eq, qp.b_eq, qp.A_in, qp.b_in};
 }
 
+Vec<3> FirstTangent(const Vec<3>& normal) {
+  return (Vec<3>::UnitX() - normal[0] * normal).normalized();
+}
+
 // The cost of f and gamma, and the pyramids; both stand in three columns per leg from `first` on.
 void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                                const WholeBodyQpParams& params, int first, Problem* qp) {
   Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
   Vec<12> weight;
   const Vec<3>& n = task.normal_W;
-  const Eigen::Vector3d t_1 = (Eigen::Vector3d::UnitX() - n[0] * n).normalized(), t_2 = n.cross(t_1);
+  const Eigen::Vector3d t_1 = FirstTangent(n), t_2 = n.cross(t_1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
     const int row = kRowsPerLeg * leg, column = first + 3 * leg;

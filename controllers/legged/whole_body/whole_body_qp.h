@@ -143,6 +143,9 @@ class WholeBodyQp {
   bool eliminated_ = false;
 };
 
+/// The direction on ground with this normal along which its pyramid of friction stands: W's x, projected.
+Vec<3> FirstTangent(const Vec<3>& normal);
+
 /// The wrench about the CoM as force and torque about B's origin, [N, N m].
 Vec<6> AboutBase(const QuadrupedDynamics& dynamics, const Vec<6>& wrench);
 

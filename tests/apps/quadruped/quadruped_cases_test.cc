@@ -130,8 +130,23 @@ TEST_F(QuadrupedCasesTest, MissedThatOursIsBestInTheFootErrorOfA2At20N) {
             RunCase("A2 --duration 12.6 --observer hybrid").largest_foot_error());
 }
 
-TEST_F(QuadrupedCasesTest, MissedThatB3MinusFinishesWithSeed3) {
-  EXPECT_FALSE(RunCase("B3-minus --seed 3").finished());
+// Blocks in the way, and, with 493, more push than friction holds.
+TEST_F(QuadrupedCasesTest, B3FinishesWithSeedsThatOnceFell) {
+  EXPECT_TRUE(RunCase("B3-minus --seed 3").finished());
+  EXPECT_TRUE(RunCase("B3-minus --seed 493").finished());
+  EXPECT_TRUE(RunCase("B3-plus --seed 341").finished());
+}
+
+TEST_F(QuadrupedCasesTest, WalkWithoutSensorsInTheFeet) {
+  for (const auto& [scenario, com] : {std::pair{"flat", 5}, {"A4", 8}, {"A6", 15}, {"B2", 15}}) {
+    for (const std::string state : {"true", "estimated"}) {
+      const std::string arguments =
+          std::string(scenario) + " --set sensors.foot_force.mounted=none --set walk.state=" + state;
+      const test::Case run = RunCase(arguments);
+      EXPECT_TRUE(run.finished()) << arguments;
+      EXPECT_LE(1e3 * run["path_error_max_m"], com) << arguments;
+    }
+  }
 }
 
 }  // namespace

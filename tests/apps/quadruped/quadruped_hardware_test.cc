@@ -23,9 +23,18 @@ QuadrupedWorldParams WorldWith(const HardwareScenario& hardware) {
 TEST(QuadrupedHardwareTest, TheIdealOneIsNotThere) {
   const QuadrupedWorldParams world = WorldWith(LoadHardware({"ideal"}));
   EXPECT_FALSE(world.hardware.command_delay || world.hardware.drive_errors || world.hardware.drive_lag ||
-               world.hardware.imu_errors || world.hardware.shank_sensors || world.plant.limit_speed);
+               world.hardware.imu_errors || world.hardware.foot_sensing != FootSensing::kWorld ||
+               world.plant.limit_speed);
   EXPECT_EQ(world.hardware.encoder_delay + world.hardware.foot_delay + world.hardware.imu_delay, 0);
   EXPECT_EQ(world.plant.robot.drive.friction, test::DogBot().drive.friction);
+}
+
+TEST(QuadrupedHardwareTest, FeetMayHaveNoSensors) {
+  SensorScenario none;
+  none.foot_force.mounted = FootSensing::kNone;
+  const HardwareScenario standard = LoadHardware({"standard"});
+  EXPECT_EQ(WorldWith(standard).hardware.foot_sensing, FootSensing::kShank);
+  EXPECT_EQ(WorldWith(WithSensors(standard, none)).hardware.foot_sensing, FootSensing::kNone);
 }
 
 TEST(QuadrupedHardwareTest, DrivesAreRatedByTheRobotsOwnTorque) {
@@ -68,11 +77,11 @@ TEST(QuadrupedHardwareTest, MayBeAShippedOneWithWhatDiffers) {
 TEST(QuadrupedHardwareTest, WhatAScenarioSaysOfASensorGoesBeforeKeyByKey) {
   SensorScenario own;
   own.imu.acceleration_noise_m_per_s2 = 0.5;
-  own.foot_force.in_shank = false;
+  own.foot_force.mounted = FootSensing::kWorld;
   const HardwareScenario both = WithSensors(LoadHardware({"standard"}), own);
   EXPECT_EQ(both.sensors.imu.acceleration_noise_m_per_s2, 0.5);
   EXPECT_EQ(both.sensors.imu.angular_velocity_noise_rad_per_s, 5.5e-3);
-  EXPECT_EQ(both.sensors.foot_force.in_shank, false);
+  EXPECT_EQ(both.sensors.foot_force.mounted, FootSensing::kWorld);
   EXPECT_EQ(both.sensors.encoders.bits, 14);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -333,6 +334,36 @@ TEST(SwingPlannerTest, ShiftIsAnOption) {
   EXPECT_EQ(ShiftUnder(wrench, params, 1000), Vec<3>(Vec<3>::Zero()));
 }
 
+// Pushed along by 10 cm, of which 3 are free, and turned by 0.5 rad, of which 0.1 are: the feet stay below
+// the robot, and go where the path goes.
+TEST(SwingPlannerTest, FeetStayBelowARobotThatIsPushedOffItsPath) {
+  const auto foothold = [](const Vec<3>& off, double turn) {
+    SwingPlannerParams params = Params();
+    params.step.velocity_feedback = 0;
+    Trot trot(params);
+    QuadrupedDynamics dynamics;
+    QuadrupedModel(params.robot).Calc(trot.state, &dynamics);
+    trot.body.com_W = dynamics.com_W;
+    const Eigen::AngleAxisd turned(turn, Vec<3>::UnitZ());  // about the CoM
+    trot.state.q_WB = QuaternionFromRotation(turned.toRotationMatrix());
+    trot.state.p_WB = dynamics.com_W + turned * (trot.state.p_WB - dynamics.com_W) + off;
+    trot.path.velocity << 0.12, 0;
+    trot.Set(kStance);
+    trot.Tick();
+    trot.Set(kSwing, 0);
+    trot.Tick();
+    return Eigen::Vector2d(trot.Foothold(kFrontLeft).head<2>());
+  };
+  const Eigen::Vector2d here = foothold({0, 0, 0}, 0);
+  EXPECT_THAT(foothold({0.02, -0.02, 0}, 0.09), IsNear(here, 1e-12));
+  EXPECT_THAT(foothold({0, -0.1, 0}, 0), IsNear(here + Eigen::Vector2d(0, -0.07), 1e-12));
+  const Trot trot;
+  NominalStance stance(Params().robot);
+  const Eigen::Vector2d ahead = here - stance.center_B - stance.foot[kFrontLeft];  // along the path
+  EXPECT_THAT(foothold({0, 0, 0}, 0.5),
+              IsNear(stance.center_B + ahead + Eigen::Rotation2Dd(0.4) * stance.foot[kFrontLeft], 1e-12));
+}
+
 // The foot climbs with the ground, and what is a step on level ground is one over it.
 TEST(SwingPlannerTest, StepsAlongASlope) {
   Trot level, uphill;
@@ -377,6 +408,8 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses(&StepProperties::retarget_phase, 1, "retarget phase of 1"));
   EXPECT_TRUE(refuses(&StepProperties::shift_bandwidth, 0, "bandwidth of 0 rad/s"));
   EXPECT_TRUE(refuses(&StepProperties::free_shift, -1, "free shift of -1 m"));
+  EXPECT_TRUE(refuses(&StepProperties::free_offset, -1, "free offset of -1 m"));
+  EXPECT_TRUE(refuses(&StepProperties::free_turn, -1, "free turn of -1 rad"));
   EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;

@@ -143,6 +143,57 @@ TEST(WholeBodyController, ErrorsAreCorrectedAsTheGainsSay) {
   EXPECT_THAT(spin(realised(body)), IsNear(Vec<3>(2, 1.5, 1.5), 2e-2));
 }
 
+// What the optimisation is asked for, feet and all at rest.
+WholeBodyTask TaskFor(const Inputs& inputs, const BodyReference& body, const WholeBodyGains& gains) {
+  WholeBodyParams params = Params();
+  TestRig<WholeBodyController> rig(params);
+  return rig.system().MakeTask(inputs.dynamics, inputs.state, inputs.schedule, body, inputs.feet,
+                               inputs.wrench, inputs.leg_forces, {}, gains);
+}
+
+TEST(WholeBodyController, LargeErrorsOfTheCoMAndOfTheHeadingCountUpToALimit) {
+  const Inputs inputs(Params().robot);
+  const double weight = inputs.model.mass() * 9.81;
+  BodyReference body = inputs.body;
+  body.com_W += Vec<3>(0.03, -0.04, 0);
+  EXPECT_THAT(TaskFor(inputs, body, {.com_limit = 0.05}).wrench.head<3>(),
+              IsNear(Vec<3>(75, -100, weight), 1e-9));
+  EXPECT_THAT(TaskFor(inputs, body, {.com_limit = 0.01}).wrench.head<3>(),
+              IsNear(Vec<3>(15, -20, weight), 1e-9));
+  body = inputs.body;
+  body.q_WB = QuaternionFromRotationVector({0, 0, 1});
+  const Vec<3> full = inputs.dynamics.centroidal_inertia_W * Vec<3>(0, 0, 250);
+  EXPECT_THAT(TaskFor(inputs, body, {.turn_limit = 2}).wrench.tail<3>(), IsNear(full, 1e-9));
+  EXPECT_THAT(TaskFor(inputs, body, {.turn_limit = 0.2}).wrench.tail<3>(), IsNear(Vec<3>(0.2 * full), 1e-9));
+}
+
+// Turned by two radians and tilted by a tenth: it gets up about the axis about which it is tilted.
+TEST(WholeBodyController, ATurnedRobotKnowsWhichWayIsUp) {
+  Inputs inputs(Params().robot);
+  const Eigen::AngleAxisd turn(2, Vec<3>::UnitZ()), tilt(0.1, Vec<3>(0.6, 0.8, 0));
+  inputs.state.q_WB = QuaternionFromRotation((tilt * turn).toRotationMatrix());
+  inputs.Follow();
+  const WholeBodyTask task = TaskFor(inputs, BodyReference{.com_W = inputs.body.com_W}, {.turn_limit = 1e-9});
+  const Vec<3> alpha = inputs.dynamics.centroidal_inertia_W.llt().solve(task.wrench.tail<3>());
+  EXPECT_THAT(alpha, IsNear(Vec<3>(-0.1 * 250 * Vec<3>(0.6, 0.8, 0)), 1e-6));
+  EXPECT_NEAR(task.tilt, 0.1, 1e-12);
+}
+
+// With mu = 0.3, a pull of 100 N and the CoM 4 cm off: the ground is asked for 0.3 m g against the pull, and
+// not for more than m g upwards.
+TEST(WholeBodyController, AsksTheGroundForNoMoreThanFriction) {
+  Inputs inputs(Params().robot);
+  const double weight = inputs.model.mass() * 9.81;
+  inputs.wrench.force_W = Vec<3>(100, 10, 0);
+  BodyReference body = inputs.body;
+  body.com_W[0] -= 0.04;
+  WholeBodyGains gains;
+  gains.qp.friction = 0.3;
+  const WholeBodyTask task = TaskFor(inputs, body, gains);
+  EXPECT_THAT(task.wrench.head<3>() - task.disturbance.head<3>(),
+              IsNear(Vec<3>(-0.3 * weight, -10, weight), 1e-9));
+}
+
 TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
   Inputs inputs(Params().robot);
   inputs.Swing({kFrontRight, kRearLeft});
@@ -421,6 +472,10 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "com_stiffness = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
                                      "swing_damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_limit = 0; }), "com_limit = 0",
+                                     "positive"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.turn_limit = 0; }),
+                                     "turn_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }),
                                      "swing_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),

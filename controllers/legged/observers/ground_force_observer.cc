@@ -1,0 +1,46 @@
+#include <tenon/controllers/legged/observers/ground_force_observer.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kMinSingularValue = 0.02;  // of a leg's Jacobian, see SolveFootForces [m]
+
+}  // namespace
+
+void ContactThresholds::Validate() const {
+  Demand(std::isfinite(touch) && leave > 0 && leave < touch,
+         fmt::format("leave = {} must be positive and below touch = {}: a foot would come and go", leave,
+                     touch));
+}
+
+void GroundForceObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  thresholds.Validate();
+}
+
+FootForces GroundForceObserver::CalcForces(const LeggedState& state, const LegForceEstimate& leg_forces,
+                                           const GroundPlane& ground, const ContactThresholds& thresholds,
+                                           std::array<bool, kNumLegs>& stands) const {
+  QuadrupedDynamics dynamics;
+  model_.Calc(state, &dynamics);
+  const Vec<3> arm = ground.ContactArm(params.robot.foot_radius), normal = ground.Normal();
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    dynamics.feet[static_cast<std::size_t>(leg)] = dynamics.Contact(leg, arm);
+  FootForces forces = SolveFootForces(dynamics, leg_forces.joint_torque, kMinSingularValue);
+  const double weight = model_.mass() * params.gravity;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    bool& stance = stands[static_cast<std::size_t>(leg)];
+    stance = forces[leg].dot(normal) > weight * (stance ? thresholds.leave : thresholds.touch);
+    if (!stance) forces[leg].setZero();
+  }
+  return forces;
+}
+
+}  // namespace tenon
