@@ -36,8 +36,8 @@ void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, GroundEstimat
   plane.p_W[2] = plane.HeightAt(place);
   plane.p_W.head<2>() = place;
 
-  const Eigen::Vector3d gain = P.col(0) / (P(0, 0) + belief.roughness * belief.roughness);
   const double innovation = foothold_W[2] - plane.p_W[2];
+  const Eigen::Vector3d gain = P.col(0) / (P(0, 0) + belief.roughness * belief.roughness);
   plane.p_W[2] += gain[0] * innovation;
   plane.slope += gain.tail<2>() * innovation;
   P -= (gain * P.row(0)).eval();
@@ -50,7 +50,7 @@ void GroundBelief::Validate() const {
   Demand(std::isfinite(roughness) && roughness > 0,
          fmt::format("roughness = {} m must be positive: four feet are never quite in a plane", roughness));
   for (const auto& [name, value] : {std::pair{"level_walk", level_walk}, std::pair{"slope_walk", slope_walk},
-                                    std::pair{"start_slope", start_slope}})
+                                    std::pair{"doubt", doubt}, std::pair{"start_slope", start_slope}})
     Demand(std::isfinite(value) && value >= 0,
            fmt::format("{} = {} must be finite and not negative; 0 stays as it is", name, value));
 }
@@ -86,7 +86,10 @@ GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactS
       if (memory.stood[i]) middle += contact[i] / count;
     memory.told.p_W = middle;
   }
-  memory.told.slope = memory.plane.slope;
+  const double doubt = belief.doubt * belief.doubt * (memory.covariance[3] + memory.covariance[5]) / 2;
+  const double square = memory.plane.slope.squaredNorm();
+  memory.told.slope =
+      square > doubt ? Vec<2>((1 - doubt / square) * memory.plane.slope) : Vec<2>(Vec<2>::Zero());
   return memory.told;
 }
 

@@ -18,12 +18,14 @@ struct GroundBelief {
   double level_walk = 0.02;   ///< by how much the plane's height changes from foothold to foothold [m]
   double slope_walk = 0.005;  ///< and its slope, along each axis
   double start_slope = 1;     ///< of the slope where the walk begins
+  double doubt = 3;           ///< a slope of fewer of its own deviations is told as level
 
   static FieldList Fields() {
     return {{"roughness_m", &GroundBelief::roughness},
             {"level_walk_m", &GroundBelief::level_walk},
             {"slope_walk", &GroundBelief::slope_walk},
-            {"start_slope", &GroundBelief::start_slope}};
+            {"start_slope", &GroundBelief::start_slope},
+            {"doubt", &GroundBelief::doubt}};
   }
   void Validate() const;  ///< throws ParameterError unless roughness is positive and the rest not negative
 };
@@ -40,8 +42,10 @@ struct GroundEstimatorParams {
 ///
 ///     z_i = h + s . (p_i - p) + roughness,    h and s wander from one foothold to the next,
 ///
-/// so that what single blocks have in height is averaged out, and a ramp is not. The plane that is told has
-/// this slope and goes through the middle of the feet that stand; it stays while none does.
+/// so that what single blocks have in height is averaged out, and a ramp is not. The slope that is told is (1
+/// - (doubt sigma / |s|)^2)+ s with the filter's deviation sigma of s, after James and Stein: on blocks,
+/// footholds at a slope that is none would be late or early at every step. The plane that is told has this
+/// slope and goes through the middle of the feet that stand; it stays while none does.
 ///
 ///     | port     | kind            | type            |
 ///     | state    | input           | LeggedState     |
