@@ -24,7 +24,8 @@ Vec<6> Packed(const Eigen::Matrix3d& P) {
 }
 
 /// The filter's step to a foothold: height and slope are seen from there, have wandered, and are corrected.
-void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, GroundEstimator::Memory& memory) {
+void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, double roughness,
+             GroundEstimator::Memory& memory) {
   GroundPlane& plane = memory.plane;
   const Eigen::Vector2d place = foothold_W.head<2>();
   Eigen::Matrix3d there = Eigen::Matrix3d::Identity();
@@ -37,7 +38,7 @@ void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, GroundEstimat
   plane.p_W.head<2>() = place;
 
   const double innovation = foothold_W[2] - plane.p_W[2];
-  const Eigen::Vector3d gain = P.col(0) / (P(0, 0) + belief.roughness * belief.roughness);
+  const Eigen::Vector3d gain = P.col(0) / (P(0, 0) + roughness * roughness);
   plane.p_W[2] += gain[0] * innovation;
   plane.slope += gain.tail<2>() * innovation;
   P -= (gain * P.row(0)).eval();
@@ -47,8 +48,10 @@ void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, GroundEstimat
 }  // namespace
 
 void GroundBelief::Validate() const {
-  Demand(std::isfinite(roughness) && roughness > 0,
-         fmt::format("roughness = {} m must be positive: four feet are never quite in a plane", roughness));
+  for (const auto& [name, value] :
+       {std::pair{"roughness", roughness}, std::pair{"start_roughness", start_roughness}})
+    Demand(std::isfinite(value) && value > 0,
+           fmt::format("{} = {} m must be positive: four feet are never quite in a plane", name, value));
   for (const auto& [name, value] : {std::pair{"level_walk", level_walk}, std::pair{"slope_walk", slope_walk},
                                     std::pair{"doubt", doubt}, std::pair{"start_slope", start_slope}})
     Demand(std::isfinite(value) && value >= 0,
@@ -62,6 +65,7 @@ void GroundEstimatorParams::Validate() const {
 
 GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
                                         const GroundBelief& belief, Memory& memory) const {
+  const double roughness = memory.started ? belief.roughness : belief.start_roughness;
   if (!memory.started) {
     const double slope = belief.start_slope * belief.start_slope;
     memory.covariance << kAnyHeight * kAnyHeight, 0, 0, slope, 0, slope;
@@ -75,7 +79,7 @@ GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactS
     if (stands) {
       contact[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q) +
                    memory.plane.ContactArm(params.robot.foot_radius);
-      if (!memory.stood[i]) Correct(contact[i], belief, memory);
+      if (!memory.stood[i]) Correct(contact[i], belief, roughness, memory);
       ++count;
     }
     memory.stood[i] = stands;

@@ -14,17 +14,19 @@ namespace tenon {
 
 /// What an estimator believes of the ground, as standard deviations.
 struct GroundBelief {
-  double roughness = 0.03;    ///< of single footholds from the plane: of blocks of 3 cm, say [m]
-  double level_walk = 0.02;   ///< by how much the plane's height changes from foothold to foothold [m]
-  double slope_walk = 0.005;  ///< and its slope, along each axis
-  double start_slope = 1;     ///< of the slope where the walk begins
-  double doubt = 3;           ///< a slope of fewer of its own deviations is told as level
+  double roughness = 0.03;         ///< of single footholds from the plane: of blocks of 3 cm, say [m]
+  double level_walk = 0.02;        ///< by how much the plane's height changes from foothold to foothold [m]
+  double slope_walk = 0.003;       ///< and its slope, along each axis
+  double start_slope = 1;          ///< of the slope where the walk begins,
+  double start_roughness = 0.005;  ///< and of the ground there, on which the robot was put down [m]
+  double doubt = 3;                ///< a slope of fewer of its own deviations is told as level
 
   static FieldList Fields() {
     return {{"roughness_m", &GroundBelief::roughness},
             {"level_walk_m", &GroundBelief::level_walk},
             {"slope_walk", &GroundBelief::slope_walk},
             {"start_slope", &GroundBelief::start_slope},
+            {"start_roughness_m", &GroundBelief::start_roughness},
             {"doubt", &GroundBelief::doubt}};
   }
   void Validate() const;  ///< throws ParameterError unless roughness is positive and the rest not negative

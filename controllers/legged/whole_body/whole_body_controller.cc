@@ -37,7 +37,7 @@ TiltAndTurn AttitudeError(const Eigen::Matrix3d& R_WB, const Eigen::Matrix3d& re
   return {upright.angle() * upright.axis(), -std::atan2(ahead[1], ahead[0]) * reference.col(2)};
 }
 
-/// A force of the ground without what is beyond its pyramid sideways.
+/// A force of the ground without what is beyond the pyramid of this friction sideways.
 Eigen::Vector3d WithinFriction(const Eigen::Vector3d& force, const Eigen::Vector3d& normal, double friction) {
   const double pressing = std::max(0.0, force.dot(normal)), most = friction * pressing;
   const Eigen::Vector3d t_1 = FirstTangent(normal), t_2 = normal.cross(t_1);
@@ -58,8 +58,9 @@ void WholeBodyGains::Validate() const {
         std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0, fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
   }
-  for (const auto& [name, value] : {std::pair{"com_limit", com_limit}, std::pair{"turn_limit", turn_limit},
-                                    std::pair{"swing_limit", swing_limit}})
+  for (const auto& [name, value] :
+       {std::pair{"com_limit", com_limit}, std::pair{"grip_limit", grip_limit},
+        std::pair{"turn_limit", turn_limit}, std::pair{"swing_limit", swing_limit}})
     Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   Demand(stretch_limit > 0 && stretch_limit <= 1,
          fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
@@ -119,8 +120,8 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     task.wrench -= disturbance;
   }
   const Vec<3> by_others = task.disturbance.head<3>();
-  task.wrench.head<3>() =
-      by_others + WithinFriction(task.wrench.head<3>() - by_others, task.normal_W, gains.qp.friction);
+  task.wrench.head<3>() = by_others + WithinFriction(task.wrench.head<3>() - by_others, task.normal_W,
+                                                     gains.grip_limit * gains.qp.friction);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];

@@ -39,6 +39,7 @@ struct WholeBodyGains {
   double com_stiffness = 2500;    ///< [N/m]
   double com_damping = 400;       ///< [N s/m]
   double com_limit = 0.08;        ///< an error of the CoM counts up to this length [m]
+  double grip_limit = 2;          ///< of what friction holds sideways: the ground is not asked for more
   double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
   double trunk_damping = 50;      ///< [1/s]
   double turn_limit = 0.2;        ///< an error of the heading counts up to this angle [rad]
@@ -56,6 +57,7 @@ struct WholeBodyGains {
     return {{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
             {"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
             {"com_limit_m", &WholeBodyGains::com_limit},
+            {"grip_limit", &WholeBodyGains::grip_limit},
             {"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
             {"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
             {"turn_limit_rad", &WholeBodyGains::turn_limit},
@@ -131,8 +133,9 @@ struct WholeBodyPlan {
 /// x_ref - x is not longer than `com_limit`, and e is the shortest way to upright and then the turn to the
 /// heading, of which no more than `turn_limit` counts: a robot that was pushed off its path comes back at a
 /// speed that its feet can follow, and one that was turned far knows which way is up. What the force asks of
-/// the ground sideways is kept within friction: for more than that, the optimisation would press on the
-/// ground with more than is wanted, and lift the robot.
+/// the ground sideways is kept within `grip_limit` times what friction holds: for what is beyond friction,
+/// the optimisation presses on the ground with more than is wanted, which helps for a moment and then lifts
+/// the robot.
 ///
 /// Feet are spheres that roll on the ground: the stance's v and a are those of the point in contact, where
 /// the ground's force acts. The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken

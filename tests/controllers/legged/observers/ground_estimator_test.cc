@@ -61,9 +61,7 @@ GroundPlane Ramp(double x, double y) {
 TEST(GroundEstimatorTest, FeelsTheSlopeOnWhichItStands) {
   Walk walk;
   const GroundPlane& felt = walk.Stand(Ramp(0.3, -0.2));
-  EXPECT_NEAR(felt.slope[1] / felt.slope[0], -2.0 / 3, 0.05);
-  EXPECT_GT(felt.slope[0], 0.15);  // four footholds may be blocks
-  EXPECT_LT(felt.slope[0], 0.3);
+  EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 0.05));
   EXPECT_NEAR(felt.HeightAt({0, 0}), 0.1, 2e-3);
   for (int n = 0; n < 20; ++n) walk.Step(Ramp(0.3, -0.2));
   EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 0.02));
@@ -73,7 +71,7 @@ TEST(GroundEstimatorTest, FindsARampWithinSomeSteps) {
   Walk walk;
   for (int n = 0; n < 10; ++n) walk.Step({});
   for (int n = 0; n < 20; ++n) walk.Step(Ramp(0.2, 0));
-  EXPECT_NEAR(walk.Step(Ramp(0.2, 0)).slope[0], 0.2, 0.04);
+  EXPECT_NEAR(walk.Step(Ramp(0.2, 0)).slope[0], 0.2, 0.06);
 }
 
 // Pairs of feet on blocks of up to 4 cm, or in holes.
@@ -123,6 +121,8 @@ TEST(GroundEstimatorTest, RefusesWhatMakesNoSense) {
   };
   EXPECT_TRUE(
       Throws<ParameterError>([&] { with(&GroundBelief::roughness, 0); }, "roughness = 0 m must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { with(&GroundBelief::start_roughness, 0); },
+                                     "start_roughness = 0 m must be positive"));
   EXPECT_TRUE(Throws<ParameterError>([&] { with(&GroundBelief::doubt, -1); }, "doubt = -1 must be finite"));
   EXPECT_TRUE(
       Throws<ParameterError>([&] { with(&GroundBelief::level_walk, -1); }, "level_walk = -1 must be finite"));

@@ -179,8 +179,8 @@ TEST(WholeBodyController, ATurnedRobotKnowsWhichWayIsUp) {
   EXPECT_NEAR(task.tilt, 0.1, 1e-12);
 }
 
-// With mu = 0.3, a pull of 100 N and the CoM 4 cm off: the ground is asked for 0.3 m g against the pull, and
-// not for more than m g upwards.
+// With mu = 0.15, a pull of 100 N and the CoM 4 cm off: the ground is asked for twice 0.15 m g against the
+// pull, and not for more than m g upwards.
 TEST(WholeBodyController, AsksTheGroundForNoMoreThanFriction) {
   Inputs inputs(Params().robot);
   const double weight = inputs.model.mass() * 9.81;
@@ -188,7 +188,7 @@ TEST(WholeBodyController, AsksTheGroundForNoMoreThanFriction) {
   BodyReference body = inputs.body;
   body.com_W[0] -= 0.04;
   WholeBodyGains gains;
-  gains.qp.friction = 0.3;
+  gains.qp.friction = 0.15;
   const WholeBodyTask task = TaskFor(inputs, body, gains);
   EXPECT_THAT(task.wrench.head<3>() - task.disturbance.head<3>(),
               IsNear(Vec<3>(-0.3 * weight, -10, weight), 1e-9));
@@ -474,6 +474,8 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
                                      "swing_damping = -1", "negative"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_limit = 0; }), "com_limit = 0",
                                      "positive"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.grip_limit = 0; }),
+                                     "grip_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.turn_limit = 0; }),
                                      "turn_limit = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }),
