@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cstddef>
 #include <numbers>
 
 #include <tenon/plants/model/euler.h>
@@ -13,10 +13,7 @@
 #include <tenon/systems/framework/errors.h>
 
 namespace tenon {
-
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();  // as an error [m]
 
 /// The first that is; kNumJoints if none is.
 int JointBeyondItsRange(const QuadrupedDescription& robot, const Vec<12>& q) {
@@ -49,6 +46,12 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
   std::array<Eigen::Vector3d, kNumLegs> target;
   for (std::size_t i = 0; i < kNumLegs; ++i) target[i] = above(dynamics.feet[i].p_W, center_height);
 
+  const auto refuse = [&](std::ptrdiff_t leg) {
+    throw ParameterError(fmt::format(
+        "the {} leg of '{}' does not reach ground of slope ({}, {}) from its nominal stance within the "
+        "ranges of its joints; give gentler ground, or bend the knees of nominal_stance",
+        kLegNames[static_cast<std::size_t>(leg)], robot.name, ground.slope[0], ground.slope[1]));
+  };
   // Newton's method leg by leg; legs that move take the CoM along, so that the trunk follows.
   constexpr int kMostSteps = 100;
   constexpr double kTolerance = 1e-9;                    // m
@@ -64,9 +67,8 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
     }
     if (worst <= kTolerance) {
       const int beyond = JointBeyondItsRange(robot, x.q);
-      if (beyond == kNumJoints) return x;
-      error[static_cast<std::size_t>(beyond / kJointsPerLeg)] = kNever;
-      break;
+      if (beyond < kNumJoints) refuse(beyond / kJointsPerLeg);
+      return x;
     }
     x.p_WB += off;
     for (std::size_t i = 0; i < kNumLegs; ++i) {
@@ -76,11 +78,8 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
           turn.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
     }
   }
-  const auto leg = std::max_element(error.begin(), error.end()) - error.begin();
-  throw ParameterError(fmt::format(
-      "the {} leg of '{}' does not reach ground of slope ({}, {}) from its nominal stance within the "
-      "ranges of its joints; give gentler ground, or bend the knees of nominal_stance",
-      kLegNames[static_cast<std::size_t>(leg)], robot.name, ground.slope[0], ground.slope[1]));
+  refuse(std::max_element(error.begin(), error.end()) - error.begin());
+  return x;
 }
 
 }  // namespace tenon

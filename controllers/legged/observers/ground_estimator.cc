@@ -72,24 +72,20 @@ GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactS
     memory.started = true;
   }
   const Eigen::Matrix3d R = state.R_WB();
-  std::array<Vec<3>, kNumLegs> contact;
+  Vec<3> sum = Vec<3>::Zero();
   int count = 0;
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const bool stands = schedule.legs[i].stance();
     if (stands) {
-      contact[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q) +
-                   memory.plane.ContactArm(params.robot.foot_radius);
-      if (!memory.stood[i]) Correct(contact[i], belief, roughness, memory);
+      const Vec<3> contact = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q) +
+                             memory.plane.ContactArm(params.robot.foot_radius);
+      if (!memory.stood[i]) Correct(contact, belief, roughness, memory);
+      sum += contact;
       ++count;
     }
     memory.stood[i] = stands;
   }
-  if (count > 0) {
-    Vec<3> middle = Vec<3>::Zero();
-    for (std::size_t i = 0; i < kNumLegs; ++i)
-      if (memory.stood[i]) middle += contact[i] / count;
-    memory.told.p_W = middle;
-  }
+  if (count > 0) memory.told.p_W = sum / count;
   const double doubt = belief.doubt * belief.doubt * (memory.covariance[3] + memory.covariance[5]) / 2;
   const double square = memory.plane.slope.squaredNorm();
   memory.told.slope =

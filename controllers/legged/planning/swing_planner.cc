@@ -172,12 +172,10 @@ PlanarPath SwingPlanner::BelowTheRobot(const PlanarPath& path, const BodyReferen
   const Eigen::Vector3d forward = RotationFromQuaternion(body.q_WB).transpose() * R.col(0);
   const double turn = std::atan2(forward[1], forward[0]);
   PlanarPath below = path;
-  if (off.norm() > step.free_offset) below.position_W += off * (1 - step.free_offset / off.norm());
-  if (std::abs(turn) > step.free_turn) {
-    const double beyond = turn - std::copysign(step.free_turn, turn);
-    below.yaw += beyond;
-    below.velocity = Eigen::Rotation2Dd(-beyond) * path.velocity;  // it goes where the path goes
-  }
+  below.position_W += off - Shortened<2>(off, step.free_offset);
+  const double beyond = turn - std::clamp(turn, -step.free_turn, step.free_turn);
+  below.yaw += beyond;
+  below.velocity = Eigen::Rotation2Dd(-beyond) * path.velocity;  // it goes where the path goes
   return below;
 }
 

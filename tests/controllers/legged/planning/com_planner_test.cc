@@ -180,6 +180,15 @@ TEST(ComPlannerTest, APlanThatRepeatsTheOldOneChangesNothing) {
   EXPECT_LT(walk.plan().remainder[0].norm(), 1e-7);
 }
 
+/// From one tick to the next the CoM moves by its velocity, and this changes by a bounded acceleration.
+void ExpectIntegrals(const BodyReference& last, const BodyReference& now, int n) {
+  const double dt = 1e-3;
+  EXPECT_THAT(now.com_W - last.com_W, IsNear(dt / 2 * (now.com_velocity_W + last.com_velocity_W), 3e-6)) << n;
+  EXPECT_THAT(now.com_velocity_W - last.com_velocity_W,
+              IsNear(dt / 2 * (now.com_acceleration_W + last.com_acceleration_W), 4e-3))
+      << n;
+}
+
 /// Whatever is commanded, positions are integrals of velocities and these of bounded accelerations.
 TEST(ComPlannerTest, NothingJumps) {
   Walk walk;
@@ -196,11 +205,7 @@ TEST(ComPlannerTest, NothingJumps) {
     if (n == 6010) walk.ground().p_W[2] += 0.03;
     if (n == 8000) walk.Change(Gait::kStand, {});
     const BodyReference now = walk.Tick();
-    EXPECT_THAT(now.com_W - last.com_W, IsNear(dt / 2 * (now.com_velocity_W + last.com_velocity_W), 3e-6))
-        << n;
-    EXPECT_THAT(now.com_velocity_W - last.com_velocity_W,
-                IsNear(dt / 2 * (now.com_acceleration_W + last.com_acceleration_W), 4e-3))
-        << n;
+    ExpectIntegrals(last, now, n);
     largest = std::max(largest, now.com_acceleration_W.norm());
     const double turn = 2 * (std::atan2(now.q_WB[3], now.q_WB[0]) - std::atan2(last.q_WB[3], last.q_WB[0]));
     EXPECT_NEAR(turn, dt / 2 * (now.w_W[2] + last.w_W[2]), 1e-6) << n;
@@ -224,11 +229,7 @@ TEST(ComPlannerTest, GoesAlongTheSlope) {
   for (int n = 0; n < 4000; ++n) {
     if (n == 1000) walk.ground().slope << 0.3, -0.2;
     const BodyReference now = walk.Tick();
-    EXPECT_THAT(now.com_W - last.com_W, IsNear(dt / 2 * (now.com_velocity_W + last.com_velocity_W), 3e-6))
-        << n;
-    EXPECT_THAT(now.com_velocity_W - last.com_velocity_W,
-                IsNear(dt / 2 * (now.com_acceleration_W + last.com_acceleration_W), 4e-3))
-        << n;
+    ExpectIntegrals(last, now, n);
     const Eigen::Matrix3d R = RotationFromQuaternion(now.q_WB), R_last = RotationFromQuaternion(last.q_WB);
     const Eigen::AngleAxisd turn(R * R_last.transpose());
     EXPECT_THAT(turn.angle() * turn.axis(), IsNear(dt / 2 * (now.w_W + last.w_W), 1e-5)) << n;

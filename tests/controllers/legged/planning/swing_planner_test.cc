@@ -357,8 +357,7 @@ TEST(SwingPlannerTest, FeetStayBelowARobotThatIsPushedOffItsPath) {
   const Eigen::Vector2d here = foothold({0, 0, 0}, 0);
   EXPECT_THAT(foothold({0.02, -0.02, 0}, 0.09), IsNear(here, 1e-12));
   EXPECT_THAT(foothold({0, -0.1, 0}, 0), IsNear(here + Eigen::Vector2d(0, -0.07), 1e-12));
-  const Trot trot;
-  NominalStance stance(Params().robot);
+  const NominalStance stance(Params().robot);
   const Eigen::Vector2d ahead = here - stance.center_B - stance.foot[kFrontLeft];  // along the path
   EXPECT_THAT(foothold({0, 0, 0}, 0.5),
               IsNear(stance.center_B + ahead + Eigen::Rotation2Dd(0.4) * stance.foot[kFrontLeft], 1e-12));

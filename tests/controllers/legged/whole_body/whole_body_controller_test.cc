@@ -145,8 +145,7 @@ TEST(WholeBodyController, ErrorsAreCorrectedAsTheGainsSay) {
 
 // What the optimisation is asked for, feet and all at rest.
 WholeBodyTask TaskFor(const Inputs& inputs, const BodyReference& body, const WholeBodyGains& gains) {
-  WholeBodyParams params = Params();
-  TestRig<WholeBodyController> rig(params);
+  TestRig<WholeBodyController> rig(Params());
   return rig.system().MakeTask(inputs.dynamics, inputs.state, inputs.schedule, body, inputs.feet,
                                inputs.wrench, inputs.leg_forces, {}, gains);
 }
