@@ -60,7 +60,14 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   QuadrupedWorldParams params;
   QuadrupedPlantParams& plant = params.plant;
   plant.robot = robot;
-  plant.payload = scenario.payload.Make();
+  const TrunkLoadScenario& payload = scenario.payload;
+  if (payload.slides && payload.mass_kg > 0)
+    params.sliding_load = SlidingLoadParams{.mass = payload.mass_kg,
+                                            .position_B = payload.position_m,
+                                            .reach = payload.slides->reach_m,
+                                            .friction = payload.slides->friction};
+  else
+    plant.payload = payload.Make();
   plant.terrain = scenario.terrain;
   if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
@@ -123,6 +130,12 @@ void ForceScenario::Validate() const {
   DemandBetween("height", height, 0, 1);
   DemandNotNegative("duration_s", duration_s);
   DemandNotNegative("frequency_rad_per_s", frequency_rad_per_s);
+}
+
+void SlideScenario::Validate() const {
+  Demand(reach_m.allFinite() && reach_m.minCoeff() >= 0,
+         fmt::format("reach_m = [{}, {}] must not be negative", reach_m[0], reach_m[1]));
+  DemandBetween("friction", friction, 0, 10);
 }
 
 void TrunkLoadScenario::Validate() const {
@@ -204,7 +217,9 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   params.world = MakeWorldParams(scenario, robot, hardware, WholeBodyParams().rate);
   EndOfWalk(walk);  // what cannot be walked is refused here, with its key
   params.walk = walk.path;
-  QuadrupedDescription believed = WithMassFactor(robot, 1 + walk.mass_error_ratio);
+  RandomStream errors(scenario.seed, "walk.model_error");
+  QuadrupedDescription believed =
+      WithModelError(WithMassFactor(robot, 1 + walk.mass_error_ratio), walk.model_error, errors);
   const double rotor_inertia = params.world.plant.robot.drive.rotor_inertia;
   if (rotor_inertia != robot.drive.rotor_inertia)
     believed.drive.rotor_inertia = rotor_inertia;  // of a data sheet

@@ -14,6 +14,7 @@
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/model/model_error.h>
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
@@ -48,10 +49,11 @@ struct WalkScenario {
   ZmpPlanParams zmp;  ///< of ComReference::kZmpSpline
   StepProperties step;
   StateSource state =
-      StateSource::kTrue;       ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
-  double friction = 1;          ///< that the controller counts on
-  double mass_error_ratio = 0;  ///< 0.3: the controller believes in masses 30 % too large
-  double judged_from_s = 0;     ///< figures count from here
+      StateSource::kTrue;        ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
+  double friction = 1;           ///< that the controller counts on
+  double mass_error_ratio = 0;   ///< 0.3: the controller believes in masses 30 % too large
+  ModelErrorParams model_error;  ///< of each body's data in what the controller believes, drawn by the seed
+  double judged_from_s = 0;      ///< figures count from here
 
   static FieldList Fields() {
     return {Required("path", &WalkScenario::path),
@@ -62,6 +64,7 @@ struct WalkScenario {
             {"state", &WalkScenario::state},
             {"friction", &WalkScenario::friction},
             {"mass_error_ratio", &WalkScenario::mass_error_ratio},
+            {"model_error", &WalkScenario::model_error},
             {"judged_from_s", &WalkScenario::judged_from_s}};
   }
   void Validate() const;  ///< throws ParameterError
@@ -145,16 +148,29 @@ struct RandomForceScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// How a load slides, see SlidingLoad.
+struct SlideScenario {
+  Eigen::Vector2d reach_m{0.1, 0.1};  ///< to either side along x and y
+  double friction = 0.3;
+
+  static FieldList Fields() {
+    return {{"reach_m", &SlideScenario::reach_m}, {"friction", &SlideScenario::friction}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// A uniform box on the trunk for the whole run; the controller does not know of it.
 struct TrunkLoadScenario {
   double mass_kg = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of its centre in the trunk's frame
   Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();
+  std::optional<SlideScenario> slides;  ///< it lies on the trunk; without: it is fixed there
 
   static FieldList Fields() {
     return {{"mass_kg", &TrunkLoadScenario::mass_kg},
             {"position_m", &TrunkLoadScenario::position_m},
-            {"edges_m", &TrunkLoadScenario::edges_m}};
+            {"edges_m", &TrunkLoadScenario::edges_m},
+            {"slides", &TrunkLoadScenario::slides}};
   }
   void Validate() const;  ///< throws ParameterError
   RigidInertia Make() const;

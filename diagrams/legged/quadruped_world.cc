@@ -23,14 +23,22 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
       foot_sensor(Add<FootForceSensor>("foot_sensor", params.foot_sensor)),
       imu(Add<TrunkImu>("imu", OnRobot(params.imu, params.plant.robot))),
       disturbances(Add<ForceBundle>(
-          "disturbances",
-          ForceBundleParams{1 + params.pulses.size() + params.sines.size() + params.random.size()})) {
+          "disturbances", ForceBundleParams{1 + (params.sliding_load ? 1 : 0) + params.pulses.size() +
+                                            params.sines.size() + params.random.size()})) {
   auto& monitor =
       Add<FallMonitor>("monitor", FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt,
                                                     params.max_height, Hz(1000)});
 
   std::size_t next = 0;
   Connect(pull, disturbances.force[next++]);
+  if (params.sliding_load) {
+    SlidingLoadParams on_trunk = *params.sliding_load;
+    on_trunk.robot = params.plant.initial;
+    on_trunk.gravity = params.plant.gravity;
+    auto& load = Add<SlidingLoad>("sliding_load", on_trunk);
+    Connect(plant.state, load.robot);
+    Connect(load.force, disturbances.force[next++]);
+  }
   const auto disturb = [&]<class Block>(const std::string& name, const auto& each) {
     for (std::size_t i = 0; i < each.size(); ++i)
       Connect(Add<Block>(name + "_" + std::to_string(i), each[i]).force, disturbances.force[next++]);

@@ -4,6 +4,7 @@
 #include <tenon/plants/legged/drive_errors.h>
 #include <tenon/plants/legged/fall_monitor.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/legged/sliding_load.h>
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/imu_errors.h>
@@ -51,6 +52,7 @@ struct QuadrupedWorldParams {
   FootForceSensorParams foot_sensor;
   ImuParams imu;  ///< its place is the robot's
   QuadrupedHardwareParams hardware;
+  std::optional<SlidingLoadParams> sliding_load;  ///< its start is the plant's
   std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
   std::vector<SineForceParams> sines;
   std::vector<RandomForceParams> random;

@@ -221,6 +221,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<JointLock>("JointLock"));
   entries.push_back(Make<FallMonitor>("FallMonitor"));
   entries.push_back(Make<DriveErrors>("DriveErrors"));
+  entries.push_back(Make<SlidingLoad>("SlidingLoad", SlidingLoadParams{.mass = 1}));
   entries.push_back(Make<JointEncoders>("JointEncoders"));
   entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
   entries.push_back(Make<ShankForces>("ShankForces", ShankForcesParams{shipped.dog}));

@@ -57,6 +57,7 @@ TEST(BlocksTest, HeadersTellWhatBlocksAreFor) {
 TEST(BlocksTest, ParametersSayWhatTheyAre) {
   // Ratios, counts, flags; and a gain whose unit depends on how it is read.
   const std::set<std::string> no_unit{"early_touchdown_phase",
+                                      "friction",
                                       "outlier",
                                       "max_failures_in_a_row",
                                       "max_fallbacks_in_a_row",

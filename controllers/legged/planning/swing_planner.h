@@ -18,8 +18,8 @@ namespace tenon {
 /// What a user chooses of the steps.
 struct StepProperties {
   double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
-  double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 7 cm deeper in 0.25 s [m/s]
-  double search_depth = 0.1;        ///< how far below its foothold a foot searches at most [m]
+  double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 9 cm deeper in 0.25 s [m/s]
+  double search_depth = 0.2;        ///< how far below its foothold a foot searches at most [m]
   double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
   double retarget_phase = 0.7;      ///< part of the swing in which the foothold is chosen anew at every tick
   bool wrench_shift = true;         ///< moves the footholds against the estimated wrench

@@ -242,7 +242,9 @@ TEST(SwingPlannerTest, FootholdStaysInReach) {
 }
 
 TEST(SwingPlannerTest, LateFootGoesOnDownwardsToItsBound) {
-  Trot trot;
+  SwingPlannerParams params = Params();
+  params.step.search_depth = 0.1;  // less than the leg reaches
+  Trot trot(params);
   std::vector<FootReference> motion = trot.Swing();
   const double foothold = trot.Foothold(kFrontLeft)[2];
   for (int n = 1; n < 2000; ++n) {

@@ -1,0 +1,82 @@
+#include <tenon/plants/legged/sliding_load.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kDrawnEdge = 0.12;  // [m]
+
+void DemandPositive(const char* name, double value, const char* unit) {
+  Demand(std::isfinite(value) && value > 0,
+         fmt::format("the sliding load's {} of {}{} must be positive", name, value, unit));
+}
+
+}  // namespace
+
+void SlidingLoadParams::Validate() const {
+  DemandPositive("mass", mass, " kg");
+  DemandPositive("slip_speed", slip_speed, " m/s");
+  DemandPositive("stiffness", stiffness, " N/m");
+  DemandPositive("gravity", gravity, " m/s^2");
+  Demand(std::isfinite(friction) && friction >= 0,
+         fmt::format("the sliding load's friction of {} must not be negative: give 0 for none", friction));
+  Demand(std::isfinite(damping_ratio) && damping_ratio >= 0,
+         fmt::format("the sliding load's damping_ratio of {} must not be negative", damping_ratio));
+  Demand(position_B.allFinite() && reach.allFinite() && reach.minCoeff() >= 0,
+         "the sliding load's position and reach must be finite, the reach not negative: give metres");
+}
+
+LoadMotion SlidingLoad::Start(const SlidingLoadParams& params) {
+  const Eigen::Vector3d arm = params.robot.R_WB() * params.position_B;
+  return {params.robot.p_WB + arm, params.robot.v_W + params.robot.w_W.cross(arm)};
+}
+
+Vec<3> SlidingLoad::CalcPlace(const LeggedState& robot, const LoadMotion& motion) const {
+  return robot.R_WB().transpose() * (motion.p_W - robot.p_WB);
+}
+
+ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
+                                     double friction, double slip_speed) const {
+  const double k = params.stiffness, d = 2 * params.damping_ratio * std::sqrt(k * params.mass);
+  const Eigen::Matrix3d R_WB = robot.R_WB();
+  const Eigen::Vector3d velocity =
+      R_WB.transpose() * (motion.v_W - robot.v_W - robot.w_W.cross(motion.p_W - robot.p_WB));
+  const Eigen::Vector3d away = place - params.position_B;
+
+  Eigen::Vector3d on_load;
+  on_load[2] = std::max(0.0, params.mass * params.gravity - k * away[2] - d * velocity[2]);
+  const Eigen::Vector2d slip = velocity.head<2>();
+  on_load.head<2>() = -friction * on_load[2] / std::hypot(slip.norm(), slip_speed) * slip;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double side = away[axis] < 0 ? -1 : 1;
+    const double beyond = side * away[axis] - params.reach[axis];
+    if (beyond > 0) on_load[axis] -= side * std::max(0.0, k * beyond + d * side * velocity[axis]);
+  }
+
+  ExternalForce force;
+  force.p_B = place;
+  force.force_W = -(R_WB * on_load);
+  return force;
+}
+
+LoadMotion SlidingLoad::CalcDerivative(const LoadMotion& motion, const ExternalForce& force) const {
+  return {motion.v_W, Vec<3>(0, 0, -params.gravity) - force.force_W / params.mass};
+}
+
+Geometry SlidingLoad::MakeGeometry() {
+  return {Shape::Box(ShapeRole::kLoad, "sliding load", Vec<3>::Constant(kDrawnEdge))};
+}
+
+void SlidingLoad::CalcGeometry(const LeggedState& robot, const LoadMotion& motion, Geometry* geometry) const {
+  (*geometry)[0].p_W = motion.p_W;
+  (*geometry)[0].q_W = robot.q_WB;
+}
+
+}  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::LoadMotion);

@@ -1,0 +1,100 @@
+#include <tenon/plants/legged/sliding_load.h>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+LeggedState Trunk(double pitch = 0) {
+  LeggedState x;
+  x.p_WB = {0.3, -0.2, 0.5};
+  x.q_WB = QuaternionFromRotationVector({0, pitch, 0});
+  return x;
+}
+
+SlidingLoadParams Load(double pitch = 0) {
+  return {.mass = 5, .position_B = {0.05, 0.02, 0.1}, .robot = Trunk(pitch)};
+}
+
+TEST(SlidingLoadTest, LiesStillOnALevelTrunkAndWeighsOnIt) {
+  TestRig<SlidingLoad> rig(Load());
+  rig.Fix(rig->robot, Trunk()).RunTo(1);
+  EXPECT_THAT(rig[rig->place], IsNear(Vec<3>(0.05, 0.02, 0.1), 1e-9));
+  EXPECT_EQ(rig[rig->force].body, 0);
+  EXPECT_THAT(rig[rig->force].p_B, IsNear(Vec<3>(0.05, 0.02, 0.1), 1e-9));
+  EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(0, 0, -5 * 9.81), 1e-6));
+}
+
+// Down a trunk that is steeper than its friction holds: a = g (sin - mu cos), up to the stop.
+TEST(SlidingLoadTest, SlidesDownASteepTrunkToItsStop) {
+  const double pitch = 0.5;
+  SlidingLoadParams params = Load(pitch);
+  params.reach = {0.3, 0.3};
+  params.slip_speed = 1e-3;
+  TestRig<SlidingLoad> rig(params);
+  rig.Fix(rig->robot, Trunk(pitch)).RunTo(0.3);
+  const double acceleration = 9.81 * (std::sin(pitch) - 0.3 * std::cos(pitch));
+  EXPECT_NEAR(rig[rig->place][0], 0.05 + acceleration / 2 * 0.09, 5e-3);
+  EXPECT_NEAR(rig[rig->motion].v_W.norm(), acceleration * 0.3, 0.02);
+  rig.RunTo(3);
+  EXPECT_NEAR(rig[rig->place][0], 0.35, 2e-3);
+  EXPECT_NEAR(rig[rig->motion].v_W.norm(), 0, 1e-4);
+  EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(0, 0, -5 * 9.81), 1e-3));
+}
+
+TEST(SlidingLoadTest, FrictionHoldsItOnAGentleSlopeButForACreep) {
+  const double pitch = 0.1;
+  TestRig<SlidingLoad> rig(Load(pitch));
+  rig.Fix(rig->robot, Trunk(pitch)).RunTo(1);
+  // mu s / sqrt(s^2 + v_s^2) = tan(pitch)
+  const double share = std::tan(pitch) / 0.3, creep = 0.01 * share / std::sqrt(1 - share * share);
+  EXPECT_NEAR(rig[rig->motion].v_W.norm(), creep, 0.02 * creep);
+}
+
+TEST(SlidingLoadTest, MovesWithTheTrunkUnderIt) {
+  LeggedState robot = Trunk();
+  robot.v_W = {0.4, 0, 0};
+  robot.w_W = {0, 0, 1};
+  SlidingLoadParams params = Load();
+  params.robot = robot;
+  TestRig<SlidingLoad> rig(params);
+  rig.Fix(rig->robot, robot);
+  EXPECT_THAT(rig[rig->motion].v_W, IsNear(Vec<3>(0.4 - 0.02, 0.05, 0), 1e-12));
+  EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(0, 0, -5 * 9.81), 1e-9)) << "no slip, no rub";
+  // A trunk that falls away faster than the load: it is in the air, and weighs nothing.
+  robot.v_W = {0, 0, -2};
+  rig.Fix(rig->robot, robot);
+  EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>::Zero().eval(), 0));
+}
+
+TEST(SlidingLoadTest, IsDrawnWhereItIs) {
+  TestRig<SlidingLoad> rig(Load());
+  rig.Fix(rig->robot, Trunk());
+  EXPECT_THAT(rig[rig->geometry].at(0).p_W, IsNear(Vec<3>(0.35, -0.18, 0.6), 1e-12));
+}
+
+TEST(SlidingLoadTest, RefusesNonsense) {
+  const auto refuses = [](auto change, const char* a, const char* b) {
+    SlidingLoadParams params = Load();
+    change(params);
+    return Throws<ParameterError>([&] { SlidingLoad load(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass of 0 kg", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.slip_speed = 0; }, "slip_speed of 0 m/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity of nan m/s^2", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction of -0.1", "0 for none"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio of -1", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.reach = {-1, 0}; }, "reach", "give metres"));
+}
+
+}  // namespace
+}  // namespace tenon
