@@ -88,7 +88,7 @@ std::string HashOf(const fs::path& directory) {
 /// What a table was made from, as text: rows of other inputs must not be mixed into it.
 std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
   std::string text = fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
-  for (const char* kind : {"robots", "hardware", "gaits", "profiles"})
+  for (const char* kind : {"robots", "hardware/legged", "hardware/cdpr", "gaits", "profiles"})
     text += fmt::format("{} that ship: {}\n", kind, HashOf(DataDirectory() / kind));
   return text;
 }

@@ -17,19 +17,18 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   const int num_cables = loop.plant.params.robot.num_cables();
   const OutputPort<CableVector>& controller = loop.mpc != nullptr ? loop.mpc->command : loop.pd->command;
   const Rate rate = loop.mpc != nullptr ? loop.mpc->params.command_rate : loop.pd->params.rate;
-  FaultPoint<CableVector> command(controller, {&loop.plant.command}, rate, "N",
-                                  CableVector::Zero(num_cables));
+  FaultPoint<CableVector> command(controller, {loop.drive}, rate, "N", CableVector::Zero(num_cables));
   FaultPoint<CableSignals> lengths(kOnlyPd);
   FaultPoint<CdprReference> reference(kOnlyPd);
   FaultPoint<PoseMeasurement> pose(kOnlyMpc);
   FaultPoint<ImuMeasurement> imu(kOnlyMpc);
   FaultPoint<PlatformEstimate> estimate(kOnlyMpc);
   if (loop.mpc != nullptr) {
-    pose = {loop.pose_sensor.pose, {&loop.estimator->pose}, loop.pose_sensor.params.rate};
-    imu = {loop.imu.measurement, {&loop.estimator->inertial}, loop.imu.params.rate};
+    pose = {*loop.told_pose, {&loop.estimator->pose}, loop.pose_sensor.params.rate};
+    imu = {*loop.told_inertial, {&loop.estimator->inertial}, loop.imu.params.rate};
     estimate = {loop.estimator->estimate, {&loop.mpc->estimate}, loop.estimator->params.rate};
   } else {
-    lengths = {loop.plant.cables, {&loop.pd->cables}, rate, "", CableSignals::Zero(num_cables)};
+    lengths = {*loop.told_cables, {&loop.pd->cables}, rate, "", CableSignals::Zero(num_cables)};
     reference = {
         loop.reference.reference, {&loop.pd->reference}, rate, "", loop.reference.params.path->At(0)};
   }

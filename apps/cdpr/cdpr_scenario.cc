@@ -134,6 +134,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.estimator.noise.attitude = std::max(scenario.noise.attitude_rad, 1e-4);
   params.estimator.noise.angular_velocity = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
   params.estimator.noise.specific_force = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
+  Blame("hardware", [&] { SetHardware(LoadCdprHardware(scenario.hardware), params); });
   params.forbid_slack = scenario.forbid_slack;
   params.max_tension_ratio = scenario.max_tension_ratio;
   return params;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <tenon/apps/cdpr/cdpr_faults.h>
+#include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
@@ -151,6 +152,9 @@ struct CdprScenario {
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
   NoiseScenario noise;
+  /// Winches, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
+  /// differs.
+  YamlText hardware{"ideal"};
   std::vector<CdprFault> faults;
   IntegratorScenario integrator;
   double log_rate_hz = 200;
@@ -173,6 +177,7 @@ struct CdprScenario {
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
             {"noise", &CdprScenario::noise},
+            {"hardware", &CdprScenario::hardware},
             {"faults", &CdprScenario::faults},
             {"integrator", &CdprScenario::integrator},
             {"log_rate_hz", &CdprScenario::log_rate_hz},

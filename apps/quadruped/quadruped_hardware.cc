@@ -74,11 +74,6 @@ FieldList DriveScenario::Fields() {
           {"limit_speed", &S::limit_speed}};
 }
 
-FieldList LinkScenario::Fields() {
-  using S = LinkScenario;
-  return {{"delay_s", &S::delay_s}, {"jitter_s", &S::jitter_s}};
-}
-
 FieldList HardwareScenario::Fields() {
   using S = HardwareScenario;
   return {
@@ -260,15 +255,8 @@ void DriveScenario::Validate() const {
   if (bandwidth_hz) DemandBetween("bandwidth_hz", *bandwidth_hz, 0.1, 1e6);
 }
 
-void LinkScenario::Validate() const {
-  DemandBetween("delay_s", delay_s, 0, 1);
-  Demand(jitter_s >= 0 && jitter_s <= delay_s,
-         fmt::format("jitter_s = {} must be from 0 to delay_s = {}: no command arrives before it is sent",
-                     jitter_s, delay_s));
-}
-
 HardwareScenario LoadHardware(const YamlText& what) {
-  return LoadResource("hardware", what).Read<HardwareScenario>();
+  return LoadResource("hardware/legged", what).Read<HardwareScenario>();
 }
 
 HardwareScenario WithSensors(HardwareScenario hardware, const SensorScenario& sensors) {

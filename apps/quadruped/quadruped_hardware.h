@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <tenon/apps/common/link_scenario.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/framework/fields.h>
@@ -12,8 +13,8 @@
 namespace tenon::apps {
 
 /// @file
-/// What scenarios say of a quadruped's hardware, in files such as plants/hardware/standard.yaml and, of the
-/// sensors, in themselves. What is not given is that of ideal hardware. Noise is white, its standard
+/// What scenarios say of a quadruped's hardware, in files such as plants/hardware/legged/standard.yaml and,
+/// of the sensors, in themselves. What is not given is that of ideal hardware. Noise is white, its standard
 /// deviation given; every sensor draws from a stream of its own, which follows from the run's seed and the
 /// sensor's name.
 
@@ -98,15 +99,6 @@ struct DriveScenario {
   double ripple_ratio = 0;
   std::optional<double> bandwidth_hz;  ///< of the torque; without: at once
   bool limit_speed = false;            ///< the torque falls with speed
-
-  static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
-};
-
-/// From the controller to the drives: computing and field bus.
-struct LinkScenario {
-  double delay_s = 0;
-  double jitter_s = 0;  ///< delays lie evenly within delay ± jitter
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError

@@ -1,5 +1,9 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 
+#include <tenon/plants/model/euler.h>
+#include <tenon/plants/model/quaternion.h>
+#include <tenon/systems/primitives/sample_delay.h>
+
 namespace tenon {
 namespace {
 
@@ -11,6 +15,19 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
   params.euler = start.euler + loop.start_turn;
   params.initial_tension = start.tension;
   return params;
+}
+
+CableSignals CablesAtRest(const CdprPlantParams& start) {
+  CableSignals cables = CableSignals::Zero(start.robot.num_cables());
+  const Eigen::Matrix3d R_WB = RotationFromEuler(start.euler);
+  for (int i = 0; i < start.robot.num_cables(); ++i) {
+    const CableDescription& cable = start.robot.cables[static_cast<std::size_t>(i)];
+    cables.length[i] = (cable.anchor_W - start.p_WB - R_WB * cable.attachment_B).norm();
+    cables.tension[i] = start.initial_tension[i];
+    cables.rest_length[i] =
+        cables.length[i] / (1 + start.initial_tension[i] / start.robot.cable.axial_stiffness);
+  }
+  return cables;
 }
 
 CablePdParams PdOf(const CdprLoopParams& params) {
@@ -31,20 +48,21 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
                                                                 .forbid_slack = params.forbid_slack,
                                                                 .max_tension_ratio = params.max_tension_ratio,
                                                                 .rate = params.control_rate});
+  AddHardware(params);
 
   if (params.mpc) {
     estimator = &Add<CdprEstimator>("estimator", params.estimator);
     mpc = &Add<CdprMpc>("mpc", *params.mpc);
-    Connect(pose_sensor.pose, estimator->pose);
-    Connect(imu.measurement, estimator->inertial);
+    Connect(*told_pose, estimator->pose);
+    Connect(*told_inertial, estimator->inertial);
     Connect(estimator->estimate, mpc->estimate);
-    Connect(mpc->command, plant.command);
+    Connect(mpc->command, *drive);
     Connect(mpc->command, command);
   } else {
     pd = &Add<CablePd>("pd", PdOf(params));
     Connect(reference.reference, pd->reference);
-    Connect(plant.cables, pd->cables);
-    Connect(pd->command, plant.command);
+    Connect(*told_cables, pd->cables);
+    Connect(pd->command, *drive);
     Connect(pd->command, command);
   }
   Connect(payload.payload, plant.payload);
@@ -57,8 +75,58 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
 
   Connect(plant.platform, platform);
   Connect(plant.cables, cables);
-  Connect(pose_sensor.pose, pose);
-  Connect(imu.measurement, inertial);
+  Connect(*told_pose, pose);
+  Connect(*told_inertial, inertial);
+}
+
+void CdprLoop::AddHardware(const CdprLoopParams& params) {
+  const CdprHardwareParams& hardware = params.hardware;
+  const CdprPlantParams start = AtRest(params);
+  drive = &plant.command;
+  if (hardware.winch_errors) {
+    auto& errors = Add<WinchErrors>("winch_errors", *hardware.winch_errors);
+    Connect(plant.cables, errors.cables);
+    Connect(errors.tension, *drive);
+    drive = &errors.command;
+  }
+  if (hardware.command_delay) {
+    JitteredDelayParams<CableVector> delay_params = *hardware.command_delay;
+    delay_params.initial = start.initial_tension;
+    auto& delay = Add<JitteredDelay<CableVector>>("command_delay", delay_params);
+    Connect(delay.y, *drive);
+    drive = &delay.u;
+  }
+
+  told_cables = &plant.cables;
+  if (hardware.cable_sensors) {
+    auto& sensors = Add<CableSensors>("cable_sensors", *hardware.cable_sensors);
+    Connect(plant.cables, sensors.cables);
+    told_cables = &sensors.measured;
+    told_cables =
+        Late("cables", told_cables, CablesAtRest(start), hardware.cable_sensors->rate, hardware.cable_delay);
+  }
+  const Eigen::Matrix3d R_WB = RotationFromEuler(start.euler);
+  told_pose = Late("pose", static_cast<const OutputPort<PoseMeasurement>*>(&pose_sensor.pose),
+                   {start.p_WB, QuaternionFromRotation(R_WB)}, params.pose_sensor.rate, hardware.pose_delay);
+  told_inertial = &imu.measurement;
+  if (hardware.imu_errors) {
+    auto& errors = Add<ImuErrors>("imu_errors", *hardware.imu_errors);
+    Connect(*told_inertial, errors.measurement);
+    told_inertial = &errors.measured;
+  }
+  told_inertial =
+      Late("inertial", told_inertial, {Vec<3>::Zero(), R_WB.transpose() * Vec<3>(0, 0, start.gravity)},
+           params.imu.rate, hardware.imu_delay);
+}
+
+template <class T>
+const OutputPort<T>* CdprLoop::Late(const std::string& name, const OutputPort<T>* from, const T& initial,
+                                    Rate rate, int samples) {
+  if (samples == 0) return from;
+  auto& delay = Add<SampleDelay<T>>(
+      name + "_delay", SampleDelayParams<T>{.samples = samples, .initial = initial, .rate = rate});
+  Connect(*from, delay.u);
+  return &delay.y;
 }
 
 }  // namespace tenon

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <tenon/controllers/cdpr/cable_pd.h>
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
@@ -11,11 +12,27 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/cdpr/payload_schedule.h>
+#include <tenon/plants/cdpr/winch_errors.h>
+#include <tenon/plants/sensors/cable_sensors.h>
 #include <tenon/plants/sensors/imu.h>
+#include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/primitives/jittered_delay.h>
 
 namespace tenon {
+
+/// What lies between a controller and an ideal plant with ideal sensors; what is not given is not there.
+struct CdprHardwareParams {
+  std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< computing and field bus
+  std::optional<WinchErrorsParams> winch_errors;
+  std::optional<CableSensorsParams> cable_sensors;
+  std::optional<ImuErrorsParams> imu_errors;
+  // How many samples old the sensors' values are when they arrive.
+  int cable_delay = 0;
+  int pose_delay = 0;
+  int imu_delay = 0;
+};
 
 struct CdprLoopParams {
   CdprDescription robot;  ///< the plant's; the controller believes what `path` was made for
@@ -31,6 +48,7 @@ struct CdprLoopParams {
   PayloadScheduleParams payload;
   PoseSensorParams pose_sensor;
   ImuParams imu;
+  CdprHardwareParams hardware;
   bool forbid_slack = true;        ///< end the run when a cable goes slack,
   double max_tension_ratio = 1.1;  ///< or is pulled harder than this times the winches' maximum
 };
@@ -47,7 +65,9 @@ struct CdprLoopParams {
 ///      ▲                                                 │
 ///      └─────────────────────────────────────────────────┘ pose and velocity
 ///
-/// Its outputs are those of the blocks; the blocks themselves are public, for logs and for taking it apart.
+/// With hardware, what it says lies between: command_delay and winch_errors before the plant, cable_sensors,
+/// imu_errors and delays behind it. Its outputs are those of the blocks; the blocks themselves are public,
+/// for logs and for taking it apart.
 class CdprLoop final : public Subdiagram {
  public:
   explicit CdprLoop(const CdprLoopParams& params);
@@ -61,11 +81,23 @@ class CdprLoop final : public Subdiagram {
   PoseSensor& pose_sensor;
   Imu& imu;
 
+  // Where the controller ends and begins: what takes its command, and what it is told.
+  InputPort<CableVector>* drive = nullptr;
+  const OutputPort<CableSignals>* told_cables = nullptr;
+  const OutputPort<PoseMeasurement>* told_pose = nullptr;
+  const OutputPort<ImuMeasurement>* told_inertial = nullptr;
+
   OutputPort<CableVector> command{this, {"command", "N"}};  ///< of the controller
   OutputPort<PlatformState> platform{this, {"platform"}};
-  OutputPort<CableSignals> cables{this, {"cables"}};
-  OutputPort<PoseMeasurement> pose{this, {"pose"}};
-  OutputPort<ImuMeasurement> inertial{this, {"inertial"}};
+  OutputPort<CableSignals> cables{this, {"cables"}};        ///< the true ones
+  OutputPort<PoseMeasurement> pose{this, {"pose"}};         ///< as the controller is told
+  OutputPort<ImuMeasurement> inertial{this, {"inertial"}};  ///< likewise
+
+ private:
+  void AddHardware(const CdprLoopParams& params);
+  template <class T>
+  const OutputPort<T>* Late(const std::string& name, const OutputPort<T>* from, const T& initial, Rate rate,
+                            int samples);
 };
 
 }  // namespace tenon

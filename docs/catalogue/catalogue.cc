@@ -228,6 +228,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<FootForceSensor>("FootForceSensor"));
   entries.push_back({"TrunkImu", "BasicImu", std::make_unique<TrunkImu>()});
   entries.push_back(Make<ImuErrors>("ImuErrors"));
+  entries.push_back(Make<CableSensors>("CableSensors"));
   return shelf;
 }
 
@@ -246,6 +247,7 @@ Shelf CdprPlants(const Shipped& shipped) {
   entries.push_back(Make<CdprPlant>(
       "CdprPlant",
       CdprPlantParams{.robot = robot, .initial_tension = CableVector::Zero(robot.num_cables())}));
+  entries.push_back(Make<WinchErrors>("WinchErrors"));
   entries.push_back(Make<CableFault>("CableFault", CableFaultParams{.num_cables = robot.num_cables()}));
   entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
   entries.push_back(Make<CdprMonitor>("CdprMonitor", CdprMonitorParams{.robot = robot}));

@@ -7,12 +7,22 @@ namespace tenon {
 void PoseSensorParams::Validate() const {
   CheckDeviation("position_noise", position_noise);
   CheckDeviation("attitude_noise", attitude_noise);
+  CheckDeviation("position_offset", Vec<3>::Constant(position_offset));
+  CheckDeviation("attitude_offset", Vec<3>::Constant(attitude_offset));
+}
+
+PoseSensor::Offset PoseSensor::Draw(RandomStream& calibration) const {
+  Offset offset;
+  offset.position = NormalVector(calibration, Vec<3>::Constant(params.position_offset));
+  offset.turn = NormalVector(calibration, Vec<3>::Constant(params.attitude_offset));
+  return offset;
 }
 
 PoseMeasurement PoseSensor::CalcPose(const PlatformState& platform, const Vec<3>& position_noise,
-                                     const Vec<3>& attitude_noise, RandomStream& noise) const {
-  const Vec<3> p_WB = platform.p_WB + NormalVector(noise, position_noise);
-  const Vec<3> turn = NormalVector(noise, attitude_noise);
+                                     const Vec<3>& attitude_noise, const Offset& offset,
+                                     RandomStream& noise) const {
+  const Vec<3> p_WB = platform.p_WB + offset.position + NormalVector(noise, position_noise);
+  const Vec<3> turn = offset.turn + NormalVector(noise, attitude_noise);
   return {p_WB, QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(turn))};
 }
 

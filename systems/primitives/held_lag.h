@@ -52,8 +52,8 @@ struct HeldLagPart {
 /// not positive and finite.
 template <class T = double>
 class HeldLag final : public LeafSystem<HeldLagParams<T>> {
-  static_assert(internal::DoubleOrMatrix<T> || std::same_as<T, Eigen::VectorXd>,
-                "HeldLag: T is double, a Vec<N> or Eigen::VectorXd.");
+  static_assert(internal::DoubleOrMatrix<T> || internal::VectorOfRunTimeSize<T>,
+                "HeldLag: T is double, a Vec<N> or a vector of run-time size.");
 
  public:
   using LeafSystem<HeldLagParams<T>>::LeafSystem;

@@ -61,8 +61,8 @@ struct MessageLine {
 /// are on their way and allocates nothing. Throws ParameterError unless 0 <= jitter <= delay, finite.
 template <class T = double>
 class JitteredDelay final : public LeafSystem<JitteredDelayParams<T>> {
-  static_assert(internal::DoubleOrMatrix<T> || std::same_as<T, Eigen::VectorXd>,
-                "JitteredDelay: T is double, a Vec<N> or Eigen::VectorXd.");
+  static_assert(internal::DoubleOrMatrix<T> || internal::VectorOfRunTimeSize<T>,
+                "JitteredDelay: T is double, a Vec<N> or a vector of run-time size.");
 
  public:
   using LeafSystem<JitteredDelayParams<T>>::LeafSystem;

@@ -13,6 +13,12 @@ template <class T>
 concept DoubleOrMatrix = std::same_as<T, double> ||
     (InlineMatrix<T>&& std::same_as<typename T::Scalar, double>);
 
+/// A vector of doubles whose size is known at run time, with whatever alignment.
+template <class T>
+concept VectorOfRunTimeSize = std::derived_from<T, Eigen::PlainObjectBase<T>> &&
+                                  T::RowsAtCompileTime == Eigen::Dynamic&& T::ColsAtCompileTime == 1 &&
+                              std::same_as<typename T::Scalar, double>;
+
 /// What noise is put on: those, and structs that describe themselves.
 template <class T>
 concept DoublesInside = DoubleOrMatrix<T> || HasFields<T>;

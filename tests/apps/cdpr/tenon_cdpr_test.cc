@@ -111,6 +111,35 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
   fs::remove(robot);
 }
 
+// Every controller with every piece of hardware: what lies between costs some millimetres and no flight.
+TEST_F(TenonCdprTest, FliesWithTheHardwareOfARobot) {
+  for (const char* controller : {"mpc_equilibrium", "pd"}) {
+    const std::string run = std::string("D1 --duration 0.5 --controller ") + controller;
+    const Result ideal = RunApp(run + Out());
+    const std::vector<double> as_told = test::Column(out, "loop.command.0 [N]");
+    const Result result = RunApp(run + " --set hardware=standard" + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_NE(test::Column(out, "loop.command.0 [N]"), as_told);
+    EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("hardware: standard"));
+  }
+  const auto refuses = [&](const std::string& set, const char* place, const char* what) {
+    const Result result = RunApp("D1 --set '" + set + "'" + Out());
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.text, AllOf(HasSubstr(place), HasSubstr(what)));
+  };
+  refuses("hardware=perfect", "hardware", "there is no 'perfect'");
+  refuses("hardware={file: standard, link: {delay_s: 0.001, jitter_s: 0.002}}", "hardware",
+          "jitter_s = 0.002");
+  refuses("hardware={file: standard, winches: {gain_deviation: 2}}", "hardware", "gain_deviation");
+  refuses("hardware={file: standard, winches: {friction_speed_m_per_s: 0}}", "hardware",
+          "friction_speed_m_per_s");
+  refuses("hardware={file: standard, sensors: {cables: {latency_samples: -1}}}", "hardware",
+          "latency_samples");
+  refuses("hardware={file: standard, sensors: {pose: {offset_m: -1}}}", "hardware", "offset_m");
+  refuses("hardware={file: standard, sensors: {imu: {misalignment_rad: -1}}}", "hardware",
+          "misalignment_rad");
+}
+
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
   const Result result =
       RunApp("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1" +

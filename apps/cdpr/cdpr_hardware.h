@@ -1,0 +1,87 @@
+#pragma once
+
+#include <string>
+
+#include <tenon/apps/common/link_scenario.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::apps {
+
+/// @file
+/// What scenarios say of a cable robot's hardware, in files such as plants/hardware/cdpr/standard.yaml. What
+/// is not given is that of ideal hardware. The noise of pose and inertial unit is the scenario's `noise`.
+
+/// Of all winches, see WinchErrors.
+struct WinchScenario {
+  double gain_deviation = 0;
+  double ripple_ratio = 0;
+  double friction_ratio = 0;  ///< dry friction over tension
+  double friction_speed_m_per_s = 0.005;
+
+  static FieldList Fields();
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Encoders on the drums and load cells, see CableSensors.
+struct CableSensorScenario {
+  double rate_hz = 1000;
+  int latency_samples = 0;
+  double resolution_m = 0;
+  double offset_m = 0;           ///< standard deviation, by cable
+  double rate_bandwidth_hz = 0;  ///< 0: rates are measured
+  double tension_noise_ratio = 0;
+  double tension_offset_N = 0;  ///< standard deviation, by load cell
+
+  static FieldList Fields();
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What a calibration leaves, see PoseSensor.
+struct PoseHardwareScenario {
+  int latency_samples = 0;
+  double offset_m = 0;    ///< standard deviation along each axis
+  double offset_rad = 0;  ///< standard deviation about each axis
+
+  static FieldList Fields();
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Standard deviations of what one unit has and the next has not, see ImuErrors.
+struct ImuHardwareScenario {
+  int latency_samples = 0;
+  double angular_velocity_bias_deviation_rad_per_s = 0;
+  double acceleration_bias_deviation_m_per_s2 = 0;
+  double angular_velocity_walk_rad_per_s_per_sqrt_s = 0;
+  double acceleration_walk_m_per_s2_per_sqrt_s = 0;
+  double misalignment_rad = 0;
+
+  static FieldList Fields();
+  void Validate() const;  ///< throws ParameterError
+};
+
+struct CdprSensorsScenario {
+  CableSensorScenario cables;
+  PoseHardwareScenario pose;
+  ImuHardwareScenario imu;
+
+  static FieldList Fields();
+};
+
+struct CdprHardwareScenario {
+  std::string description;
+  WinchScenario winches;
+  LinkScenario link;
+  CdprSensorsScenario sensors;
+
+  static FieldList Fields();
+};
+
+/// Reads the hardware that ships under a name, or a file, or one with what differs (LoadResource). Throws
+/// ParameterError.
+CdprHardwareScenario LoadCdprHardware(const YamlText& what);
+/// Puts it into a loop whose robot, rates and sensors' noise are set.
+void SetHardware(const CdprHardwareScenario& hardware, CdprLoopParams& loop);
+
+}  // namespace tenon::apps

@@ -1,0 +1,34 @@
+#include <tenon/plants/cdpr/winch_errors.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace tenon {
+
+void WinchErrorsParams::Validate() const {
+  Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
+  const auto check_ratio = [](const char* name, double ratio) {
+    Demand(ratio >= 0 && ratio < 1, fmt::format("{} = {} must be from 0 to below 1", name, ratio));
+  };
+  check_ratio("gain_deviation", gain_deviation);
+  check_ratio("ripple", ripple);
+  check_ratio("friction", friction);
+  Demand(std::isfinite(friction_speed) && friction_speed > 0,
+         fmt::format("friction_speed = {} m/s must be positive", friction_speed));
+}
+
+void WinchErrors::Draw(RandomStream& random, CableVector* gain) const {
+  gain->resize(params.num_cables);
+  for (double& each : *gain) each = params.gain_deviation * random.Normal();
+}
+
+void WinchErrors::CalcTension(const CableVector& command, const CableSignals& cables, const CableVector& gain,
+                              RandomStream& random, CableVector* tension) const {
+  for (Eigen::Index i = 0; i < tension->size(); ++i) {
+    const double rubs = 1 + params.friction * std::tanh(cables.length_rate[i] / params.friction_speed);
+    (*tension)[i] = (1 + gain[i]) * (1 + params.ripple * random.Normal()) * rubs * command[i];
+  }
+}
+
+}  // namespace tenon
