@@ -5,10 +5,15 @@
 namespace tenon::apps {
 namespace {
 
+constexpr const char* kOnlyMeasured =
+    "it is there for the controllers pd… and for mpc_equilibrium if it is offset-free; choose command, "
+    "winch, "
+    "cable, pose, imu or estimate";
 constexpr const char* kOnlyPd =
-    "it is there for controller pd; choose command, winch, cable, pose, imu or estimate";
-constexpr const char* kOnlyMpc =
-    "it is there for the controllers mpc_…; choose command, winch, cable, lengths or reference";
+    "it is there for the controllers pd…; choose command, winch, cable, pose, imu or estimate";
+constexpr const char* kOnlyEstimated =
+    "it is there for the controllers mpc_… and pd_offset_free; choose command, winch, cable, lengths or "
+    "reference";
 
 }  // namespace
 
@@ -18,19 +23,32 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   const OutputPort<CableVector>& controller = loop.mpc != nullptr ? loop.mpc->command : loop.pd->command;
   const Rate rate = loop.mpc != nullptr ? loop.mpc->params.command_rate : loop.pd->params.rate;
   FaultPoint<CableVector> command(controller, {loop.drive}, rate, "N", CableVector::Zero(num_cables));
-  FaultPoint<CableSignals> lengths(kOnlyPd);
+  FaultPoint<CableSignals> lengths(kOnlyMeasured);
   FaultPoint<CdprReference> reference(kOnlyPd);
-  FaultPoint<PoseMeasurement> pose(kOnlyMpc);
-  FaultPoint<ImuMeasurement> imu(kOnlyMpc);
-  FaultPoint<PlatformEstimate> estimate(kOnlyMpc);
-  if (loop.mpc != nullptr) {
+  FaultPoint<PoseMeasurement> pose(kOnlyEstimated);
+  FaultPoint<ImuMeasurement> imu(kOnlyEstimated);
+  FaultPoint<PlatformEstimate> estimate(kOnlyEstimated);
+  std::vector<InputPort<CableSignals>*> length_readers;
+  if (loop.pd != nullptr) length_readers.push_back(&loop.pd->cables);
+  if (loop.load != nullptr) length_readers.push_back(&loop.load->cables);
+  if (!length_readers.empty())
+    lengths = {*loop.told_cables, length_readers, rate, "", CableSignals::Zero(num_cables)};
+  if (loop.pd != nullptr) {
+    InputPort<CdprReference>& reader =
+        loop.balancer != nullptr ? loop.balancer->reference : loop.pd->reference;
+    reference = {loop.reference.reference, {&reader}, rate, "", loop.reference.params.path->At(0)};
+  }
+  if (loop.estimator != nullptr) {
+    std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.estimator->inertial};
+    std::vector<InputPort<PlatformEstimate>*> estimate_readers;
+    if (loop.mpc != nullptr) estimate_readers.push_back(&loop.mpc->estimate);
+    if (loop.load != nullptr) {
+      imu_readers.push_back(&loop.load->inertial);
+      estimate_readers.push_back(&loop.load->estimate);
+    }
     pose = {*loop.told_pose, {&loop.estimator->pose}, loop.pose_sensor.params.rate};
-    imu = {*loop.told_inertial, {&loop.estimator->inertial}, loop.imu.params.rate};
-    estimate = {loop.estimator->estimate, {&loop.mpc->estimate}, loop.estimator->params.rate};
-  } else {
-    lengths = {*loop.told_cables, {&loop.pd->cables}, rate, "", CableSignals::Zero(num_cables)};
-    reference = {
-        loop.reference.reference, {&loop.pd->reference}, rate, "", loop.reference.params.path->At(0)};
+    imu = {*loop.told_inertial, imu_readers, loop.imu.params.rate};
+    estimate = {loop.estimator->estimate, estimate_readers, loop.estimator->params.rate};
   }
 
   FaultInserter inserter(builder);

@@ -1,5 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <tenon/apps/common/columns.h>
@@ -8,6 +9,7 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kSettled = 0.02;  // m, the thesis's threshold
+constexpr double kTaken = 3;       // s, after which a load counts as taken up
 
 double Distance(std::span<const double> row, const std::vector<std::size_t>& a,
                 const std::vector<std::size_t>& b) {
@@ -35,7 +37,16 @@ void CdprFigures::Row(std::span<const double> row) {
   for (const std::size_t column : tensions_) tension_.Add(row[column]);
   for (const std::size_t column : commands_) command_.Add(row[column]);
   oscillation_.Add(Distance(row, euler_, ref_euler_));
-  error_.Add(Distance(row, position_, ref_position_));
+  const double error = Distance(row, position_, ref_position_);
+  error_.Add(error);
+  if (row[0] >= loaded_from_ + kTaken && row[0] < settle_from_) {
+    loaded_error_.Add(error);
+    ++loaded_rows_;
+    for (std::size_t i = 0; i < 3; ++i) {
+      loaded_sum_[i] += row[euler_[i]];
+      loaded_squares_[i] += row[euler_[i]] * row[euler_[i]];
+    }
+  }
   acceleration_.Add(std::hypot(row[a_W_[0]], row[a_W_[1]], row[a_W_[2]]));
 
   const double dt = row[0] - last_time_;
@@ -52,6 +63,15 @@ void CdprFigures::Row(std::span<const double> row) {
                       std::abs(row[position_[1]] - row[ref_position_[1]]) <= kSettled;
   if (inside && !settled_) settled_since_ = row[0];
   settled_ = inside;
+}
+
+std::optional<double> CdprFigures::loaded_swing() const {
+  if (loaded_rows_ == 0) return std::nullopt;
+  const auto count = static_cast<double>(loaded_rows_);
+  double variance = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    variance += std::max(0.0, loaded_squares_[i] / count - std::pow(loaded_sum_[i] / count, 2));
+  return std::sqrt(variance);
 }
 
 std::optional<double> CdprFigures::settling_time() const {

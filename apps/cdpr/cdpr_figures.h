@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,8 +17,9 @@ class CdprFigures final : public LogSink {
   /// What has to be logged for it; the loop is called `loop` in its diagram.
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
-  /// `settle_from` [s]: the settling time counts from here.
-  explicit CdprFigures(double settle_from) : settle_from_(settle_from) {}
+  /// A load hangs from `loaded_from` to `settle_from` [s], from when the settling time counts.
+  CdprFigures(double loaded_from, double settle_from)
+      : loaded_from_(loaded_from), settle_from_(settle_from) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -27,16 +29,22 @@ class CdprFigures final : public LogSink {
   const Tally& oscillation() const { return oscillation_; }  ///< attitude minus that of the equilibrium [rad]
   const Tally& acceleration() const { return acceleration_; }  ///< [m/s^2]
   const Tally& tracking_error() const { return error_; }       ///< [m]
+  /// From 3 s after the load is hung on until it is released [m].
+  const Tally& loaded_error() const { return loaded_error_; }
+  /// Over the same time, of roll, pitch and yaw about their means [rad]; empty if there was no such time.
+  std::optional<double> loaded_swing() const;
   /// Since `settle_from`, until x and y stay within 0.02 m of the reference [s]; empty if they never do.
   std::optional<double> settling_time() const;
 
  private:
-  double settle_from_;
+  double loaded_from_, settle_from_;
   std::vector<std::size_t> position_, euler_, a_W_, tensions_, commands_, ref_position_, ref_euler_;
 
   double last_time_ = 0;
   std::vector<double> last_tension_;
-  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_;
+  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_, loaded_error_;
+  long loaded_rows_ = 0;
+  std::array<double, 3> loaded_sum_{}, loaded_squares_{};
   double settled_since_ = 0;
   bool settled_ = false;
 };

@@ -26,7 +26,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
-  const auto figures = std::make_shared<CdprFigures>(scenario.payload.release_s);
+  const auto figures = std::make_shared<CdprFigures>(scenario.payload.attach_s, scenario.payload.release_s);
   const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
   if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
@@ -43,6 +43,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
     summary.Set("euler_oscillation_rms_rad", figures->oscillation().rms());
     summary.Set("acceleration_rms_m_per_s2", figures->acceleration().rms());
     summary.Set("tracking_error_rms_m", figures->tracking_error().rms());
+    summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
+    summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
     summary.Set("settling_time_s", figures->settling_time());
     if (loop.mpc != nullptr) {
       summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));

@@ -73,7 +73,7 @@ void IntegratorScenario::Validate() const {
 void CdprScenario::Validate() const {
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(
-      controller == CdprController::kPd || mpc.has_value(),
+      !IsMpc(controller) || mpc.has_value(),
       fmt::format("controller is '{}' but there is no section mpc: give its weights", EnumName(controller)));
   Demand(!mpc || mpc->mass_error > -1, "mpc.mass_error must be above -1: the model would have no mass");
   DemandRate("log_rate_hz", log_rate_hz);
@@ -112,8 +112,16 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
     return std::make_shared<EquilibriumPath>(believed, scenario.path.Make(),
                                              StaticsOptions{.attitude = scenario.path.attitude_rad});
   });
-  if (scenario.controller != CdprController::kPd)
+  if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] { return MakeMpcParams(scenario, params.path); });
+  params.feedforward = scenario.controller == CdprController::kPdFeedforward;
+  params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
+                       (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc->offset_free);
+  params.load = {.robot = params.robot,
+                 .rate = Hz(scenario.noise.pose_rate_hz),
+                 .bandwidth = scenario.load.bandwidth_rad_per_s.value_or(params.mpc ? 20 : 3),
+                 .mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(params.mpc ? 100 : 3)};
+  if (params.offset_free) Blame("load", [&] { params.load.Validate(); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);

@@ -66,6 +66,7 @@ struct MpcScenario {
   StepMethod method = StepMethod::kRungeKutta4;
   double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
   int max_fallbacks_in_a_row = 50;
+  bool offset_free = true;  ///< of mpc_equilibrium: the load is estimated, and in model and reference
 
   static FieldList Fields() {
     return {{"horizon_s", &MpcScenario::horizon_s},
@@ -75,7 +76,8 @@ struct MpcScenario {
             Required("weights", &MpcScenario::weights),
             {"method", &MpcScenario::method},
             {"mass_error", &MpcScenario::mass_error},
-            {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row}};
+            {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row},
+            {"offset_free", &MpcScenario::offset_free}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -130,10 +132,34 @@ struct IntegratorScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-enum class CdprController { kPd, kMpcEquilibrium, kMpcZero };
+/// How the load on the platform is estimated, for controllers that are offset-free; see LoadEstimator.
+/// Without values the MPC has 20 and 100 rad/s, the PD 3 and 3: what it is told sooner slackens cables when
+/// D2's load is released, from 5 rad/s on.
+struct LoadEstimateScenario {
+  std::optional<double> bandwidth_rad_per_s;
+  std::optional<double> mass_bandwidth_rad_per_s;
+
+  static FieldList Fields() {
+    return {{"bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s},
+            {"mass_bandwidth_rad_per_s", &LoadEstimateScenario::mass_bandwidth_rad_per_s}};
+  }
+};
+
+enum class CdprController {
+  kMpcEquilibrium,  ///< offset-free, unless mpc.offset_free says no
+  kMpcZero,         ///< Morlando 2023: tensions as small as may be; knows of no load
+  kPd,              ///< of the cables' lengths, to those of the static equilibrium
+  kPdFeedforward,   ///< and of what accelerates the platform
+  kPdOffsetFree,    ///< and of the load that is estimated
+};
 constexpr auto EnumNames(CdprController) {
   return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
-                    Named{CdprController::kMpcZero, "mpc_zero"}, Named{CdprController::kPd, "pd"}};
+                    Named{CdprController::kMpcZero, "mpc_zero"}, Named{CdprController::kPd, "pd"},
+                    Named{CdprController::kPdFeedforward, "pd_feedforward"},
+                    Named{CdprController::kPdOffsetFree, "pd_offset_free"}};
+}
+constexpr bool IsMpc(CdprController controller) {
+  return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero;
 }
 
 /// A run of tenon-cdpr, as its YAML file says it.
@@ -147,7 +173,8 @@ struct CdprScenario {
   CdprController controller = CdprController::kPd;
   PathScenario path;
   PdScenario pd;
-  std::optional<MpcScenario> mpc;           ///< needed for the controllers mpc_...
+  std::optional<MpcScenario> mpc;  ///< needed for the controllers mpc_...
+  LoadEstimateScenario load;
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
@@ -173,6 +200,7 @@ struct CdprScenario {
             Required("path", &CdprScenario::path),
             Required("pd", &CdprScenario::pd),
             {"mpc", &CdprScenario::mpc},
+            {"load", &CdprScenario::load},
             {"start_offset_m", &CdprScenario::start_offset_m},
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},

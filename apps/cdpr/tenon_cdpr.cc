@@ -48,8 +48,9 @@ int main(int argc, char** argv) {
   tenon::apps::AddCommonArguments(app, arguments);
   std::string controller;
   bool compare = false;
-  app.add_option("--controller", controller,
-                 "mpc_equilibrium, mpc_zero or pd (the scenario's, unless given)");
+  app.add_option(
+      "--controller", controller,
+      "mpc_equilibrium, mpc_zero, pd, pd_feedforward or pd_offset_free (the scenario's, unless given)");
   app.add_flag("--compare", compare,
                "one run per controller, each in a directory of its own below --out, and one report of all")
       ->excludes("--controller");

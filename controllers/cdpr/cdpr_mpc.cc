@@ -24,11 +24,12 @@ void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x,
   tension->noalias() += nodes[i].K * error;
 }
 
-void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
-                       CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const {
+void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
+                       const CdprMpcCost& cost, CdprPlan& warm_start, CdprMpcSolver& solver,
+                       CdprPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
-  const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform);
-  const SlqReport report = solver.Solve(time, x, cost, warm_start);
+  const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform, load.payload);
+  const SlqReport report = solver.Solve(time, x, load, cost, warm_start);
   CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
   ++diagnostics.solves;
   if (report.ok()) {
@@ -46,9 +47,10 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
 void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
                           CdprReference& reference, CableVector* command) const {
   const CdprDescription& robot = params.path->robot();
-  plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform), command);
+  plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform, plan.payload), command);
   params.path->At(time, &reference);
   *command -= robot.winch.reel_damping * reference.length_rate;
+  *command += robot.winch.time_constant * plan.reference_rate;
   *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
 }
 

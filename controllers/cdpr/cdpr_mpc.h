@@ -14,15 +14,20 @@ namespace tenon {
 ///
 /// What goes to the winches is the policy with its feedback, at the winches' rate:
 ///
-///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt)
+///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt + T du_des/dt)
 ///
-/// The last term is the tension that the reel damping b of the winches adds when the cables run as the
-/// reference says; the bounds hold for the command.
+/// The last terms are the tension that the reel damping b of the winches adds when the cables run as the
+/// reference says, and what the lag T of their motors takes from its changes; the bounds hold for the
+/// command.
 ///
 /// If a solve fails (no descent, or not finite) the last policy goes on and is counted; after
 /// `max_fallbacks_in_a_row` the run ends.
 ///
-///     port in   estimate  the platform's state
+/// With a load that is estimated (LoadEstimator), which is in the model and in what is followed, a constant
+/// one leaves no error.
+///
+///     ports in  estimate  the platform's state
+///               load      on the platform; none if not connected
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
 ///               diagnostics
@@ -32,6 +37,7 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
+  InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
   Parameter<CdprMpcWeights> weights{this, {"weights"}, params.weights, "of the squared errors, per second"};
   Parameter<CdprMpcWeights> terminal_weights{
       this,
@@ -47,7 +53,7 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                             {"plan"},
                             CdprMpcSolver::FirstPlan(params),
                             Sampled{params.rate},
-                            Uses(time, estimate, cost, warm_start, solver),
+                            Uses(time, estimate, load, cost, warm_start, solver),
                             &CdprMpc::CalcPlan};
   Workspace<CdprReference> reference{this, "reference", params.path->At(0)};
   OutputPort<CableVector> command{this,
@@ -64,8 +70,8 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   CdprMpcCost CalcCost(const CdprMpcWeights& weights, const CdprMpcWeights& terminal_weights) const {
     return CdprMpcSolver::Cost(params, weights, terminal_weights);
   }
-  void CalcPlan(const double& time, const PlatformEstimate& estimate, const CdprMpcCost& cost,
-                CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
+  void CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
+                const CdprMpcCost& cost, CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
   void CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
                    CdprReference& reference, CableVector* command) const;
   CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }

@@ -1,13 +1,14 @@
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 
 #include <fmt/core.h>
+#include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
+#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/optimization/riccati.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/system.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,6 @@
 
 namespace tenon {
 namespace {
-
-constexpr double kTurnScale = 1e-3;  // a turn of so many rad counts as much as 1 N in the reference
 
 CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
   CentroidalState Q;
@@ -30,35 +29,44 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
 /// The reference of the solver at a time, with what it is made from.
 struct Reference {
   CentroidalState x = CentroidalState::Zero();
-  CableVector u;  ///< [N]
   CdprReference at;
-  CableKinematics cables;
+  BalancedReference balanced;
+
+  explicit Reference(const CdprDescription& robot) : balanced(robot) {}
 };
 
-void CalcReference(const EquilibriumPath& path, double time, Reference* reference) {
+void CalcReference(const EquilibriumPath& path, double time, const LoadEstimate& load, ReferenceShift& shift,
+                   Reference* reference) {
   const CdprDescription& robot = path.robot();
   CdprReference& at = reference->at;
-  CableKinematics& cables = reference->cables;
   path.At(time, &at);
-  const Eigen::Matrix3d R_WB = RotationFromEuler(at.euler), E = EulerRateMatrix(at.euler);
-  CalcCableKinematics(robot, at.position, R_WB, &cables);
+  reference->balanced.Calc(at, load, shift);
+  const Eigen::Matrix3d& R_WB = reference->balanced.R_WB();
+  const Eigen::Vector3d w = EulerRateMatrix(at.euler) * at.euler_rate;
+  const LoadedPlatform body(robot, load.payload);
+  reference->x << at.velocity, R_WB * body.inertia * R_WB.transpose() * w / body.mass, at.position,
+      reference->balanced.euler();
+  if (load.payload.mass != 0) {
+    const Eigen::Vector3d arm_W = R_WB * body.com_B;
+    reference->x.head<3>() += w.cross(arm_W);
+    reference->x.segment<3>(6) += arm_W;
+  }
+}
 
-  const Eigen::Matrix<double, 6, 3> by_turn =
-      kTurnScale * CalcWrenchJacobian(cables, at.tension).rightCols<3>();
-  Vector6d inertial = Vector6d::Zero();
-  inertial.head<3>() = robot.mass * at.acceleration;
-  Matrix6d gram;
-  gram.noalias() = by_turn * by_turn.transpose();
-  for (int i = 0; i < robot.num_cables(); ++i)
-    gram.noalias() += cables.structure.col(i) * cables.structure.col(i).transpose();
-  const Vector6d multiplier = gram.ldlt().solve(inertial);
-  const Eigen::Vector3d turn = kTurnScale * (by_turn.transpose() * multiplier);
-
-  const Eigen::Vector3d w = E * at.euler_rate;
-  reference->x << at.velocity, R_WB * robot.inertia_B * R_WB.transpose() * w / robot.mass, at.position,
-      at.euler + E.inverse() * turn;
-  reference->u = at.tension;
-  reference->u.noalias() += cables.structure.transpose() * multiplier;
+/// d(state without payload)/d(state with it), both of one motion near rest, at an attitude.
+Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, const Payload& payload,
+                                               const Eigen::Vector3d& euler) {
+  const LoadedPlatform body(robot, payload);
+  const Eigen::Matrix3d R_WB = RotationFromEuler(euler);
+  const Eigen::Vector3d c = R_WB * body.com_B;
+  Eigen::Matrix3d cross;
+  cross << 0, -c[2], c[1], c[2], 0, -c[0], -c[1], c[0], 0;
+  const Eigen::Matrix3d rate = R_WB * (body.mass * body.inertia.inverse()) * R_WB.transpose();  // w = rate L
+  Eigen::Matrix<double, 12, 12> T = Eigen::Matrix<double, 12, 12>::Identity();
+  T.block<3, 3>(0, 3) = cross * rate;  // v = v' - w x c
+  T.block<3, 3>(3, 3) = R_WB * robot.inertia_B * R_WB.transpose() / robot.mass * rate;
+  T.block<3, 3>(6, 9) = cross * EulerRateMatrix(euler);  // p = p' - c
+  return T;
 }
 
 template <class From, class To>
@@ -155,9 +163,10 @@ std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
 
 CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
-  Reference start;
-  CalcReference(*params.path, 0, &start);
+  Reference start(params.path->robot());
   CdprPlan plan;
+  CalcReference(*params.path, 0, {}, plan.shift, &start);
+  plan.reference_rate.setZero(n);
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
   int periods = 0;
@@ -166,7 +175,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
     node.time = periods * params.rate.period();
     if (k < params.num_steps) periods += steps[k];
     node.x = start.x;
-    node.u = start.u;
+    node.u = start.balanced.tension();
     node.K.setZero(n, 12);
   }
   return plan;
@@ -194,24 +203,30 @@ class CdprMpcSolver::Impl {
       : path_(params.path),
         equilibrium_input_(params.equilibrium_input),
         period_(params.rate.period()),
-        steps_(Steps(params)) {
-    CalcReference(*path_, 0, &reference_);
-    const Target target{reference_.x, reference_.u, reference_.u, reference_.u};
+        steps_(Steps(params)),
+        reference_(params.path->robot()) {
+    ReferenceShift none;
+    CalcReference(*path_, 0, {}, none, &reference_);
+    const CableVector& u = reference_.balanced.tension();
+    const Target target{reference_.x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
     cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)), {-1, target});
   }
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
 
-  SlqReport Solve(double time, CentroidalState x, const CdprMpcCost& cost, CdprPlan& plan) {
-    SetTargets(time);
+  SlqReport Solve(double time, CentroidalState x, const LoadEstimate& load, const CdprMpcCost& cost,
+                  CdprPlan& plan) {
+    SetTargets(time, load, plan.shift);
     // The angles next to those of the reference.
     for (int i = 9; i < 12; ++i) {
       constexpr double kTurn = 2 * std::numbers::pi;
       x[i] -= kTurn * std::round((x[i] - targets_[0].x[i]) / kTurn);
     }
-    const SlqReport report = Improve(time - plan.start, x, targets_, cost, plan);
+    const SlqReport report = Improve(time - plan.start, x, load, targets_, cost, plan);
     plan.start = time;
+    plan.payload = load.payload;
+    plan.reference_rate = (targets_[1].u - targets_[0].u) / (steps_[0] * period_);
     return report;
   }
 
@@ -223,30 +238,44 @@ class CdprMpcSolver::Impl {
   };
 
   /// `plan`, seen `elapsed` [s] later, becomes the one for a start at x.
-  virtual SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
-                            const CdprMpcCost& cost, CdprPlan& plan) = 0;
+  virtual SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
+                            const std::vector<Target>& targets, const CdprMpcCost& cost, CdprPlan& plan) = 0;
 
  private:
-  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again.
-  void SetTargets(double time) {
+  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again,
+  // unless there is a load, which changes. What it shifts at one node is where the next begins; the first
+  // one's is kept for the next call.
+  void SetTargets(double time, const LoadEstimate& load, ReferenceShift& shift) {
+    if (load.any()) return SetLoadedTargets(time, load, shift);
     const long now = std::lround(time / period_);
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
       if (cached.time != time + index * period_) {
         cached.time = time + index * period_;
-        CalcReference(*path_, cached.time, &reference_);
+        CalcReference(*path_, cached.time, load, shift, &reference_);
         SetTarget(reference_, cached.target);
       }
       targets_[k] = cached.target;
       if (k < steps_.size()) index += steps_[k];
     }
   }
+  void SetLoadedTargets(double time, const LoadEstimate& load, ReferenceShift& shift) {
+    constexpr int kSteps = 3;  // of Newton's method at the first node
+    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(*path_, time, load, shift, &reference_);
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      CalcReference(*path_, time, load, shift, &reference_);
+      SetTarget(reference_, targets_[k]);
+      if (k == 0) first_shift_ = shift;
+      if (k < steps_.size()) time += steps_[k] * period_;
+    }
+    shift = first_shift_;
+  }
   void SetTarget(const Reference& reference, Target& target) const {
     const CdprDescription& robot = path_->robot();
     const CableProperties& cable = robot.cable;
     target.x = reference.x;
-    target.u = reference.u;
+    target.u = reference.balanced.tension();
     for (int i = 0; i < robot.num_cables(); ++i) {
       const double reel = robot.winch.reel_damping * reference.at.length_rate[i];
       target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
@@ -265,7 +294,9 @@ class CdprMpcSolver::Impl {
     Target target;
   };
   std::vector<Cached> cache_;
-  Reference reference_;  // work space
+  // Work space.
+  Reference reference_;
+  ReferenceShift first_shift_;
 };
 
 namespace {
@@ -284,12 +315,13 @@ class SolverFor final : public CdprMpcSolver::Impl {
 
   explicit SolverFor(const CdprMpcParams& params)
       : Impl(params),
+        robot_(params.path->robot()),
         slq_(Problem(params.path->robot(), params.num_steps), StepsInSeconds(params), params.slq) {}
   std::unique_ptr<Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
 
  private:
-  SlqReport Improve(double elapsed, const CentroidalState& x, const std::vector<Target>& targets,
-                    const CdprMpcCost& cost, CdprPlan& plan) override {
+  SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
+                    const std::vector<Target>& targets, const CdprMpcCost& cost, CdprPlan& plan) override {
     auto& policy = slq_.policy();
     for (std::size_t k = 0; k < policy.size(); ++k) {
       policy[k].x = plan.nodes[k].x;
@@ -298,9 +330,14 @@ class SolverFor final : public CdprMpcSolver::Impl {
     }
     if (elapsed > 0) slq_.Shift(elapsed);
     Problem& problem = slq_.problem();
+    problem.load << load.rest.force_W, load.rest.torque_W;
+    problem.SetPayload(robot_, load.payload);
     problem.Q = cost.Q;
     problem.R.setConstant(cost.R);
     problem.Q_f = cost.Q_f;
+    problem.coupled = false;
+    if (load.payload.mass != 0)
+      problem.SetErrors(ErrorsOfPlatform(robot_, load.payload, targets.front().x.tail<3>()));
     for (std::size_t k = 0; k < targets.size(); ++k) {
       auto& target = problem.targets[k];
       target.x = targets[k].x;
@@ -317,6 +354,7 @@ class SolverFor final : public CdprMpcSolver::Impl {
     return report;
   }
 
+  CdprDescription robot_;
   Slq<Problem> slq_;
 };
 
@@ -336,9 +374,9 @@ CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
 }
 CdprMpcSolver::~CdprMpcSolver() = default;
 
-SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, const CdprMpcCost& cost,
-                               CdprPlan& plan) {
-  return impl_->Solve(time, x, cost, plan);
+SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, const LoadEstimate& load,
+                               const CdprMpcCost& cost, CdprPlan& plan) {
+  return impl_->Solve(time, x, load, cost, plan);
 }
 
 }  // namespace tenon

@@ -61,13 +61,9 @@ struct CdprMpcParams {
 /// What one solve of CdprMpc is: reference, warm start, Slq. Holds work space only.
 ///
 /// The reference at a node is the quasi-static one of the path, with what it takes to accelerate the platform
-/// to first order: the smallest changes of attitude dtheta and tensions du with
-///
-///     W du + d(W u)/dtheta dtheta = [m a ; 0],
-///
-/// a the acceleration of the path (for u_des = 0 the attitude alone). Bounds of node k leave room for the
-/// reel damping b of the winches: tensions at the platform within [t_min, t_max] and [t_min, t_max] + b
-/// dl/dt.
+/// and to carry its load, see BalancedReference (for u_des = 0 the attitude alone). Bounds of node k leave
+/// room for the reel damping b of the winches: tensions at the platform within [t_min, t_max] and
+/// [t_min, t_max] + b dl/dt.
 class CdprMpcSolver {
  public:
   explicit CdprMpcSolver(const CdprMpcParams& params);
@@ -85,8 +81,10 @@ class CdprMpcSolver {
   static CdprMpcCost Cost(const CdprMpcParams& params, const CdprMpcWeights& weights,
                           const CdprMpcWeights& terminal_weights);
 
-  /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`.
-  SlqReport Solve(double time, const CentroidalState& x, const CdprMpcCost& cost, CdprPlan& plan);
+  /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`, x with its payload (see
+  /// CentroidalStateOf), on which the rest of the load stays as it is.
+  SlqReport Solve(double time, const CentroidalState& x, const LoadEstimate& load, const CdprMpcCost& cost,
+                  CdprPlan& plan);
 
   class Impl;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
 #include <vector>
@@ -38,11 +39,17 @@ struct CdprPlan {
 
   double start = 0;  ///< time of the first node [s]
   std::vector<Node> nodes;
+  Payload payload;             ///< that it was made for: states are about the common CoM
+  ReferenceShift shift;        ///< by the load, at the start
+  CableVector reference_rate;  ///< of u_des at the start [N/s]
   CdprMpcDiagnostics diagnostics;
 
   static FieldList Fields() {
     return {{"start", &CdprPlan::start, "s"},
             {"nodes", &CdprPlan::nodes},
+            {"payload", &CdprPlan::payload},
+            {"shift", &CdprPlan::shift},
+            {"reference_rate", &CdprPlan::reference_rate, "N/s"},
             {"diagnostics", &CdprPlan::diagnostics}};
   }
 

@@ -12,6 +12,8 @@ namespace tenon {
 ///     phi = 1/2 (x - x_des,N)^T Q_f (x - x_des,N)
 ///     lower_k <= u <= upper_k
 ///
+/// With a payload, whose CoM the state is about, Q is a full matrix: see SetErrors.
+///
 /// n is the number of cables, or Eigen::Dynamic.
 template <int n>
 class CdprTrackingProblem : public KinoCentroidalModel<n> {
@@ -29,7 +31,9 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
   };
 
   State Q = State::Zero();  ///< diagonal, per second
-  Input R;                  ///< diagonal, per second
+  bool coupled = false;     ///< Q_coupled counts in its place
+  StateMatrix Q_coupled = StateMatrix::Zero();
+  Input R;  ///< diagonal, per second
   StateMatrix Q_f = StateMatrix::Zero();
   std::vector<Target> targets;  ///< N + 1; of the last one x alone counts
 
@@ -38,17 +42,31 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
         R(Input::Zero(robot.num_cables())),
         targets(num_steps + 1, Target(robot.num_cables())) {}
 
+  /// The errors that Q and Q_f weigh are T (x - x_des): T makes those of the platform of those of the state.
+  void SetErrors(const StateMatrix& T) {
+    coupled = true;
+    Q_coupled = T.transpose() * Q.asDiagonal() * T;
+    Q_f = (T.transpose() * Q_f * T).eval();
+  }
+
   double StageCost(int k, const State& x, const Input& u) const {
     const Target& target = targets[k];
-    return ((x - target.x).cwiseAbs2().dot(Q) + (u - target.u).cwiseAbs2().dot(R)) / 2;
+    const State error = x - target.x;
+    const double of_state = coupled ? error.dot(Q_coupled * error) : error.cwiseAbs2().dot(Q);
+    return (of_state + (u - target.u).cwiseAbs2().dot(R)) / 2;
   }
   [[gnu::always_inline]] void AddStageCost(int k, const State& x, const Input& u, double h, State& gx,
                                            Input& gu, StateMatrix& Hxx,
                                            Eigen::Matrix<double, n, n>& Huu) const {
     const Target& target = targets[k];
-    for (int i = 0; i < 12; ++i) {
-      gx[i] += h * (Q[i] * (x[i] - target.x[i]));
-      Hxx(i, i) += h * Q[i];
+    if (coupled) {
+      gx.noalias() += h * (Q_coupled * (x - target.x));
+      Hxx += h * Q_coupled;
+    } else {
+      for (int i = 0; i < 12; ++i) {
+        gx[i] += h * (Q[i] * (x[i] - target.x[i]));
+        Hxx(i, i) += h * Q[i];
+      }
     }
     for (Eigen::Index i = 0; i < R.size(); ++i) {
       gu[i] += h * (R[i] * (u[i] - target.u[i]));

@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
 #include <fmt/core.h>
+#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
 
@@ -32,11 +33,18 @@ int BlockSize(int cables, int first) {
 
 }  // namespace
 
-CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform) {
+CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform,
+                                  const Payload& payload) {
   const Eigen::Matrix3d R_WB = platform.R_WB();
+  const LoadedPlatform body(robot, payload);
   CentroidalState x;
-  x << platform.v_W, R_WB * robot.inertia_B * R_WB.transpose() * platform.w_W / robot.mass, platform.p_WB,
+  x << platform.v_W, R_WB * body.inertia * R_WB.transpose() * platform.w_W / body.mass, platform.p_WB,
       EulerFromRotation(R_WB);
+  if (payload.mass != 0) {
+    const Eigen::Vector3d arm_W = R_WB * body.com_B;
+    x.head<3>() += Eigen::Vector3d(platform.w_W).cross(arm_W);
+    x.segment<3>(6) += arm_W;
+  }
   return x;
 }
 
@@ -78,9 +86,18 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
 }
 
 template <int n>
+void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Payload& payload) {
+  const LoadedPlatform body(robot, payload);
+  mass_inverse_ = 1 / body.mass;
+  inertia_inverse_ = body.mass * body.inertia.inverse();
+  for (int i = 0; i < robot.num_cables(); ++i)
+    attachment_B_.col(i) = robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B;
+}
+
+template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
   const Attitude attitude(x.template tail<3>());
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force;
+  Eigen::Vector3d force = load.head<3>(), torque = load.tail<3>();
   int first = 0;
   do {
     const int size = BlockSize<n>(num_inputs(), first);
@@ -157,7 +174,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
                                                            Linearization& f) const {
   const Attitude attitude(x.template tail<3>());
   const double cp = attitude.cp, sp = attitude.sp, cy = attitude.cy, sy = attitude.sy;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = force, lever = force;
+  Eigen::Vector3d force = load.head<3>(), torque = load.tail<3>(), lever = Eigen::Vector3d::Zero();
   Eigen::Matrix3d force_by_p = Eigen::Matrix3d::Zero(), force_by_turn = force_by_p,
                   torque_by_turn = force_by_p;
   double stiffness = 0, trace = 0;

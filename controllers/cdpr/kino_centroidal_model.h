@@ -12,19 +12,21 @@ namespace tenon {
 /// the mass [m^2/s], position of the CoM [m], ZYX Euler angles [rad], all in W.
 using CentroidalState = Eigen::Matrix<double, 12, 1>;
 
-/// The state (3.5) of a platform.
-CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform);
+/// The state (3.5) of a platform and its payload, about their common CoM.
+CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform,
+                                  const Payload& payload = {});
 
 /// The kino-centroidal model of a cable robot with n massless cables, whose input are the tensions u >= 0
 /// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) as it must read in Euler angles):
 ///
-///     dv/dt     = (1/m) sum_i u_i lambda_i + g,            g = (0, 0, -9.81)
-///     dL/dt     = (1/m) sum_i R r_i x u_i lambda_i
+///     dv/dt     = (1/m) (sum_i u_i lambda_i + f) + g,      g = (0, 0, -9.81)
+///     dL/dt     = (1/m) (sum_i R r_i x u_i lambda_i + tau)
 ///     dp/dt     = v
 ///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
 ///
-/// lambda_i is the direction from attachment p + R r_i to anchor. Exact for a rigid platform. Singular at
-/// pitch = +-pi/2 and where a cable has no length: the result is not finite there.
+/// f and tau are a constant load. lambda_i is the direction from attachment p + R r_i to anchor. Exact for a
+/// rigid platform. Singular at pitch = +-pi/2 and where a cable has no length: the result is not finite
+/// there.
 ///
 /// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number.
 template <int n>
@@ -60,6 +62,10 @@ class KinoCentroidalModel {
       }
     }
   };
+
+  Eigen::Matrix<double, 6, 1> load = Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W [N, N m]
+  /// From now on the platform and what it carries, see LoadedPlatform.
+  void SetPayload(const CdprDescription& robot, const Payload& payload);
 
   /// @throws ParameterError if the robot has not n cables, n not Eigen::Dynamic.
   explicit KinoCentroidalModel(const CdprDescription& robot);

@@ -50,17 +50,37 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
                                                                 .rate = params.control_rate});
   AddHardware(params);
 
-  if (params.mpc) {
+  if (params.mpc || params.offset_free) {
     estimator = &Add<CdprEstimator>("estimator", params.estimator);
-    mpc = &Add<CdprMpc>("mpc", *params.mpc);
     Connect(*told_pose, estimator->pose);
     Connect(*told_inertial, estimator->inertial);
+  }
+  if (params.offset_free) {
+    LoadEstimatorParams load_params = params.load;
+    load_params.robot = params.path->robot();
+    load_params.rate = params.estimator.rate;
+    load = &Add<LoadEstimator>("load", load_params);
+    Connect(estimator->estimate, load->estimate);
+    Connect(*told_inertial, load->inertial);
+    Connect(*told_cables, load->cables);
+  }
+  if (params.mpc) {
+    mpc = &Add<CdprMpc>("mpc", *params.mpc);
     Connect(estimator->estimate, mpc->estimate);
+    if (load != nullptr) Connect(load->load, mpc->load);
     Connect(mpc->command, *drive);
     Connect(mpc->command, command);
   } else {
     pd = &Add<CablePd>("pd", PdOf(params));
-    Connect(reference.reference, pd->reference);
+    if (params.feedforward || params.offset_free) {
+      balancer = &Add<ReferenceBalancer>("balancer",
+                                         ReferenceBalancerParams{params.path->robot(), params.control_rate});
+      Connect(reference.reference, balancer->reference);
+      if (load != nullptr) Connect(load->load, balancer->load);
+      Connect(balancer->balanced, pd->reference);
+    } else {
+      Connect(reference.reference, pd->reference);
+    }
     Connect(*told_cables, pd->cables);
     Connect(pd->command, *drive);
     Connect(pd->command, command);

@@ -8,6 +8,8 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/controllers/cdpr/reference_balancer.h>
 #include <tenon/controllers/cdpr/reference_generator.h>
 #include <tenon/plants/cdpr/cdpr_monitor.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
@@ -42,6 +44,9 @@ struct CdprLoopParams {
   double pd_stiffness_N_per_m = 0;
   double pd_damping_N_s_per_m = 0;
   std::optional<CdprMpcParams> mpc;  ///< if given, it drives the robot, from `estimator`, in place of the PD
+  bool feedforward = false;          ///< the PD knows what accelerates the platform,
+  bool offset_free = false;  ///< and PD or MPC know the load as LoadEstimator sees it; implies feedforward
+  LoadEstimatorParams load;  ///< of the robot that `path` was made for, at the estimator's rate
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
@@ -65,6 +70,10 @@ struct CdprLoopParams {
 ///      ▲                                                 │
 ///      └─────────────────────────────────────────────────┘ pose and velocity
 ///
+/// The PD may follow what ReferenceBalancer makes of the reference, with feedforward; and either may be told
+/// the load on the platform by LoadEstimator, which sees it by estimator, inertial unit and the cables'
+/// tensions, so that a constant one leaves no error.
+///
 /// With hardware, what it says lies between: command_delay and winch_errors before the plant, cable_sensors,
 /// imu_errors and delays behind it. Its outputs are those of the blocks; the blocks themselves are public,
 /// for logs and for taking it apart.
@@ -74,8 +83,10 @@ class CdprLoop final : public Subdiagram {
 
   ReferenceGenerator& reference;
   CablePd* pd = nullptr;               ///< this one,
-  CdprEstimator* estimator = nullptr;  ///< or these two
-  CdprMpc* mpc = nullptr;
+  CdprMpc* mpc = nullptr;              ///< or this one,
+  CdprEstimator* estimator = nullptr;  ///< which needs this, as what is offset-free does
+  LoadEstimator* load = nullptr;
+  ReferenceBalancer* balancer = nullptr;
   PayloadSchedule& payload;
   CdprPlant& plant;
   PoseSensor& pose_sensor;

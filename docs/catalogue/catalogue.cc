@@ -297,6 +297,9 @@ Shelf CdprControllers(const Shipped& shipped) {
                                                            .stiffness_N_per_m = loop.pd_stiffness_N_per_m,
                                                            .damping_N_s_per_m = loop.pd_damping_N_s_per_m}));
   entries.push_back(Make<CdprEstimator>("CdprEstimator"));
+  entries.push_back(Make<LoadEstimator>("LoadEstimator", LoadEstimatorParams{.robot = loop.robot}));
+  entries.push_back(
+      Make<ReferenceBalancer>("ReferenceBalancer", ReferenceBalancerParams{.robot = loop.robot}));
   entries.push_back(WithNote(Make<CdprMpc>("CdprMpc", *shipped.cdpr_mpc.mpc),
                              "Ends the run when more solves in a row fail than `max_fallbacks_in_a_row`."));
   return shelf;

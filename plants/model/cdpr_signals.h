@@ -56,6 +56,16 @@ struct Payload {
   static FieldList Fields() { return {{"mass", &Payload::mass, "kg"}, {"p_B", &Payload::p_B, "m"}}; }
 };
 
+/// What a platform carries, as an estimator sees it: a point mass, and what else acts on it.
+struct LoadEstimate {
+  Payload payload;
+  PlatformWrench rest;
+
+  /// Whether there is one.
+  bool any() const { return payload.mass != 0 || !rest.force_W.isZero(0) || !rest.torque_W.isZero(0); }
+  static FieldList Fields() { return {{"payload", &LoadEstimate::payload}, {"rest", &LoadEstimate::rest}}; }
+};
+
 /// The cables, one entry each.
 struct CableSignals {
   CableVector length;       ///< from attachment to anchor [m]
@@ -126,3 +136,4 @@ TENON_DECLARE_SIGNAL(tenon::CableFaults);
 TENON_DECLARE_SIGNAL(tenon::CdprEnergy);
 TENON_DECLARE_SIGNAL(tenon::PoseMeasurement);
 TENON_DECLARE_SIGNAL(tenon::Payload);
+TENON_DECLARE_SIGNAL(tenon::LoadEstimate);

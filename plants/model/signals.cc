@@ -18,6 +18,7 @@ TENON_DEFINE_SIGNAL(tenon::CableFaults);
 TENON_DEFINE_SIGNAL(tenon::CdprEnergy);
 TENON_DEFINE_SIGNAL(tenon::PoseMeasurement);
 TENON_DEFINE_SIGNAL(tenon::Payload);
+TENON_DEFINE_SIGNAL(tenon::LoadEstimate);
 TENON_DEFINE_SIGNAL(tenon::WrenchEstimate);
 TENON_DEFINE_SIGNAL(tenon::LegForceEstimate);
 TENON_DEFINE_SIGNAL(tenon::ContactSchedule);

@@ -86,20 +86,21 @@ TEST_F(CasesTest, JudgesEverySeedOfTheCableRobot) {
          {std::pair{"mpc_equilibrium", ours}, {"mpc_zero", 9.0}, {"pd", pd}})
       rows.push_back(std::to_string(rows.size()) + "," + std::to_string(seed) + ",D2," + controller +
                      ",true,false,0.002,7,0.005,0.2," + std::to_string(10 * seed) + ",90,5,99," +
-                     std::to_string(settling));
+                     std::to_string(settling) + ",0.008,0.02");
   };
   fly(1, 1, 3);
   fly(2, 2, 3);
   Pretend("cases_cdpr",
           "run,seed,name,controller,finished,fell,tracking_error_rms_m,tension_rate_rms_N_per_s,"
           "euler_oscillation_rms_rad,acceleration_rms_m_per_s2,tension_min_N,tension_max_N,command_min_N,"
-          "command_max_N,settling_time_s",
+          "command_max_N,settling_time_s,loaded_error_rms_m,loaded_swing_rms_rad",
           rows);
   ASSERT_EQ(RunCases("--report-only"), 0) << text;
   EXPECT_THAT(Page(),
               AllOf(HasSubstr("| D2 | mpc_equilibrium | 2 of 2 | 2.0 / 2.0 | 7.0 / 7.0 | 5.0 / 5.0 | 0.200 / "
-                              "0.200 | 10 to 90 | 5 to 99 | 1.50 / 2.00 |"),
-                    HasSubstr("goal MPC ≤ 3 s: met; goal PD / MPC ≥ 2: **missed** (least ratio 1.5)")));
+                              "0.200 | 10 to 90 | 5 to 99 | 8.0 / 8.0 | 20.0 / 20.0 | 1.50 / 2.00 |"),
+                    HasSubstr("goal MPC ≤ 3 s: met; goal PD / MPC ≥ 2: **missed** (least ratio 1.5)"),
+                    HasSubstr("within 10 mm rms: met (8.0 mm at most); settling ≤ 2 s: met")));
 }
 
 TEST_F(CasesTest, ShowsLimitsAndSurvival) {

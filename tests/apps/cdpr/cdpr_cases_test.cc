@@ -10,7 +10,7 @@ namespace {
 
 class CdprCasesTest : public test::CaseTest {
  protected:
-  /// The three controllers' flights, which must reach their ends.
+  /// The controllers' flights, which must reach their ends.
   std::map<std::string, test::Case> Compare(const std::string& scenario, int seed) const {
     const test::Result result =
         test::RunCommand(std::string(TENON_CDPR) + " " + scenario +
@@ -51,6 +51,10 @@ TEST_F(CdprCasesTest, MissedThatThePdChangesTensionsFastestInD1) {
   EXPECT_GT(runs["mpc_zero"]["tension_rate_rms_N_per_s"], runs["pd"]["tension_rate_rms_N_per_s"]);
 }
 
+TEST_F(CdprCasesTest, MissedThatTheMpcTracksD1To1500Micrometres) {
+  EXPECT_GT(Compare("D1", 1)["mpc_equilibrium"]["tracking_error_rms_m"], 0.0015);
+}
+
 TEST_F(CdprCasesTest, D2) {
   for (const int seed : {1, 2}) {
     auto runs = Compare("D2", seed);
@@ -58,6 +62,16 @@ TEST_F(CdprCasesTest, D2) {
     EXPECT_GT(ours, 0.1) << "the release was felt";
     EXPECT_LE(ours, 3);
     EXPECT_GE(runs["pd"]["settling_time_s"], 2 * ours);
+
+    const test::Case &mpc = runs["mpc_equilibrium"], &pd = runs["pd_feedforward"];
+    EXPECT_LE(ours, 2);
+    EXPECT_LE(mpc["loaded_error_rms_m"], 0.01);
+    for (const char* key : {"loaded_error_rms_m", "loaded_swing_rms_rad"})
+      EXPECT_GE(pd[key], 1.5 * mpc[key]) << key;
+    for (const auto& [controller, run] : runs) {
+      EXPECT_GE(run["command_min_N"], 0) << controller;
+      EXPECT_LE(run["command_max_N"], 800) << controller;
+    }
   }
 }
 

@@ -140,7 +140,7 @@ TEST(CdprMpc, ReferenceAccelerates) {
   CentroidalState x = plan.nodes[0].x;
   for (int tick = 0; tick < 500; ++tick) {
     const double time = 0.01 * tick;
-    ASSERT_TRUE(solver.Solve(time, x, cost, plan).ok()) << time;
+    ASSERT_TRUE(solver.Solve(time, x, {}, cost, plan).ok()) << time;
     const Eigen::Vector3d p = x.segment<3>(6), from_center = p - Eigen::Vector3d(0, 0, 2);
     const CableKinematics cables = CalcCableKinematics(robot, p, RotationFromEuler(x.tail<3>()));
     const Vector6d wrench = cables.structure * plan.nodes[0].u + GravityWrench(robot);

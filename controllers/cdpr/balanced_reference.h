@@ -1,0 +1,53 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/plants/model/cdpr_signals.h>
+
+#include <vector>
+
+namespace tenon {
+
+/// By how much attitude and tensions differ from those of a static equilibrium without load.
+struct ReferenceShift {
+  Vec<3> turn_W = Vec<3>::Zero();  ///< R -> exp([turn]x) R [rad]
+  CableVector tension;             ///< [N]; without entries none
+
+  static FieldList Fields() {
+    return {{"turn_W", &ReferenceShift::turn_W, "rad"}, {"tension", &ReferenceShift::tension, "N"}};
+  }
+};
+
+/// The attitude and the tensions with which a platform carries a load at the reference's place and
+/// accelerates as the reference does: those next to the static equilibrium of the reference with
+///
+///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0,
+///
+/// a the reference's acceleration, m_L a point mass at r, f and tau what else acts about the CoM. Next means:
+/// of least |du|^2 + |turn / 1 mrad|^2 [N^2] with tensions within the robot's bounds, if enough of them are;
+/// four and five cables leave one or two parameters free, more of them the attitude altogether. Without load
+/// the equation is taken to first order about the equilibrium, with one Newton's method, a step of it a call,
+/// goes on from the shift of the call before: what changes slowly it follows to rounding.
+class BalancedReference {
+ public:
+  explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}
+
+  /// From `at` and the shift found before, which becomes the new one (0 without load). Without allocations
+  /// from the second call on.
+  /// @throws RunError when a cable has no length there.
+  void Calc(const CdprReference& at, const LoadEstimate& load, ReferenceShift& shift);
+
+  const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX [rad], next to the reference's
+  const CableVector& tension() const { return tension_; }  ///< [N]
+  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< of the attitude that was linearised about
+
+ private:
+  CdprDescription robot_;
+  CableKinematics cables_;
+  Eigen::Matrix3d R_WB_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d euler_ = Eigen::Vector3d::Zero();
+  CableVector tension_;
+  std::vector<char> held_;  // at the lower bound -1, at the upper one 1
+};
+
+}  // namespace tenon

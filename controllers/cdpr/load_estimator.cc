@@ -1,0 +1,102 @@
+#include <tenon/controllers/cdpr/load_estimator.h>
+
+#include <fmt/core.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kArmWalk = 0.05;  // of the payload's place [m/sqrt(s)]
+
+void CheckPositive(const char* name, double value, const char* unit) {
+  Demand(std::isfinite(value) && value > 0, fmt::format("{} = {}{} must be positive", name, value, unit));
+}
+
+}  // namespace
+
+void LoadEstimatorParams::Validate() const {
+  CheckPositive("bandwidth", bandwidth, " rad/s");
+  Demand(bandwidth * rate.period() < 1,
+         fmt::format("bandwidth = {} rad/s is too much at {} Hz: it must be below the rate", bandwidth,
+                     1 / rate.period()));
+  CheckPositive("mass_bandwidth", mass_bandwidth, " rad/s");
+  CheckPositive("least_mass", least_mass, "");
+  CheckPositive("arm_deviation", arm_deviation, " m");
+  CheckPositive("torque_deviation", torque_deviation, " N m");
+}
+
+LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
+                                     const CableSignals& cables, double bandwidth, Memory& memory) const {
+  const CdprDescription& robot = params.robot;
+  const double h = params.rate.period();
+  const Eigen::Matrix3d R_WB = estimate.platform.R_WB();
+  Vector6d pull = Vector6d::Zero();
+  for (int i = 0; i < robot.num_cables(); ++i)
+    pull += cables.tension[i] * CalcCableLine(robot, i, estimate.platform.p_WB, R_WB).wrench;
+  const Eigen::Vector3d w = R_WB * inertial.angular_velocity_B;
+  const Eigen::Vector3d specific_force = R_WB * inertial.specific_force_B;
+  const Eigen::Vector3d momentum = R_WB * (robot.inertia_B * inertial.angular_velocity_B);
+  if (!memory.started) {
+    memory = {};
+    memory.started = true;
+    memory.momentum_W = momentum;
+    memory.specific_force_W = specific_force;
+    memory.angular_velocity_W = w;
+    Eigen::Map<Eigen::Matrix3d>(memory.arm_covariance.data())
+        .diagonal()
+        .setConstant(std::pow(params.arm_deviation, 2));
+  }
+
+  const double keep = std::exp(-bandwidth * h);
+  const auto follow = [keep](const Eigen::Vector3d& now, Vec<3>& filtered) {
+    filtered = now + keep * (filtered - now);
+  };
+  const Eigen::Vector3d torque = bandwidth * (momentum - memory.momentum_W);
+  const Eigen::Vector3d alpha = bandwidth * (w - memory.angular_velocity_W);
+  memory.momentum_W += h * (pull.tail<3>() + torque);
+  follow(robot.mass * specific_force - pull.head<3>(), memory.force_W);
+  follow(specific_force, memory.specific_force_W);
+  follow(w, memory.angular_velocity_W);
+  const Eigen::Vector3d force = memory.force_W;
+
+  CorrectArm(R_WB.transpose() * force, R_WB.transpose() * torque, memory);
+  const Eigen::Vector3d arm_W = R_WB * memory.arm_B, turning = memory.angular_velocity_W;
+  const Eigen::Vector3d y =
+      memory.specific_force_W + alpha.cross(arm_W) + turning.cross(turning.cross(arm_W));
+  constexpr double kLeast = 1;  // of y: in free fall a mass does not show [m/s^2]
+  if (y.norm() > kLeast) {
+    const double mass = -force.dot(y) / y.squaredNorm();
+    memory.mass = mass + std::exp(-params.mass_bandwidth * h) * (memory.mass - mass);
+  }
+
+  LoadEstimate load;
+  if (memory.mass > params.least_mass * robot.mass) load.payload = {memory.mass, memory.arm_B};
+  const Eigen::Vector3d carried = -load.payload.mass * y;
+  load.rest.force_W = force - carried;
+  load.rest.torque_W = torque - arm_W.cross(carried);
+  return load;
+}
+
+void LoadEstimator::CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B,
+                               Memory& memory) const {
+  Eigen::Map<Eigen::Matrix3d> P(memory.arm_covariance.data());
+  P.diagonal().array() += params.rate.period() * kArmWalk * kArmWalk;
+  P.diagonal() = P.diagonal().cwiseMin(std::pow(params.arm_deviation, 2));
+  Eigen::Matrix3d H;  // r x F = H r
+  H << 0, force_B[2], -force_B[1], -force_B[2], 0, force_B[0], force_B[1], -force_B[0], 0;
+  const Eigen::Matrix3d HP = H * P;
+  Eigen::Matrix3d S = HP * H.transpose();
+  S.diagonal().array() += std::pow(params.torque_deviation, 2);
+  const Eigen::Matrix3d gain_transposed = S.llt().solve(HP);
+  const Eigen::Vector3d innovation = torque_B - H * memory.arm_B;
+  memory.arm_B += gain_transposed.transpose() * innovation;
+  const Eigen::Matrix3d reduced = P - HP.transpose() * gain_transposed;
+  P = (reduced + reduced.transpose()) / 2;
+}
+
+}  // namespace tenon

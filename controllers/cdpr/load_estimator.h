@@ -1,0 +1,89 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cdpr_estimator.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/imu_signals.h>
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct LoadEstimatorParams {
+  CdprDescription robot;          ///< what the controller believes
+  Rate rate = Hz(200);            ///< of the estimate and of the inertial unit
+  double bandwidth = 20;          ///< b, of force and torque [rad/s]
+  double mass_bandwidth = 100;    ///< b_m, of the payload's mass [rad/s]
+  double least_mass = 0.05;       ///< over the platform's mass; below, there is no payload
+  double arm_deviation = 0.5;     ///< of the payload's place, before anything is known [m]
+  double torque_deviation = 0.5;  ///< of the torque, as it tells the place [N m]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What acts on the platform besides gravity and its cables, and how much of it is a mass that it carries.
+/// From the inertial unit, the measured tensions u and the estimated pose, with W the structure matrix there,
+/// h the period and LP a low-pass filter of first order with the bandwidth b:
+///
+///     force   F = LP(m R f_B - (W u)_f)                   by Newton, f_B the specific force R^T (a - g)
+///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, the same low-pass
+///     place   r of R r x F = tau, by a Kalman filter: the part along F shows when the platform turns
+///     mass    m_L of F = -m_L y, by a low-pass of bandwidth b_m,
+///             y = LP(R f_B) + alpha x R r + w x (w x R r),   alpha = b (w - LP(w))
+///     rest    F + m_L y and tau + R r x m_L y
+///
+/// A point mass exerts nothing but a force at its place, however it moves, so that with true tensions, masses
+/// and inertias it is found without error, and a constant wrench as well. A mass below the threshold counts
+/// as rest.
+///
+///     ports in   estimate  of the platform, pose alone
+///                inertial  at the CoM
+///                cables    for their tensions
+///     port out   load      payload and rest, sampled
+///     parameter  bandwidth [rad/s]
+class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  struct Memory {
+    bool started = false;
+    Vec<3> force_W = Vec<3>::Zero();             ///< F [N]
+    Vec<3> momentum_W = Vec<3>::Zero();          ///< s [N m s]
+    Vec<3> specific_force_W = Vec<3>::Zero();    ///< LP(R f_B) [m/s^2]
+    Vec<3> angular_velocity_W = Vec<3>::Zero();  ///< LP(w) [rad/s]
+    Vec<3> arm_B = Vec<3>::Zero();               ///< r [m]
+    Vec<9> arm_covariance = Vec<9>::Zero();      ///< [m^2]
+    double mass = 0;                             ///< m_L [kg]
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"force_W", &Memory::force_W, "N"},
+              {"momentum_W", &Memory::momentum_W, "N m s"},
+              {"specific_force_W", &Memory::specific_force_W, "m/s^2"},
+              {"angular_velocity_W", &Memory::angular_velocity_W, "rad/s"},
+              {"arm_B", &Memory::arm_B, "m"},
+              {"arm_covariance", &Memory::arm_covariance, "m^2"},
+              {"mass", &Memory::mass, "kg"}};
+    }
+  };
+
+  InputPort<PlatformEstimate> estimate{this, {"estimate"}};
+  InputPort<ImuMeasurement> inertial{this, {"inertial"}};
+  InputPort<CableSignals> cables{this, {"cables"}};
+  Parameter<double> bandwidth{
+      this, {"bandwidth", "rad/s"}, params.bandwidth, "with which a change of the load is followed"};
+  Scratch<Memory> memory{this, "memory"};
+  OutputPort<LoadEstimate> load{this,
+                                {"load"},
+                                Sampled{params.rate},
+                                Uses(estimate, inertial, cables, bandwidth, memory),
+                                &LoadEstimator::CalcLoad};
+
+ private:
+  LoadEstimate CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
+                        const CableSignals& cables, double bandwidth, Memory& memory) const;
+  void CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B, Memory& memory) const;
+};
+
+}  // namespace tenon

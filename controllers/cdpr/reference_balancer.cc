@@ -1,0 +1,31 @@
+#include <tenon/controllers/cdpr/reference_balancer.h>
+
+#include <tenon/plants/model/euler.h>
+
+namespace tenon {
+
+CdprReference ReferenceBalancer::Empty(int num_cables) {
+  CdprReference reference;
+  reference.length = reference.length_rate = reference.tension = CableVector::Zero(num_cables);
+  return reference;
+}
+
+void ReferenceBalancer::CalcBalanced(const CdprReference& reference, const LoadEstimate& load,
+                                     ReferenceShift& shift, BalancedReference& work,
+                                     CdprReference* balanced) const {
+  work.Calc(reference, load, shift);
+  *balanced = reference;
+  balanced->euler = work.euler();
+  balanced->tension =
+      work.tension().cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
+  const Eigen::Matrix3d R_WB = RotationFromEuler(work.euler());
+  const Eigen::Vector3d w_W = EulerRateMatrix(reference.euler) * reference.euler_rate;
+  for (int i = 0; i < params.robot.num_cables(); ++i) {
+    const CableLine cable = CalcCableLine(params.robot, i, reference.position, R_WB);
+    balanced->length[i] = cable.length;
+    balanced->length_rate[i] =
+        -cable.wrench.head<3>().dot(reference.velocity) - cable.wrench.tail<3>().dot(w_W);
+  }
+}
+
+}  // namespace tenon

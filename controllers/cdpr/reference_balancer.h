@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/balanced_reference.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct ReferenceBalancerParams {
+  CdprDescription robot;  ///< what the controller believes
+  Rate rate = Hz(1000);
+};
+
+/// Feedforward for controllers that follow a CdprReference: gives it the attitude, the tensions and the cable
+/// lengths with which the platform accelerates as it is to, and carries a load that is known or estimated,
+/// see BalancedReference. Position and velocities stay.
+///
+///     ports in   reference
+///                load      on the platform; none if not connected
+///     port out   balanced  sampled
+class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<CdprReference> reference{this, {"reference"}};
+  InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
+  Scratch<ReferenceShift> shift{this, "shift",
+                                ReferenceShift{Vec<3>::Zero(), CableVector::Zero(params.robot.num_cables())}};
+  Workspace<BalancedReference> work{this, "work", BalancedReference(params.robot)};
+  OutputPort<CdprReference> balanced{this,
+                                     {"balanced"},
+                                     Empty(params.robot.num_cables()),
+                                     Sampled{params.rate},
+                                     Uses(reference, load, shift, work),
+                                     &ReferenceBalancer::CalcBalanced};
+
+ private:
+  static CdprReference Empty(int num_cables);
+  void CalcBalanced(const CdprReference& reference, const LoadEstimate& load, ReferenceShift& shift,
+                    BalancedReference& work, CdprReference* balanced) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,145 @@
+#include <tenon/controllers/cdpr/load_estimator.h>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const Vec<3> kGravity(0, 0, -9.81);
+
+/// A platform that turns about a horizontal axis while it moves up and down, with a payload and a force on
+/// it: what its sensors say at a time, by the laws of motion.
+struct Motion {
+  CdprDescription robot = test::EightCableRobot();
+  Payload payload;
+  PlatformWrench gust;
+
+  PlatformEstimate estimate;
+  ImuMeasurement inertial;
+  CableSignals cables;
+
+  void At(double t) {
+    const double swing = 0.3 * std::sin(3 * t), rate = 0.9 * std::cos(3 * t), acceleration = -9 * swing;
+    const Eigen::Vector3d axis = Eigen::Vector3d(1, 0.4, 0).normalized();
+    PlatformState& x = estimate.platform;
+    x.p_WB = {0.1, -0.2, 1.8 + 0.05 * std::sin(2 * t)};
+    x.q_WB = QuaternionFromRotationVector(swing * axis);
+    const Eigen::Matrix3d R = x.R_WB();
+    const Eigen::Vector3d w = rate * axis, alpha = acceleration * axis, a(0, 0, -0.2 * std::sin(2 * t));
+    inertial.angular_velocity_B = R.transpose() * w;
+    inertial.specific_force_B = R.transpose() * (a - kGravity);
+    const Eigen::Vector3d arm = R * payload.p_B;
+    const Eigen::Vector3d of_load =
+        payload.mass * (kGravity - a - alpha.cross(arm) - w.cross(w.cross(arm)));  // on the platform
+    const Eigen::Matrix3d I = R * robot.inertia_B * R.transpose();
+    Vector6d pull;
+    pull << robot.mass * (a - kGravity) - of_load - gust.force_W,
+        I * alpha + w.cross(I * w) - arm.cross(of_load) - gust.torque_W;
+    // Any tensions with this wrench do; those of least norm may be negative, which the estimator cannot know.
+    const CableKinematics lines = CalcCableKinematics(robot, x.p_WB, R);
+    const Matrix6d gram = lines.structure * lines.structure.transpose();
+    cables = CableSignals::Zero(robot.num_cables());
+    cables.tension = lines.structure.transpose() * gram.inverse() * pull;
+  }
+};
+
+LoadEstimate After(Motion& motion, double seconds, LoadEstimatorParams params = {}) {
+  params.robot = motion.robot;
+  TestRig<LoadEstimator> rig(params);
+  LoadEstimate load;
+  for (int k = 0; k * params.rate.period() <= seconds; ++k) {
+    motion.At(k * params.rate.period());
+    rig.Fix(rig->estimate, motion.estimate).Fix(rig->inertial, motion.inertial);
+    rig.Fix(rig->cables, motion.cables).Tick();
+    load = rig[rig->load];
+  }
+  return load;
+}
+
+TEST(LoadEstimatorTest, SeesNothingOnAPlatformWithoutLoad) {
+  Motion motion;
+  const LoadEstimate load = After(motion, 2);
+  EXPECT_EQ(load.payload.mass, 0);
+  EXPECT_THAT(load.rest.force_W, IsNear(Vec<3>::Zero().eval(), 1e-6));
+  EXPECT_THAT(load.rest.torque_W, IsNear(Vec<3>::Zero().eval(), 0.02));  // of Euler's step in the observer
+}
+
+// Its place along the force shows as the platform turns; mass and place are then those of the payload,
+// however the platform moves.
+TEST(LoadEstimatorTest, FindsMassAndPlaceOfAPayload) {
+  Motion motion;
+  motion.payload = {5, {0.1, 0.6, -0.2}};
+  const LoadEstimate load = After(motion, 10);
+  EXPECT_NEAR(load.payload.mass, 5, 0.1);
+  EXPECT_THAT(load.payload.p_B, IsNear(motion.payload.p_B, 0.03));
+  EXPECT_LT(load.rest.force_W.norm(), 1);
+  EXPECT_LT(load.rest.torque_W.norm(), 1);
+}
+
+TEST(LoadEstimatorTest, AGustIsNoPayload) {
+  Motion motion;
+  motion.gust = {{20, -10, 0}, {0, 0, 3}};
+  const LoadEstimate load = After(motion, 5);
+  EXPECT_EQ(load.payload.mass, 0);
+  EXPECT_THAT(load.rest.force_W, IsNear(motion.gust.force_W, 0.05));
+  EXPECT_THAT(load.rest.torque_W, IsNear(motion.gust.torque_W, 0.05));
+}
+
+TEST(LoadEstimatorTest, FollowsAStepWithItsTimeConstant) {
+  Motion motion;
+  LoadEstimatorParams params;
+  params.robot = motion.robot;
+  params.bandwidth = 5;
+  TestRig<LoadEstimator> rig(params);
+  motion.At(0);
+  for (int k = 0; k <= 80; ++k) {
+    motion.gust.force_W = {k > 0 ? 10.0 : 0.0, 0, 0};
+    motion.At(0);
+    motion.inertial.angular_velocity_B.setZero();
+    rig.Fix(rig->estimate, motion.estimate).Fix(rig->inertial, motion.inertial);
+    rig.Fix(rig->cables, motion.cables).Tick();
+    EXPECT_NEAR(rig[rig->load].rest.force_W[0], 10 * (1 - std::exp(-5 * 0.005 * k)), 1e-6) << k;
+  }
+}
+
+TEST(LoadEstimatorTest, RefusesNonsense) {
+  const auto refuses = [](auto change, const char* a, const char* b) {
+    LoadEstimatorParams params{.robot = test::EightCableRobot()};
+    change(params);
+    return Throws<ParameterError>([&] { LoadEstimator load(params); }, a, b);
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 0; }, "bandwidth = 0 rad/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 300; }, "bandwidth = 300 rad/s", "below the rate"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass_bandwidth = -1; }, "mass_bandwidth = -1 rad/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.least_mass = 0; }, "least_mass = 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.arm_deviation = NAN; }, "arm_deviation = nan m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.torque_deviation = 0; }, "torque_deviation = 0 N m", "positive"));
+}
+
+// Two bodies and one: the same energy, momentum and moment of momentum, at any velocity.
+TEST(LoadedPlatformTest, MovesAsItsParts) {
+  const CdprDescription robot = test::EightCableRobot();
+  const Payload payload{4, {0.2, -0.5, 0.3}};
+  const LoadedPlatform body(robot, payload);
+  const Eigen::Vector3d v(0.3, -0.2, 0.5), w(1, 2, -0.7);
+  const Eigen::Vector3d v_load = v + w.cross(payload.p_B), v_com = v + w.cross(body.com_B);
+  EXPECT_THAT((body.mass * v_com).eval(), IsNear((robot.mass * v + payload.mass * v_load).eval(), 1e-12));
+  EXPECT_NEAR(body.mass * v_com.squaredNorm() + w.dot(body.inertia * w),
+              robot.mass * v.squaredNorm() + w.dot(robot.inertia_B * w) + payload.mass * v_load.squaredNorm(),
+              1e-12);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,92 @@
+#include <tenon/controllers/cdpr/reference_balancer.h>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+
+#include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+const Eigen::Vector3d kGravity(0, 0, -9.81);
+
+/// The wrench that is missing for the platform to accelerate as the reference says, with a load on it.
+Vector6d Imbalance(const CdprDescription& robot, const CdprReference& reference, const LoadEstimate& load) {
+  const Eigen::Matrix3d R = RotationFromEuler(reference.euler);
+  const Vec<3> arm = R * load.payload.p_B, g = kGravity - reference.acceleration;
+  Vector6d sum = CalcCableKinematics(robot, reference.position, R).structure * reference.tension;
+  sum.head<3>() += (robot.mass + load.payload.mass) * g + load.rest.force_W;
+  sum.tail<3>() += load.payload.mass * arm.cross(g) + load.rest.torque_W;
+  return sum;
+}
+
+CdprReference Hold(const CdprDescription& robot, const Eigen::Vector3d& position) {
+  return EquilibriumPath(robot, Path::Hold(position)).At(0);
+}
+
+TEST(ReferenceBalancerTest, WithoutLoadAndAccelerationTheReferenceStays) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CdprReference reference = Hold(robot, {0.3, 1, 2});
+  TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
+  rig.Fix(rig->reference, reference).Tick();
+  const CdprReference& balanced = rig[rig->balanced];
+  EXPECT_THAT(balanced.euler, IsNear(reference.euler, 1e-9));
+  EXPECT_THAT(balanced.tension, IsNear(reference.tension, 1e-6));
+  EXPECT_THAT(balanced.length, IsNear(reference.length, 1e-9));
+}
+
+// By tick and tick Newton's method comes to the attitude and the tensions that carry the load.
+TEST(ReferenceBalancerTest, CarriesAPayloadAndARest) {
+  for (CdprDescription robot : {test::FourCableRobot(), test::EightCableRobot()}) {
+    robot.cable.tension_min = 0;
+    CdprReference reference = Hold(robot, {0.2, 0.4, 2});
+    reference.acceleration = {0.3, -0.2, 0.1};
+    LoadEstimate load;
+    load.payload = {3, {0.05, 0.3, -0.1}};
+    load.rest = {{2, -1, 3}, {0.1, 0, 0}};
+    TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
+    rig.Fix(rig->reference, reference).Fix(rig->load, load);
+    for (int k = 0; k < 20; ++k) rig.Tick();
+    const CdprReference& balanced = rig[rig->balanced];
+    EXPECT_EQ(balanced.position, reference.position);
+    EXPECT_LT(Imbalance(robot, balanced, load).norm(), 1e-6) << robot.name;
+    const CableKinematics cables =
+        CalcCableKinematics(robot, balanced.position, RotationFromEuler(balanced.euler));
+    EXPECT_THAT(balanced.length, IsNear(cables.length, 1e-12));
+  }
+}
+
+TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CdprReference reference = Hold(robot, {0, 0.5, 2});
+  TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
+  LoadEstimate load;
+  load.payload = {5, {0, 0.4, 0}};
+  rig.Fix(rig->reference, reference).Fix(rig->load, load).Tick();
+  EXPECT_GT((rig[rig->balanced].tension - reference.tension).norm(), 5);
+  rig.Fix(rig->load, LoadEstimate{}).Tick();
+  EXPECT_THAT(rig[rig->balanced].tension, IsNear(reference.tension, 1e-6));
+}
+
+TEST(BalancedReferenceTest, AllocatesNothing) {
+  if (!AllocationGuard::Available()) GTEST_SKIP();
+  const CdprDescription robot = test::FourCableRobot();
+  const CdprReference reference = Hold(robot, {0, 0.5, 2});
+  LoadEstimate load;
+  load.payload = {5, {0, 0.4, 0}};
+  BalancedReference balanced(robot);
+  ReferenceShift shift;
+  balanced.Calc(reference, load, shift);
+  const AllocationGuard guard;
+  balanced.Calc(reference, load, shift);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon
