@@ -13,11 +13,11 @@ enum class CdprFaultPlace {
   kCommand,    ///< of the controller to the winches [N], one element per cable
   kWinch,      ///< the winches themselves: stuck
   kCable,      ///< the cables: broken
-  kLengths,    ///< CableSignals, to the PD
+  kLengths,    ///< CableSignals, to the PD and to what estimates the load
   kReference,  ///< CdprReference, to the PD
-  kPose,       ///< PoseMeasurement, to the estimator of the MPC
-  kImu,        ///< ImuMeasurement, to the estimator of the MPC
-  kEstimate,   ///< PlatformEstimate, to the MPC
+  kPose,       ///< PoseMeasurement, to the estimator
+  kImu,        ///< ImuMeasurement, to the estimators
+  kEstimate,   ///< PlatformEstimate, to the MPC and to what estimates the load
 };
 constexpr auto EnumNames(CdprFaultPlace) {
   using enum CdprFaultPlace;

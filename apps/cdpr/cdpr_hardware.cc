@@ -67,7 +67,7 @@ void WinchScenario::Validate() const {
 }
 
 void CableSensorScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
+  if (rate_hz) DemandRate("rate_hz", *rate_hz);
   DemandBetween("latency_samples", latency_samples, 0, kMostSamples);
   DemandNotNegative("resolution_m", resolution_m);
   DemandNotNegative("offset_m", offset_m);
@@ -114,11 +114,12 @@ void SetHardware(const CdprHardwareScenario& hardware, CdprLoopParams& loop) {
                             .initial = CableVector::Zero(num_cables),
                             .rate = rate,
                             .unit = "N"};
-  const bool measured = cables.resolution_m > 0 || cables.offset_m > 0 || cables.rate_bandwidth_hz > 0 ||
-                        cables.tension_noise_ratio > 0 || cables.tension_offset_N > 0;
+  const bool measured = cables.rate_hz || cables.resolution_m > 0 || cables.offset_m > 0 ||
+                        cables.rate_bandwidth_hz > 0 || cables.tension_noise_ratio > 0 ||
+                        cables.tension_offset_N > 0;
   if (measured || cables.latency_samples > 0)
     params.cable_sensors = {.num_cables = num_cables,
-                            .rate = Hz(cables.rate_hz),
+                            .rate = Hz(cables.rate_hz.value_or(1000)),
                             .resolution = cables.resolution_m,
                             .length_offset = cables.offset_m,
                             .rate_bandwidth = cables.rate_bandwidth_hz,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <tenon/apps/common/link_scenario.h>
@@ -26,7 +27,7 @@ struct WinchScenario {
 
 /// Encoders on the drums and load cells, see CableSensors.
 struct CableSensorScenario {
-  double rate_hz = 1000;
+  std::optional<double> rate_hz;  ///< 1000
   int latency_samples = 0;
   double resolution_m = 0;
   double offset_m = 0;           ///< standard deviation, by cable

@@ -12,6 +12,11 @@
 namespace tenon::apps {
 
 void PathScenario::Validate() const {
+  DemandNotNegative("tension_aim_N", tension_aim_N);
+  Demand(
+      tension_aim_N == 0 || attitude_rad,
+      fmt::format("tension_aim_N = {} takes attitude_rad: without it the tensions follow from the attitude",
+                  tension_aim_N));
   const std::size_t points = points_m.size();
   if (kind == PathKind::kCircle) return;  // Path::Circle judges its numbers
   if (kind == PathKind::kHold) {
@@ -109,8 +114,9 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
     believed.inertia_B *= 1 + scenario.mpc->mass_error;
   }
   params.path = Blame("path", [&] {
-    return std::make_shared<EquilibriumPath>(believed, scenario.path.Make(),
-                                             StaticsOptions{.attitude = scenario.path.attitude_rad});
+    return std::make_shared<EquilibriumPath>(
+        believed, scenario.path.Make(),
+        StaticsOptions{.attitude = scenario.path.attitude_rad, .tension_aim = scenario.path.tension_aim_N});
   });
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] { return MakeMpcParams(scenario, params.path); });

@@ -33,12 +33,18 @@ struct PathScenario {
   std::vector<double> times_s;            ///< of the points; a line and a spline need them
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
+  double tension_aim_N = 0;  ///< with an attitude: of the tensions that hold it, those nearest to this
 
   static FieldList Fields() {
-    return {Required("kind", &PathScenario::kind), {"center_m", &PathScenario::center_m},
-            {"radius_m", &PathScenario::radius_m}, {"period_s", &PathScenario::period_s},
-            {"ramp_s", &PathScenario::ramp_s},     {"points_m", &PathScenario::points_m},
-            {"times_s", &PathScenario::times_s},   {"attitude_rad", &PathScenario::attitude_rad}};
+    return {Required("kind", &PathScenario::kind),
+            {"center_m", &PathScenario::center_m},
+            {"radius_m", &PathScenario::radius_m},
+            {"period_s", &PathScenario::period_s},
+            {"ramp_s", &PathScenario::ramp_s},
+            {"points_m", &PathScenario::points_m},
+            {"times_s", &PathScenario::times_s},
+            {"attitude_rad", &PathScenario::attitude_rad},
+            {"tension_aim_N", &PathScenario::tension_aim_N}};
   }
   void Validate() const;  ///< throws ParameterError
   Path Make() const;

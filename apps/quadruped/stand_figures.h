@@ -18,7 +18,9 @@ class StandFigures final : public LogSink {
   static std::vector<const Source*> Judged(const QuadrupedStand& loop) { return Signals(loop); }
   /// What shows it in a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedStand& loop) {
-    return {&loop.world.plant.geometry};
+    std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry};
+    if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&load->geometry);
+    return shapes;
   }
 
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;

@@ -24,7 +24,10 @@ class WalkFigures final : public LogSink {
 
   /// What shows it in a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
-    return {&Current(loop.world.plant.geometry), &Current(loop.view.geometry)};
+    std::vector<const OutputPort<Geometry>*> shapes{&Current(loop.world.plant.geometry),
+                                                    &Current(loop.view.geometry)};
+    if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&Current(load->geometry));
+    return shapes;
   }
   /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);

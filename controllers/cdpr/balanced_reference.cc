@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
 
 #include <tenon/plants/model/euler.h>
+#include <tenon/plants/model/quaternion.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -17,9 +18,7 @@ constexpr double kLargestStep = 0.1;  // of one call [rad]
 constexpr double kLargestTurn = 1.2;  // altogether: beyond, cables cross [rad]
 
 Eigen::Matrix3d RotationBy(const Eigen::Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  return RotationFromQuaternion(QuaternionFromRotationVector(turn));
 }
 
 }  // namespace

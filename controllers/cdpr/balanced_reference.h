@@ -23,11 +23,12 @@ struct ReferenceShift {
 ///
 ///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0,
 ///
-/// a the reference's acceleration, m_L a point mass at r, f and tau what else acts about the CoM. Next means:
-/// of least |du|^2 + |turn / 1 mrad|^2 [N^2] with tensions within the robot's bounds, if enough of them are;
-/// four and five cables leave one or two parameters free, more of them the attitude altogether. Without load
-/// the equation is taken to first order about the equilibrium, with one Newton's method, a step of it a call,
-/// goes on from the shift of the call before: what changes slowly it follows to rounding.
+/// a the reference's acceleration, m_L a point mass at r, f and tau what else acts about the platform's CoM.
+/// Next means: of least |du|^2 + |turn / 1 mrad|^2 [N^2], turns added as vectors, with tensions within the
+/// robot's bounds, if enough of them are. Four and five cables leave one or two parameters free, more of them
+/// the attitude altogether. Without load the equation is taken to first order about the equilibrium; with one
+/// Newton's method, a step of it a call, goes on from the shift of the call before: what changes slowly it
+/// follows to rounding.
 class BalancedReference {
  public:
   explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}
@@ -39,7 +40,7 @@ class BalancedReference {
 
   const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX [rad], next to the reference's
   const CableVector& tension() const { return tension_; }  ///< [N]
-  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< of the attitude that was linearised about
+  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< the same; without load, the reference's
 
  private:
   CdprDescription robot_;

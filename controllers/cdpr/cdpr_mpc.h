@@ -14,7 +14,7 @@ namespace tenon {
 ///
 /// What goes to the winches is the policy with its feedback, at the winches' rate:
 ///
-///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt + T du_des/dt)
+///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt + T du_ref/dt)
 ///
 /// The last terms are the tension that the reel damping b of the winches adds when the cables run as the
 /// reference says, and what the lag T of their motors takes from its changes; the bounds hold for the

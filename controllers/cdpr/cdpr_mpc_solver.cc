@@ -210,6 +210,7 @@ class CdprMpcSolver::Impl {
     const CableVector& u = reference_.balanced.tension();
     const Target target{reference_.x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
+    first_shift_ = none;
     cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)), {-1, target});
   }
   virtual ~Impl() = default;
@@ -225,8 +226,13 @@ class CdprMpcSolver::Impl {
     }
     const SlqReport report = Improve(time - plan.start, x, load, targets_, cost, plan);
     plan.start = time;
+    if (!report.ok()) return report;  // the policy before goes on, about the CoM that it was made for
     plan.payload = load.payload;
-    plan.reference_rate = (targets_[1].u - targets_[0].u) / (steps_[0] * period_);
+    path_->At(time, &reference_.at);
+    plan.reference_rate = -reference_.at.tension / period_;
+    path_->At(time + period_, &reference_.at);
+    plan.reference_rate += reference_.at.tension / period_;
+    if (!equilibrium_input_) plan.reference_rate.setZero();
     return report;
   }
 
@@ -330,8 +336,11 @@ class SolverFor final : public CdprMpcSolver::Impl {
     }
     if (elapsed > 0) slq_.Shift(elapsed);
     Problem& problem = slq_.problem();
-    problem.load << load.rest.force_W, load.rest.torque_W;
     problem.SetPayload(robot_, load.payload);
+    const Eigen::Vector3d com_W =
+        RotationFromEuler(targets.front().x.tail<3>()) * LoadedPlatform(robot_, load.payload).com_B;
+    const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
+    problem.load << force, torque - com_W.cross(force);
     problem.Q = cost.Q;
     problem.R.setConstant(cost.R);
     problem.Q_f = cost.Q_f;

@@ -41,7 +41,7 @@ struct CdprPlan {
   std::vector<Node> nodes;
   Payload payload;             ///< that it was made for: states are about the common CoM
   ReferenceShift shift;        ///< by the load, at the start
-  CableVector reference_rate;  ///< of u_des at the start [N/s]
+  CableVector reference_rate;  ///< of the equilibrium's tensions at the start [N/s]
   CdprMpcDiagnostics diagnostics;
 
   static FieldList Fields() {

@@ -342,7 +342,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
     const Eigen::Matrix3d R_WB = RotationFromEuler(*options.attitude);
     const CableKinematics cables = CalcCableKinematics(robot, p_WB, R_WB);
     const TensionDistribution found =
-        DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
+        DistributeTension(cables.structure, -GravityWrench(robot), lower, upper, options.tension_aim);
     if (!found.feasible) {
       refuse_if_above();
       Refuse(robot, p_WB, "at the prescribed attitude " + found.reason);

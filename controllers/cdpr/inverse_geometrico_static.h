@@ -21,6 +21,9 @@ struct StaticEquilibrium {
 struct StaticsOptions {
   /// ZYX angles [rad] that the platform is to have; needs six cables or more. Free if empty.
   std::optional<Eigen::Vector3d> attitude = {};
+  /// With an attitude: the tensions are those nearest to this one [N], 0 for the least ones. The middle of
+  /// the bounds stays farthest away from both.
+  double tension_aim = 0;
   /// A neighbouring equilibrium; its branch is followed as far as it goes, instead of a search over
   /// attitudes.
   std::optional<StaticEquilibrium> warm_start = {};

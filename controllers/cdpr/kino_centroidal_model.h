@@ -63,7 +63,8 @@ class KinoCentroidalModel {
     }
   };
 
-  Eigen::Matrix<double, 6, 1> load = Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W [N, N m]
+  Eigen::Matrix<double, 6, 1> load =
+      Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the CoM of all that moves [N, N m]
   /// From now on the platform and what it carries, see LoadedPlatform.
   void SetPayload(const CdprDescription& robot, const Payload& payload);
 

@@ -24,6 +24,7 @@ void LoadEstimatorParams::Validate() const {
   Demand(bandwidth * rate.period() < 1,
          fmt::format("bandwidth = {} rad/s is too much at {} Hz: it must be below the rate", bandwidth,
                      1 / rate.period()));
+  CheckPositive("rest_bandwidth", rest_bandwidth, " rad/s");
   CheckPositive("mass_bandwidth", mass_bandwidth, " rad/s");
   CheckPositive("least_mass", least_mass, "");
   CheckPositive("arm_deviation", arm_deviation, " m");
@@ -57,7 +58,7 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
     filtered = now + keep * (filtered - now);
   };
   const Eigen::Vector3d torque = bandwidth * (momentum - memory.momentum_W);
-  const Eigen::Vector3d alpha = bandwidth * (w - memory.angular_velocity_W);
+  const Eigen::Vector3d alpha = (1 - keep) / h * (w - memory.angular_velocity_W);
   memory.momentum_W += h * (pull.tail<3>() + torque);
   follow(robot.mass * specific_force - pull.head<3>(), memory.force_W);
   follow(specific_force, memory.specific_force_W);
@@ -77,8 +78,12 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   LoadEstimate load;
   if (memory.mass > params.least_mass * robot.mass) load.payload = {memory.mass, memory.arm_B};
   const Eigen::Vector3d carried = -load.payload.mass * y;
-  load.rest.force_W = force - carried;
-  load.rest.torque_W = torque - arm_W.cross(carried);
+  const double keep_rest = std::exp(-params.rest_bandwidth * h);
+  const Eigen::Vector3d rest_force = force - carried, rest_torque = torque - arm_W.cross(carried);
+  PlatformWrench& rest = memory.rest;
+  rest.force_W = rest_force + keep_rest * (rest.force_W - rest_force);
+  rest.torque_W = rest_torque + keep_rest * (rest.torque_W - rest_torque);
+  load.rest = rest;
   return load;
 }
 

@@ -15,6 +15,7 @@ struct LoadEstimatorParams {
   CdprDescription robot;          ///< what the controller believes
   Rate rate = Hz(200);            ///< of the estimate and of the inertial unit
   double bandwidth = 20;          ///< b, of force and torque [rad/s]
+  double rest_bandwidth = 5;      ///< b_r, of what is no payload [rad/s]
   double mass_bandwidth = 100;    ///< b_m, of the payload's mass [rad/s]
   double least_mass = 0.05;       ///< over the platform's mass; below, there is no payload
   double arm_deviation = 0.5;     ///< of the payload's place, before anything is known [m]
@@ -31,12 +32,12 @@ struct LoadEstimatorParams {
 ///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, the same low-pass
 ///     place   r of R r x F = tau, by a Kalman filter: the part along F shows when the platform turns
 ///     mass    m_L of F = -m_L y, by a low-pass of bandwidth b_m,
-///             y = LP(R f_B) + alpha x R r + w x (w x R r),   alpha = b (w - LP(w))
-///     rest    F + m_L y and tau + R r x m_L y
+///             y = LP(R f_B) + alpha x R r + w x (w x R r),   alpha = LP(w')
+///     rest    F + m_L y and tau + R r x m_L y, by a low-pass of bandwidth b_r
 ///
-/// A point mass exerts nothing but a force at its place, however it moves, so that with true tensions, masses
-/// and inertias it is found without error, and a constant wrench as well. A mass below the threshold counts
-/// as rest.
+/// A point mass exerts nothing but a force at its place, however it moves: with true tensions, masses and
+/// inertias it is found without error at rest, and a constant wrench as well; in motion to within what the
+/// platform turns in the filters' lag. A mass below the threshold counts as rest.
 ///
 ///     ports in   estimate  of the platform, pose alone
 ///                inertial  at the CoM
@@ -56,6 +57,7 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
     Vec<3> arm_B = Vec<3>::Zero();               ///< r [m]
     Vec<9> arm_covariance = Vec<9>::Zero();      ///< [m^2]
     double mass = 0;                             ///< m_L [kg]
+    PlatformWrench rest;
     static FieldList Fields() {
       return {{"started", &Memory::started},
               {"force_W", &Memory::force_W, "N"},
@@ -64,7 +66,8 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
               {"angular_velocity_W", &Memory::angular_velocity_W, "rad/s"},
               {"arm_B", &Memory::arm_B, "m"},
               {"arm_covariance", &Memory::arm_covariance, "m^2"},
-              {"mass", &Memory::mass, "kg"}};
+              {"mass", &Memory::mass, "kg"},
+              {"rest", &Memory::rest}};
     }
   };
 

@@ -129,9 +129,16 @@ const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structu
 }
 
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
-                                      double tension_min, double tension_max, double tolerance) {
-  return TensionDistributor(static_cast<int>(structure.cols()))
-      .Solve(structure, wrench, tension_min, tension_max, tolerance);
+                                      double tension_min, double tension_max, double aim, double tolerance) {
+  TensionDistributor distributor(static_cast<int>(structure.cols()));
+  if (aim != 0) {
+    const CableVector middle = CableVector::Constant(structure.cols(), aim);
+    TensionDistribution found = distributor.Solve(structure, wrench - structure * middle, tension_min - aim,
+                                                  tension_max - aim, tolerance);
+    found.tension += middle;
+    if (found.feasible) return found;  // else its reason speaks of other bounds
+  }
+  return distributor.Solve(structure, wrench, tension_min, tension_max, tolerance);
 }
 
 }  // namespace tenon

@@ -57,8 +57,10 @@ class TensionDistributor {
   TensionDistribution result_;
 };
 
-/// The same for once.
+/// The same for once, of least distance |u - aim| [N] instead of least norm. It changes continuously with
+/// structure and wrench.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
-                                      double tension_min, double tension_max, double tolerance = 1e-8);
+                                      double tension_min, double tension_max, double aim = 0,
+                                      double tolerance = 1e-8);
 
 }  // namespace tenon

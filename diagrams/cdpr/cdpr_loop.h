@@ -31,7 +31,7 @@ struct CdprHardwareParams {
   std::optional<CableSensorsParams> cable_sensors;
   std::optional<ImuErrorsParams> imu_errors;
   // How many samples old the sensors' values are when they arrive.
-  int cable_delay = 0;
+  int cable_delay = 0;  ///< of cable_sensors
   int pose_delay = 0;
   int imu_delay = 0;
 };

@@ -35,9 +35,9 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
     SlidingLoadParams on_trunk = *params.sliding_load;
     on_trunk.robot = params.plant.initial;
     on_trunk.gravity = params.plant.gravity;
-    auto& load = Add<SlidingLoad>("sliding_load", on_trunk);
-    Connect(plant.state, load.robot);
-    Connect(load.force, disturbances.force[next++]);
+    sliding_load = &Add<SlidingLoad>("sliding_load", on_trunk);
+    Connect(plant.state, sliding_load->robot);
+    Connect(sliding_load->force, disturbances.force[next++]);
   }
   const auto disturb = [&]<class Block>(const std::string& name, const auto& each) {
     for (std::size_t i = 0; i < each.size(); ++i)

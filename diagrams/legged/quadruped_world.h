@@ -92,6 +92,7 @@ class QuadrupedWorld final : public Subdiagram {
   FootForceSensor& foot_sensor;
   TrunkImu& imu;
   ForceBundle& disturbances;
+  SlidingLoad* sliding_load = nullptr;  ///< if there is one
 
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<FootForces> ground_forces{this, {"ground_forces"}};

@@ -23,10 +23,10 @@ struct ModelErrorParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A robot as someone may believe it to be whose data are off: masses, centres of mass, inertias and lengths
-/// of all bodies each by an error of its own, drawn from `random`. A body's length is that to the next joint
-/// or to the foot; the trunk's lies between the means of its front and its rear hips. Joints, drives, feet
-/// and the stance's angles stay. Throws ParameterError.
+/// A robot as someone may believe it to be whose data are off: masses, centres of mass and inertias of all
+/// bodies and lengths of those of the legs, each by an error of its own, drawn from `random`. A body's length
+/// is that to the next joint or to the foot; the trunk's lies between the means of its front and its rear
+/// hips. Joints, drives, feet and the stance's angles stay. Throws ParameterError.
 QuadrupedDescription WithModelError(QuadrupedDescription robot, const ModelErrorParams& error,
                                     RandomStream& random);
 

@@ -20,7 +20,8 @@ struct CableSensorsParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The lengths of cables by encoders on the drums, their tensions by load cells, at a rate:
+/// The lengths of cables by encoders on the drums, their tensions by load cells, at a rate. What a cable
+/// stretches by the drum does not see; it is taken as compensated exactly by the tension.
 ///
 ///     length   the true one and an offset of its own, rounded to the resolution
 ///     rate     r[k] = a r[k - 1] + (1 - a) / h (l[k] - l[k - 1]),   a = exp(-2 pi bandwidth h)

@@ -205,6 +205,21 @@ TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
   EXPECT_THAT(Read(out / "summary.json"), ::testing::Not(HasSubstr("velocity_estimate")));
 }
 
+// Nobody told the controller of the load that slides, or that its data of every body are off.
+TEST_F(TenonQuadrupedTest, WalksWithASlidingLoadAndWrongData) {
+  const Result result = RunApp(
+      "flat --duration 1.5 --set 'payload={mass_kg: 5, position_m: [0, 0, 0.12], slides: {friction: 0.2}}' "
+      "--set 'walk.model_error={mass_ratio: 0.2, com_ratio: 0.05, inertia_ratio: 0.3, length_ratio: 0.02}'" +
+      Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("sliding load"));
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"com_error_max_m\": 0.0"));
+  const auto knees = [&] { return Column(out, "loop.world.plant.state.q.2 [rad]"); };
+  const std::vector<double> with_errors = knees();
+  RunApp("flat --duration 1.5" + Out());
+  EXPECT_NE(knees(), with_errors);
+}
+
 using TenonQuadrupedUsageTest = test::UsageTest;
 
 TEST_P(TenonQuadrupedUsageTest, IsExitCode2WithAMessage) {
@@ -242,6 +257,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"estimated --set walk.state=guessed", "estimated"},
         BadUsage{"flat --set walk.zmp.horizon_steps=9", "zmp.horizon_steps is 9"},
         BadUsage{"stand --set payload.mass_kg=-1", "mass_kg = -1"},
+        BadUsage{"stand --set 'payload={mass_kg: 1, slides: {reach_m: [-1, 0]}}'", "reach_m = [-1, 0]"},
+        BadUsage{"stand --set 'payload={mass_kg: 1, slides: {friction: 11}}'", "friction = 11"},
+        BadUsage{"A4 --set walk.model_error.mass_ratio=1", "mass_ratio = 1"},
         BadUsage{"stand --set 'forces=[{on: tail, duration_s: 1}]'", "tail"},
         BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
                  "height = 2 must be from 0 to 1"},

@@ -187,6 +187,37 @@ TEST(CdprMpc, DoesNotAllocate) {
   }
 }
 
+TEST(CdprMpc, DoesNotAllocateWhenALoadIsHungOn) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig->estimate, At(params, 0, {0, 0, 0})).RunTo(0.02);
+  rig.Fix(rig->load, LoadEstimate{{3, {0, 0.2, 0}}, {{1, 0, 0}, {0, 0, 0}}});
+  const AllocationGuard guard;
+  rig.RunTo(0.05);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+// With the load that hangs on the platform, the command at its equilibrium is what holds both.
+TEST(CdprMpc, HoldsTheLoadThatItIsTold) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CdprMpcParams params = Holding(robot, {0.3, 0.4, 2});
+  const LoadEstimate load{{2, {0.02, 0.1, -0.05}}, {{3, -2, 1}, {0.1, 0, 0}}};
+  const CdprReference reference = params.path->At(0);
+  BalancedReference balanced(robot);
+  ReferenceShift shift;
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+  PlatformEstimate estimate = At(params, 0, {0, 0, 0});
+  estimate.platform.q_WB = QuaternionFromRotation(balanced.R_WB());
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig->estimate, estimate).Fix(rig->load, load);
+  for (int k = 0; k < 100; ++k) {
+    estimate.time = rig.Tick().time();
+    rig.Fix(rig->estimate, estimate);
+  }
+  EXPECT_THAT(rig[rig->command], IsNear(balanced.tension(), 0.2));
+}
+
 TEST(CdprMpc, RefusesWhatMakesNoSense) {
   const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
   const auto refuses = [&](const auto& change, const char* part) {

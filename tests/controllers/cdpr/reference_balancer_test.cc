@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -60,6 +61,52 @@ TEST(ReferenceBalancerTest, CarriesAPayloadAndARest) {
         CalcCableKinematics(robot, balanced.position, RotationFromEuler(balanced.euler));
     EXPECT_THAT(balanced.length, IsNear(cables.length, 1e-12));
   }
+}
+
+// Eight cables hold the platform with tensions to spare: those that would leave the bounds stay at them.
+TEST(ReferenceBalancerTest, TensionsStayWithinTheBounds) {
+  const CdprDescription robot = test::EightCableRobot();
+  const CdprReference reference = Hold(robot, {0.2, 0.4, 2});
+  LoadEstimate load;
+  load.payload = {3, {0.05, 0.3, -0.1}};
+  ReferenceShift shift;
+  BalancedReference balanced(robot);
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+  EXPECT_GE(balanced.tension().minCoeff(), robot.cable.tension_min);
+  EXPECT_EQ((balanced.tension().array() == robot.cable.tension_min).any(), true);
+  CdprReference held = reference;
+  held.euler = balanced.euler();
+  held.tension = balanced.tension();
+  EXPECT_LT(Imbalance(robot, held, load).norm(), 1e-6);
+}
+
+// Where platform, payload and rest are in balance the model of the MPC stands still.
+TEST(BalancedReferenceTest, IsAnEquilibriumOfTheModelWithPayload) {
+  const CdprDescription robot = test::FourCableRobot();
+  const CdprReference reference = Hold(robot, {0.2, 0.4, 2});
+  LoadEstimate load;
+  load.payload = {4, {0.1, 0.3, -0.1}};
+  load.rest = {{3, -2, 1}, {0.2, 0.1, -0.1}};
+  ReferenceShift shift;
+  BalancedReference balanced(robot);
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+
+  PlatformState platform;
+  platform.p_WB = reference.position;
+  platform.q_WB = QuaternionFromRotation(balanced.R_WB());
+  const CentroidalState x = CentroidalStateOf(robot, platform, load.payload);
+  KinoCentroidalModel<4> model(robot);
+  model.SetPayload(robot, load.payload);
+  const Eigen::Vector3d com_W = balanced.R_WB() * LoadedPlatform(robot, load.payload).com_B;
+  const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
+  model.load << force, torque - com_W.cross(force);
+  CentroidalState rate;
+  model.Derivative(x, balanced.tension(), rate);
+  EXPECT_LT(rate.norm(), 1e-7) << rate.transpose();
+  KinoCentroidalModel<4>::Linearization f;
+  CentroidalState same;
+  model.Linearize(x, balanced.tension(), same, f);
+  EXPECT_LT((same - rate).norm(), 1e-10);
 }
 
 TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {

@@ -37,6 +37,32 @@ TEST(PoseSensorTest, WithoutNoiseTellsTheTruth) {
   EXPECT_THAT(rig[rig.system().pose].q_WB, IsNear(Somewhere().q_WB, 1e-15));
 }
 
+// What a calibration leaves is the same at every sample, and another with another robot.
+TEST(PoseSensorTest, OffsetsStay) {
+  const PoseSensorParams params{.position_noise = {0, 0, 0},
+                                .attitude_noise = {0, 0, 0},
+                                .position_offset = 0.1,
+                                .attitude_offset = 0.05};
+  Rig rig(params);
+  rig.Fix(rig.system().platform, Somewhere()).Tick();
+  const PoseMeasurement first = rig[rig.system().pose];
+  EXPECT_GT((first.p_WB - Somewhere().p_WB).norm(), 0.02);
+  const Vec<3> turn = SmallRotation(Somewhere().R_WB().transpose() * first.R_WB());
+  EXPECT_GT(turn.norm(), 0.01);
+  PlatformState other = Somewhere();
+  other.p_WB += Vec<3>(1, 2, 3);
+  other.q_WB = {1, 0, 0, 0};
+  rig.Fix(rig.system().platform, other).Tick();
+  const PoseMeasurement second = rig[rig.system().pose];
+  EXPECT_THAT(Vec<3>(second.p_WB - other.p_WB), IsNear(Vec<3>(first.p_WB - Somewhere().p_WB), 1e-12));
+  EXPECT_THAT(SmallRotation(second.R_WB()), IsNear(turn, 1e-12)) << "about the platform's axes";
+}
+
+TEST(PoseSensorTest, RefusesOffsetsThatAreNoDeviations) {
+  EXPECT_TRUE(Throws<ParameterError>([] { PoseSensor sensor({.position_offset = -1}); }, "position_offset"));
+  EXPECT_TRUE(Throws<ParameterError>([] { PoseSensor sensor({.attitude_offset = NAN}); }, "attitude_offset"));
+}
+
 TEST(PoseSensorTest, NoiseHasTheGivenDeviationsAndNoMean) {
   // With n samples the mean of a normal number is within 4 sd / sqrt(n) of the true one, and its deviation
   // within 4 sd / sqrt(2 n), but for 1 in 16 000 each.
