@@ -1,8 +1,5 @@
 #pragma once
 
-#include <fmt/core.h>
-
-#include <tenon/apps/common/checks.h>
 #include <tenon/systems/framework/fields.h>
 
 namespace tenon::apps {
@@ -15,13 +12,7 @@ struct LinkScenario {
   static FieldList Fields() {
     return {{"delay_s", &LinkScenario::delay_s}, {"jitter_s", &LinkScenario::jitter_s}};
   }
-  /// Throws ParameterError.
-  void Validate() const {
-    DemandBetween("delay_s", delay_s, 0, 1);
-    Demand(jitter_s >= 0 && jitter_s <= delay_s,
-           fmt::format("jitter_s = {} must be from 0 to delay_s = {}: no command arrives before it is sent",
-                       jitter_s, delay_s));
-  }
+  void Validate() const;  ///< throws ParameterError
 };
 
 }  // namespace tenon::apps
