@@ -1,6 +1,7 @@
 #include <tenon/plants/model/model_error.h>
 
 #include <fmt/core.h>
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon {
 namespace {
