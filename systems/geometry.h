@@ -88,7 +88,7 @@ struct Shape {
   /// What moves.
   static FieldList Fields() {
     return {{"p_W", &Shape::p_W, "m"},
-            {"q_W", &Shape::q_W},
+            {"q_W", &Shape::q_W, "", "w,x,y,z"},
             {"vector_W", &Shape::vector_W},
             {"value", &Shape::value},
             {"visible", &Shape::visible}};

@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {

@@ -17,7 +17,7 @@ namespace tenon::apps {
 /// How one key of the scenarios varies over a campaign, in one of these ways. Grids, lists and choices
 /// multiply with each other; the others draw one value for each seed.
 struct Variation {
-  std::vector<double> grid;
+  std::vector<double> grid;                       ///< of these numbers
   std::optional<std::array<double, 3>> linspace;  ///< a grid: from, to, count
   std::vector<YamlText> list;                     ///< of any values
   /// Names, each with the keys that it sets.
@@ -40,8 +40,8 @@ struct Variation {
 };
 
 struct SeedRange {
-  std::uint64_t first = 1;
-  std::size_t count = 1;
+  std::uint64_t first = 1;  ///< the seed of the first run
+  std::size_t count = 1;    ///< so many runs, each with the next seed
 
   static FieldList Fields() { return {{"first", &SeedRange::first}, {"count", &SeedRange::count}}; }
   void Validate() const;  ///< throws ParameterError
@@ -56,8 +56,8 @@ struct LimitSearch {
   std::map<std::string, double> sets;  ///< as in Variation
   double from = 0;                     ///< taken to be survived
   double to = 0;                       ///< taken to be not
-  int steps = 6;
-  double probability = 0.9;
+  int steps = 6;                       ///< of the bisection
+  double probability = 0.9;            ///< with which a run is to survive
 
   static FieldList Fields() {
     return {Required("key", &LimitSearch::key), {"sets", &LimitSearch::sets},
@@ -75,9 +75,9 @@ constexpr auto EnumNames(Estimate) {
 
 /// A campaign as its file says it.
 struct CampaignFile {
-  std::string app;       ///< whose scenarios run
-  std::string scenario;  ///< a shipped scenario or a YAML file
-  std::string description;
+  std::string app;                        ///< whose scenarios run
+  std::string scenario;                   ///< a shipped scenario or a YAML file
+  std::string description;                ///< one line
   std::optional<double> duration_s;       ///< of each run, instead of the scenario's
   SeedRange seeds;                        ///< of each point; with `estimate` and `limit` at most
   std::map<std::string, YamlText> set;    ///< in all scenarios

@@ -6,8 +6,8 @@
 #include <exception>
 #include <utility>
 
-#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
@@ -112,7 +112,8 @@ CampaignResult CampaignRunner::Replay(std::size_t run, const std::filesystem::pa
 
 std::string CampaignRunner::ScenarioTexts() const {
   std::string text;
-  for (const auto& [name, document] : scenarios_) text += fmt::format("{}: {}\n", name, document.Flow());
+  for (const auto& [name, document] : scenarios_)
+    text += fmt::format("{}: {}\n", name, document.WithAbsolutePaths().Flow());
   return text;
 }
 

@@ -19,10 +19,12 @@
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/campaign/program_app.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/plants/model/resources.h>
@@ -41,6 +43,7 @@ struct CampaignArguments {
   bool resume = false;
   bool dry_run = false;
   bool list = false;
+  bool keys = false;
   std::string shard;
   std::optional<std::size_t> replay;
   std::vector<std::string> merge;
@@ -60,19 +63,36 @@ Shard ParseShard(const std::string& text) {
   return shard;
 }
 
+std::string ReadText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A campaign's file; what it names starts from there, the program of an app of one's own as well.
+YamlDocument LoadCampaign(const fs::path& path) {
+  YamlDocument file = YamlDocument::Load(path.string()).WithAbsolutePaths();
+  const std::string app = file.Text("app");
+  if (app.find('/') != app.npos) file.Set("app", file.Path("app"));
+  return file;
+}
+
+/// The file as text that means the same elsewhere.
+std::string CampaignText(const YamlDocument& file) {
+  const YamlDocument written = YamlDocument::Load(file.name());
+  return written.Flow() == file.Flow() ? ReadText(file.name()) : file.Flow() + "\n";
+}
+
 ScenarioApp FindApp(const YamlDocument& file, const std::string& name) {
+  if (name.find('/') != name.npos) return ProgramApp(name);
   std::string names;
   for (ScenarioApp& app : std::array{QuadrupedApp(), GuideDogApp(), CdprApp()}) {
     if (app.name == name) return std::move(app);
     names += (names.empty() ? "" : ", ") + app.name;
   }
-  throw ParameterError(fmt::format("{}: there is no app '{}' that runs campaigns; there are {}",
-                                   file.PlaceOf("app"), name, names));
-}
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  throw ParameterError(
+      fmt::format("{}: there is no app '{}' that runs campaigns; there are {}. Or give "
+                  "the path of a program, say ./{}",
+                  file.PlaceOf("app"), name, names, name));
 }
 
 /// Files of a directory in one number.
@@ -188,7 +208,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
 int Merge(const CampaignArguments& arguments) {
   if (arguments.out.empty()) throw ParameterError("--merge: give the directory of the whole by --out");
   const fs::path first = arguments.merge.front();
-  const YamlDocument file = YamlDocument::Load((first / "campaign.yaml").string());
+  const YamlDocument file = LoadCampaign(first / "campaign.yaml");
   const CampaignPlan plan(file);
   const std::string inputs = ReadText(first / "inputs.txt");
   // Nothing is touched before all parts are known to be good.
@@ -237,7 +257,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
     std::error_code ignored;
     fs::remove(table_file, ignored);
     RemoveReplays(out.path());
-    WriteFile(out.path() / "campaign.yaml", ReadText(file.name()));
+    WriteFile(out.path() / "campaign.yaml", CampaignText(file));
     WriteFile(out.path() / "inputs.txt", inputs);
   }
   const int jobs = arguments.jobs > 0 ? arguments.jobs
@@ -285,10 +305,14 @@ int Run(const CampaignArguments& arguments) {
     List();
     return kRan;
   }
+  if (arguments.keys) {
+    PrintKeys(KeysOf<CampaignFile>());
+    return kRan;
+  }
   if (!arguments.merge.empty()) return Merge(arguments);
   if (arguments.campaign.empty())
     throw ParameterError("no campaign given: name one (see --list), or give a YAML file");
-  const YamlDocument file = YamlDocument::Load(FindResource("campaigns", arguments.campaign).string());
+  const YamlDocument file = LoadCampaign(FindResource("campaigns", arguments.campaign));
   const CampaignPlan plan(file);
   const Shard shard = ParseShard(arguments.shard);
   CampaignSchedule first(plan, shard, 1);
@@ -331,7 +355,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", arguments.out, "directory for all output (default: out/CAMPAIGN)");
   app.add_option("--jobs", arguments.jobs,
                  "runs at a time (default: one for each core; by mpirun one for each rank)")
-      ->check(CLI::PositiveNumber);
+      ->check(tenon::apps::PositiveInteger());
   app.add_flag("--resume", arguments.resume, "keep the runs that are in --out, and do what is missing");
   app.add_option("--shard", arguments.shard, "do only part i of N, i from 1, as an array job does")
       ->type_name("i/N");
@@ -341,6 +365,7 @@ int main(int argc, char** argv) {
       ->type_name("RUN");
   app.add_option("--merge", arguments.merge, "put parts together into --out")->type_name("DIR...");
   app.add_flag("--list", arguments.list, "list the shipped campaigns and stop");
+  app.add_flag("--keys", arguments.keys, "list all keys of a campaign's file and stop");
   app.footer(
       "Writes runs.csv, a line for each run as it ends, then report.html and summary.json.\n"
       "Across machines: mpirun -n 64 tenon-campaign CAMPAIGN --out DIR\n"

@@ -5,12 +5,8 @@
 namespace tenon::apps {
 namespace {
 
-constexpr const char* kOnlyMeasured =
-    "it is there for the controllers pd… and for mpc_equilibrium if it is offset-free; choose command, "
-    "winch, "
-    "cable, pose, imu or estimate";
 constexpr const char* kOnlyPd =
-    "it is there for the controllers pd…; choose command, winch, cable, pose, imu or estimate";
+    "it is there for the controllers pd…; choose command, winch, cable, lengths, pose, imu or estimate";
 constexpr const char* kOnlyEstimated =
     "it is there for the controllers mpc_… and pd_offset_free; choose command, winch, cable, lengths or "
     "reference";
@@ -22,8 +18,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   const int num_cables = loop.plant.params.robot.num_cables();
   const OutputPort<CableVector>& controller = loop.mpc != nullptr ? loop.mpc->command : loop.pd->command;
   const Rate rate = loop.mpc != nullptr ? loop.mpc->params.command_rate : loop.pd->params.rate;
-  FaultPoint<CableVector> command(controller, {loop.drive}, rate, "N", CableVector::Zero(num_cables));
-  FaultPoint<CableSignals> lengths(kOnlyMeasured);
+  FaultPoint<CableVector> command(controller, {loop.drive}, rate, CableVector::Zero(num_cables));
   FaultPoint<CdprReference> reference(kOnlyPd);
   FaultPoint<PoseMeasurement> pose(kOnlyEstimated);
   FaultPoint<ImuMeasurement> imu(kOnlyEstimated);
@@ -31,12 +26,12 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   std::vector<InputPort<CableSignals>*> length_readers;
   if (loop.pd != nullptr) length_readers.push_back(&loop.pd->cables);
   if (loop.load != nullptr) length_readers.push_back(&loop.load->cables);
-  if (!length_readers.empty())
-    lengths = {*loop.told_cables, length_readers, rate, "", CableSignals::Zero(num_cables)};
+  if (loop.broken_cables != nullptr) length_readers.push_back(&loop.broken_cables->cables);
+  FaultPoint<CableSignals> lengths(*loop.told_cables, length_readers, rate, CableSignals::Zero(num_cables));
   if (loop.pd != nullptr) {
     InputPort<CdprReference>& reader =
         loop.balancer != nullptr ? loop.balancer->reference : loop.pd->reference;
-    reference = {loop.reference.reference, {&reader}, rate, "", loop.reference.params.path->At(0)};
+    reference = {loop.reference.reference, {&reader}, rate, loop.reference.params.path->At(0)};
   }
   if (loop.estimator != nullptr) {
     std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.estimator->inertial};
@@ -56,7 +51,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   const auto insert = [&](const Fault& fault, const std::string& name, CableFaultKind kind) {
     auto& block = builder.Add<CableFault>(name, {.kind = kind,
                                                  .num_cables = num_cables,
-                                                 .cables = fault.Indices("cable", num_cables),
+                                                 .cables = fault.Indices("cable", controller.elements()),
                                                  .schedule = fault.schedule(),
                                                  .rate = rate});
     chain.Append(builder, block.faults, block.others);

@@ -41,11 +41,7 @@ void CdprFigures::Row(std::span<const double> row) {
   error_.Add(error);
   if (row[0] >= loaded_from_ + kTaken && row[0] < settle_from_) {
     loaded_error_.Add(error);
-    ++loaded_rows_;
-    for (std::size_t i = 0; i < 3; ++i) {
-      loaded_sum_[i] += row[euler_[i]];
-      loaded_squares_[i] += row[euler_[i]] * row[euler_[i]];
-    }
+    for (std::size_t i = 0; i < 3; ++i) loaded_euler_[i].Add(row[euler_[i]]);
   }
   acceleration_.Add(std::hypot(row[a_W_[0]], row[a_W_[1]], row[a_W_[2]]));
 
@@ -66,11 +62,11 @@ void CdprFigures::Row(std::span<const double> row) {
 }
 
 std::optional<double> CdprFigures::loaded_swing() const {
-  if (loaded_rows_ == 0) return std::nullopt;
-  const auto count = static_cast<double>(loaded_rows_);
   double variance = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    variance += std::max(0.0, loaded_squares_[i] / count - std::pow(loaded_sum_[i] / count, 2));
+  for (const Tally& angle : loaded_euler_) {
+    if (!angle.rms()) return std::nullopt;
+    variance += std::max(0.0, std::pow(*angle.rms(), 2) - std::pow(*angle.mean(), 2));
+  }
   return std::sqrt(variance);
 }
 

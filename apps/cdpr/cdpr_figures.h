@@ -43,8 +43,7 @@ class CdprFigures final : public LogSink {
   double last_time_ = 0;
   std::vector<double> last_tension_;
   Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_, loaded_error_;
-  long loaded_rows_ = 0;
-  std::array<double, 3> loaded_sum_{}, loaded_squares_{};
+  std::array<Tally, 3> loaded_euler_;
   double settled_since_ = 0;
   bool settled_ = false;
 };

@@ -91,7 +91,7 @@ void ImuHardwareScenario::Validate() const {
   DemandNotNegative("misalignment_rad", misalignment_rad);
 }
 
-CdprHardwareScenario LoadCdprHardware(const YamlText& what) {
+CdprHardwareScenario LoadCdprHardware(const YamlFile& what) {
   return LoadResource("hardware/cdpr", what).Read<CdprHardwareScenario>();
 }
 

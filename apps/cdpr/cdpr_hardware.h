@@ -81,7 +81,7 @@ struct CdprHardwareScenario {
 
 /// Reads the hardware that ships under a name, or a file, or one with what differs (LoadResource). Throws
 /// ParameterError.
-CdprHardwareScenario LoadCdprHardware(const YamlText& what);
+CdprHardwareScenario LoadCdprHardware(const YamlFile& what);
 /// Puts it into a loop whose robot, rates and sensors' noise are set.
 void SetHardware(const CdprHardwareScenario& hardware, CdprLoopParams& loop);
 

@@ -7,15 +7,18 @@
 #include <vector>
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
+#include <tenon/apps/cdpr/cdpr_limits.h>
+#include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
 namespace tenon::apps {
 
 std::string Describe(const CdprScenario& scenario, const std::string& controllers) {
-  return fmt::format("{} with {}, {} s, seed {}", scenario.robot, controllers, scenario.duration_s,
-                     scenario.seed);
+  return fmt::format("{} with {}, {} s, seed {}", ResourceName(scenario.robot), controllers,
+                     scenario.duration_s, scenario.seed);
 }
 
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
@@ -23,15 +26,29 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   auto& loop =
       Blame("", [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  std::optional<CdprLive> live;
+  if (options.live) live.emplace(builder, loop);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
   const auto figures = std::make_shared<CdprFigures>(scenario.payload.attach_s, scenario.payload.release_s);
   const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
+  const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
+  simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});
   if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
   signals.insert(signals.end(), faults.begin(), faults.end());
+  std::vector<const OutputPort<Geometry>*> shapes{&loop.plant.geometry, &loop.reference.geometry};
+  if (loop.gusts != nullptr) signals.push_back(&loop.gusts->wrench);
+  if (loop.hanging_load != nullptr) {
+    signals.push_back(&loop.hanging_load->load);
+    shapes.push_back(&loop.hanging_load->geometry);
+  }
 
+  if (live) live->AddTo(signals);
+
+  const CableProperties& cable = loop.plant.params.robot.cable;
+  const Limits tension{.low = cable.tension_min, .high = cable.tension_max};
   const std::string controller(EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
     summary.Set("controller", controller);
@@ -46,6 +63,9 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
     summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
     summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
     summary.Set("settling_time_s", figures->settling_time());
+    for (const char* key : {"tension_min_N", "command_min_N"}) summary.Limit(key, {.low = tension.low});
+    for (const char* key : {"tension_max_N", "command_max_N"}) summary.Limit(key, {.high = tension.high});
+    limits->AddTo(summary);
     if (loop.mpc != nullptr) {
       summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
       summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
@@ -53,13 +73,15 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
     }
   };
   return RunScenario(options, scenario, Describe(scenario, controller), scenario.duration_s, simulator,
-                     signals, {&loop.plant.geometry, &loop.reference.geometry}, judge);
+                     signals, shapes,
+                     {{loop.plant.cables.path() + ".tension", tension}, {"loop.command", tension}}, judge,
+                     live ? live->Controls() : LiveControls());
 }
 
 ScenarioApp CdprApp() {
   return MakeScenarioApp(
-      "tenon-cdpr", [](const YamlDocument& document) { return document.Read<CdprScenario>(); },
-      MakeLoopParams, RunCdpr);
+      "tenon-cdpr", "Flies a cable-driven parallel robot along a path and reports how well it did.",
+      [](const YamlDocument& document) { return document.Read<CdprScenario>(); }, MakeLoopParams, RunCdpr);
 }
 
 }  // namespace tenon::apps

@@ -1,8 +1,10 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/cdpr/path_file.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
@@ -11,14 +13,51 @@
 
 namespace tenon::apps {
 
+void WaypointScenario::Validate() const {
+  Demand(position_m.allFinite(), "position_m must be finite: give metres");
+  if (travel_s) DemandPositive("travel_s", *travel_s);
+  if (speed_m_per_s) DemandPositive("speed_m_per_s", *speed_m_per_s);
+  DemandNotNegative("dwell_s", dwell_s);
+}
+
+namespace {
+
+void CheckWaypoints(const std::vector<WaypointScenario>& waypoints) {
+  Demand(waypoints.size() >= 2,
+         fmt::format("waypoints has {} entries: a way takes two or more", waypoints.size()));
+  const WaypointScenario& start = waypoints.front();
+  Demand(!start.travel_s && !start.speed_m_per_s,
+         "waypoints.0 is the start: leave its travel_s and speed_m_per_s away");
+  for (std::size_t i = 1; i < waypoints.size(); ++i) {
+    const WaypointScenario& waypoint = waypoints[i];
+    Demand(waypoint.travel_s.has_value() != waypoint.speed_m_per_s.has_value(),
+           fmt::format("waypoints.{}: give one of travel_s and speed_m_per_s, not {}", i,
+                       waypoint.travel_s ? "both" : "none"));
+    Demand(waypoint.travel_s || waypoint.position_m != waypoints[i - 1].position_m,
+           fmt::format(
+               "waypoints.{} is where the one before is: give travel_s, or lengthen the dwell_s of that", i));
+    Demand(!waypoint.attitude_rad || start.attitude_rad,
+           fmt::format("waypoints.{} says attitude_rad: give that of waypoints.0 as well", i));
+  }
+}
+
+}  // namespace
+
 void PathScenario::Validate() const {
   DemandNotNegative("tension_aim_N", tension_aim_N);
-  Demand(
-      tension_aim_N == 0 || attitude_rad,
-      fmt::format("tension_aim_N = {} takes attitude_rad: without it the tensions follow from the attitude",
-                  tension_aim_N));
   const std::size_t points = points_m.size();
+  if (!attitudes_rad.empty()) {
+    Demand(!attitude_rad, "attitude_rad and attitudes_rad are both given: leave one of them away");
+    Demand(kind == PathKind::kLine || kind == PathKind::kSpline,
+           "attitudes_rad are for a line or a spline: give attitude_rad");
+    Demand(attitudes_rad.size() == points,
+           fmt::format("points_m has {} entries and attitudes_rad has {}: give one attitude per point",
+                       points, attitudes_rad.size()));
+  }
   if (kind == PathKind::kCircle) return;  // Path::Circle judges its numbers
+  if (kind == PathKind::kFile)
+    return Demand(file.has_value(), "a path of kind file needs a file: give file: scan.csv, say");
+  if (kind == PathKind::kWaypoints) return CheckWaypoints(waypoints);
   if (kind == PathKind::kHold) {
     Demand(points == 1, fmt::format("a path that holds needs one entry in points_m, found {}", points));
     return;
@@ -28,19 +67,73 @@ void PathScenario::Validate() const {
   Demand(times_s.size() == points,
          fmt::format("points_m has {} entries and times_s has {}: give one time per point", points,
                      times_s.size()));
+  for (std::size_t i = 0; i < times_s.size(); ++i)
+    Demand(std::isfinite(times_s[i]) && (i == 0 || times_s[i] > times_s[i - 1]),
+           fmt::format("times_s.{} = {}: the times must be finite and increase", i, times_s[i]));
 }
 
-Path PathScenario::Make() const {
-  switch (kind) {
+namespace {
+
+/// Points and times of a way, a dwelling as two equal points.
+PathTable TableOf(const std::vector<WaypointScenario>& waypoints) {
+  PathTable table;
+  double time = 0;
+  std::optional<Eigen::Vector3d> attitude;
+  const auto add = [&](const Eigen::Vector3d& position) {
+    table.times.push_back(time);
+    table.points.push_back(position);
+    if (attitude) table.attitudes.push_back(*attitude);
+  };
+  for (const WaypointScenario& waypoint : waypoints) {
+    if (waypoint.travel_s) time += *waypoint.travel_s;
+    if (waypoint.speed_m_per_s)
+      time += (waypoint.position_m - table.points.back()).norm() / *waypoint.speed_m_per_s;
+    if (waypoint.attitude_rad) attitude = waypoint.attitude_rad;
+    add(waypoint.position_m);
+    if (waypoint.dwell_s == 0) continue;
+    time += waypoint.dwell_s;
+    add(waypoint.position_m);
+  }
+  return table;
+}
+
+PlatformPath Through(const PathTable& table) {
+  PlatformPath path{Path::Waypoints(table.points, table.times), {}};
+  if (!table.attitudes.empty()) path.attitude = Path::Waypoints(table.attitudes, table.times);
+  return path;
+}
+
+PlatformPath MakePath(const PathScenario& path) {
+  switch (path.kind) {
     case PathKind::kHold:
-      return Path::Hold(points_m[0]);
+      return {Path::Hold(path.points_m[0]), {}};
     case PathKind::kLine:
-    case PathKind::kSpline:
-      return Path::Spline(points_m, times_s);
+    case PathKind::kSpline: {
+      PlatformPath spline{Path::Spline(path.points_m, path.times_s), {}};
+      if (!path.attitudes_rad.empty()) spline.attitude = Path::Spline(path.attitudes_rad, path.times_s);
+      return spline;
+    }
+    case PathKind::kWaypoints:
+      return Through(TableOf(path.waypoints));
+    case PathKind::kFile:
+      return Through(ReadPathFile(ResourceMap(*path.file).Text("file")));
     case PathKind::kCircle:
       break;
   }
-  return Path::Circle(center_m, radius_m, period_s, ramp_s);
+  return {Path::Circle(path.center_m, path.radius_m, path.period_s, path.ramp_s), {}};
+}
+
+}  // namespace
+
+PlatformPath PathScenario::Make() const {
+  PlatformPath path = MakePath(*this);
+  Demand(!path.attitude || !attitude_rad,
+         "the path says the attitude by place and attitude_rad all along: leave one of them away");
+  Demand(
+      tension_aim_N == 0 || path.attitude || attitude_rad,
+      fmt::format("tension_aim_N = {} takes attitude_rad: without it the tensions follow from the attitude",
+                  tension_aim_N));
+  return path;
 }
 
 void PdScenario::Validate() const {
@@ -58,6 +151,17 @@ void MpcScenario::Validate() const {
 void PayloadScenario::Validate() const {
   DemandNotNegative("mass_kg", mass_kg);
   Demand(release_s >= attach_s, fmt::format("release_s = {} lies before attach_s = {}", release_s, attach_s));
+}
+
+void GustScenario::Validate() const {
+  DemandPositive("duration_s", duration_s);
+}
+
+void HangingLoadScenario::Validate() const {
+  DemandPositive("mass_kg", mass_kg);
+  DemandPositive("length_m", length_m);
+  Demand(swing_m.norm() < length_m,
+         fmt::format("swing_m is {:.4g} m long, the rope only length_m = {}", swing_m.norm(), length_m));
 }
 
 void NoiseScenario::Validate() const {
@@ -83,6 +187,7 @@ void CdprScenario::Validate() const {
   Demand(!mpc || mpc->mass_error > -1, "mpc.mass_error must be above -1: the model would have no mass");
   DemandRate("log_rate_hz", log_rate_hz);
   Demand(max_tension_ratio >= 1, fmt::format("max_tension_ratio = {} must be at least 1", max_tension_ratio));
+  DemandNotNegative("cable_diameter_m", cable_diameter_m);
 }
 
 namespace {
@@ -96,7 +201,10 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
   params.horizon = mpc.horizon_s;
   params.num_steps = mpc.num_steps;
   params.weights = mpc.weights;
+  params.terminal = mpc.final_weight;
+  params.terminal_weights = mpc.weights;
   params.slq.method = mpc.method;
+  params.slq.bounds = mpc.bounds;
   params.rate = Hz(mpc.rate_hz);
   params.command_rate = Hz(mpc.command_rate_hz);
   params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
@@ -107,16 +215,18 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
 
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   CdprLoopParams params;
-  params.robot = Blame("robot", [&] { return LoadCdpr(FindResource("robots", scenario.robot)); });
+  params.robot = Blame("robot", [&] { return LoadCdpr(scenario.robot); });
   CdprDescription believed = params.robot;
   if (scenario.mpc) {
     believed.mass *= 1 + scenario.mpc->mass_error;
     believed.inertia_B *= 1 + scenario.mpc->mass_error;
   }
   params.path = Blame("path", [&] {
+    const PlatformPath path = scenario.path.Make();
     return std::make_shared<EquilibriumPath>(
-        believed, scenario.path.Make(),
-        StaticsOptions{.attitude = scenario.path.attitude_rad, .tension_aim = scenario.path.tension_aim_N});
+        believed, path.position,
+        StaticsOptions{.attitude = scenario.path.attitude_rad, .tension_aim = scenario.path.tension_aim_N},
+        path.attitude);
   });
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] { return MakeMpcParams(scenario, params.path); });
@@ -136,6 +246,17 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.payload.payload = {scenario.payload.mass_kg, scenario.payload.position_m};
   params.payload.attach_s = scenario.payload.attach_s;
   params.payload.release_s = scenario.payload.release_s;
+  for (const GustScenario& gust : scenario.gusts)
+    params.gusts.gusts.push_back({gust.force_N, gust.start_s, gust.duration_s});
+  if (scenario.hanging_load) {
+    const HangingLoadScenario& load = *scenario.hanging_load;
+    params.hanging_load = HangingLoadParams{.mass = load.mass_kg,
+                                            .length = load.length_m,
+                                            .attachment_B = load.attachment_m,
+                                            .axial_stiffness = params.robot.cable.axial_stiffness,
+                                            .axial_damping = params.robot.cable.axial_damping};
+    params.swing << load.swing_m, 0;
+  }
   params.pose_sensor.rate = Hz(scenario.noise.pose_rate_hz);
   params.pose_sensor.position_noise.setConstant(scenario.noise.position_m);
   params.pose_sensor.attitude_noise.setConstant(scenario.noise.attitude_rad);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,23 +17,54 @@
 
 namespace tenon::apps {
 
-enum class PathKind { kHold, kLine, kCircle, kSpline };
+enum class PathKind { kHold, kLine, kCircle, kSpline, kWaypoints, kFile };
 constexpr auto EnumNames(PathKind) {
-  return std::array{Named{PathKind::kHold, "hold"}, Named{PathKind::kLine, "line"},
-                    Named{PathKind::kCircle, "circle"}, Named{PathKind::kSpline, "spline"}};
+  return std::array{Named{PathKind::kHold, "hold"},           Named{PathKind::kLine, "line"},
+                    Named{PathKind::kCircle, "circle"},       Named{PathKind::kSpline, "spline"},
+                    Named{PathKind::kWaypoints, "waypoints"}, Named{PathKind::kFile, "file"}};
 }
+
+/// A place on the platform's way, how it gets there, and how long it stays: it comes to rest where it dwells,
+/// at the first and at the last, and passes through the others without stopping.
+struct WaypointScenario {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of the CoM
+  std::optional<Eigen::Vector3d> attitude_rad;           ///< roll, pitch, yaw; without: as before
+  std::optional<double> travel_s;                        ///< from the waypoint before; this
+  std::optional<double> speed_m_per_s;                   ///< or this: on average, along a straight line
+  double dwell_s = 0;                                    ///< how long it rests there
+
+  static FieldList Fields() {
+    return {Required("position_m", &WaypointScenario::position_m),
+            {"attitude_rad", &WaypointScenario::attitude_rad},
+            {"travel_s", &WaypointScenario::travel_s},
+            {"speed_m_per_s", &WaypointScenario::speed_m_per_s},
+            {"dwell_s", &WaypointScenario::dwell_s}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What a path scenario makes.
+struct PlatformPath {
+  Path position;
+  std::optional<Path> attitude;  ///< roll, pitch, yaw [rad], if they are given by place
+};
 
 /// The path of the platform's CoM, in the world.
 struct PathScenario {
-  PathKind kind = PathKind::kCircle;
-  Eigen::Vector3d center_m{0, 0, 2};  ///< of the circle
-  double radius_m = 0.5;
-  double period_s = 10;
+  PathKind kind = PathKind::kCircle;      ///< what the path is made of
+  Eigen::Vector3d center_m{0, 0, 2};      ///< of the circle
+  double radius_m = 0.5;                  ///< of the circle
+  double period_s = 10;                   ///< of a turn
   double ramp_s = 5;                      ///< time in which the circle's speed is reached
   std::vector<Eigen::Vector3d> points_m;  ///< of hold (1), line (2) and spline
   std::vector<double> times_s;            ///< of the points; a line and a spline need them
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
+  /// The same at each of the points, of a line and a spline that turns the platform on its way.
+  std::vector<Eigen::Vector3d> attitudes_rad;
+  std::vector<WaypointScenario> waypoints;  ///< of the kind waypoints
+  std::optional<YamlFile>
+      file;  ///< of the kind file: CSV with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
   double tension_aim_N = 0;  ///< with an attitude: of the tensions that hold it, those nearest to this
 
   static FieldList Fields() {
@@ -44,16 +76,19 @@ struct PathScenario {
             {"points_m", &PathScenario::points_m},
             {"times_s", &PathScenario::times_s},
             {"attitude_rad", &PathScenario::attitude_rad},
+            {"attitudes_rad", &PathScenario::attitudes_rad},
+            {"waypoints", &PathScenario::waypoints},
+            {"file", &PathScenario::file},
             {"tension_aim_N", &PathScenario::tension_aim_N}};
   }
-  void Validate() const;  ///< throws ParameterError
-  Path Make() const;
+  void Validate() const;      ///< throws ParameterError
+  PlatformPath Make() const;  ///< throws ParameterError
 };
 
 struct PdScenario {
-  double stiffness_N_per_m = 0;
-  double damping_N_s_per_m = 0;
-  double rate_hz = 1000;
+  double stiffness_N_per_m = 0;  ///< K_p of the cables' lengths
+  double damping_N_s_per_m = 0;  ///< K_d of their rates
+  double rate_hz = 1000;         ///< of the controller
 
   static FieldList Fields() {
     return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
@@ -64,14 +99,16 @@ struct PdScenario {
 };
 
 struct MpcScenario {
-  double horizon_s = 1;
-  int num_steps = 25;
-  double rate_hz = 100;
-  double command_rate_hz = 1000;
+  double horizon_s = 1;           ///< how far it plans
+  int num_steps = 25;             ///< of the horizon
+  double rate_hz = 100;           ///< of new plans
+  double command_rate_hz = 1000;  ///< of the feedback along a plan
   CdprMpcWeights weights;
-  StepMethod method = StepMethod::kRungeKutta4;
-  double mass_error = 0;  ///< of the controller's model: 0.3 is 30 % too heavy
-  int max_fallbacks_in_a_row = 50;
+  StepMethod method = StepMethod::kRungeKutta4;        ///< by which the model is integrated
+  SlqBounds bounds = SlqBounds::kProjectedNewton;      ///< of the tensions, in the solver
+  TerminalCost final_weight = TerminalCost::kRiccati;  ///< diagonal: `weights` times a second
+  double mass_error = 0;                               ///< of the controller's model: 0.3 is 30 % too heavy
+  int max_fallbacks_in_a_row = 50;                     ///< more failed solves than this end the run
   bool offset_free = true;  ///< of mpc_equilibrium: the load is estimated, and in model and reference
 
   static FieldList Fields() {
@@ -81,6 +118,8 @@ struct MpcScenario {
             {"command_rate_hz", &MpcScenario::command_rate_hz},
             Required("weights", &MpcScenario::weights),
             {"method", &MpcScenario::method},
+            {"bounds", &MpcScenario::bounds},
+            {"final_weight", &MpcScenario::final_weight},
             {"mass_error", &MpcScenario::mass_error},
             {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row},
             {"offset_free", &MpcScenario::offset_free}};
@@ -90,10 +129,10 @@ struct MpcScenario {
 
 /// A mass hung at the platform for part of the run; the controller does not know of it.
 struct PayloadScenario {
-  double mass_kg = 0;
+  double mass_kg = 0;                                    ///< of a point
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
-  double attach_s = 0;
-  double release_s = 0;
+  double attach_s = 0;                                   ///< when it is hung there
+  double release_s = 0;                                  ///< when it drops
 
   static FieldList Fields() {
     return {{"mass_kg", &PayloadScenario::mass_kg},
@@ -104,13 +143,43 @@ struct PayloadScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// A gust of wind on the platform, with the 1-cosine profile of Gusts.
+struct GustScenario {
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< at its peak
+  double start_s = 0;                                 ///< when it begins
+  double duration_s = 1;                              ///< from its beginning to its end
+
+  static FieldList Fields() {
+    return {Required("force_N", &GustScenario::force_N), Required("start_s", &GustScenario::start_s),
+            Required("duration_s", &GustScenario::duration_s)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A load that swings under the platform, on a rope like the robot's cables, see HangingLoad.
+struct HangingLoadScenario {
+  double mass_kg = 0;                                      ///< of the load, a point mass
+  double length_m = 1;                                     ///< of the rope
+  Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
+  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< of the load at the start, aside of straight down
+
+  static FieldList Fields() {
+    return {Required("mass_kg", &HangingLoadScenario::mass_kg),
+            Required("length_m", &HangingLoadScenario::length_m),
+            {"attachment_m", &HangingLoadScenario::attachment_m},
+            {"swing_m", &HangingLoadScenario::swing_m}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// What the sensors of pose and motion add to the truth.
 struct NoiseScenario {
-  double position_m = 0.005;
-  double attitude_rad = 0.01;
-  double angular_velocity_rad_per_s = 0.005;
-  double acceleration_m_per_s2 = 0.05;
-  double pose_rate_hz = 200;
-  double imu_rate_hz = 200;
+  double position_m = 0.005;                  ///< standard deviation of the pose sensor, by axis
+  double attitude_rad = 0.01;                 ///< the same of its attitude
+  double angular_velocity_rad_per_s = 0.005;  ///< standard deviation of the gyroscope
+  double acceleration_m_per_s2 = 0.05;        ///< of the accelerometer
+  double pose_rate_hz = 200;                  ///< of the pose sensor
+  double imu_rate_hz = 200;                   ///< of gyroscope and accelerometer
 
   static FieldList Fields() {
     return {{"position_m", &NoiseScenario::position_m},
@@ -126,9 +195,9 @@ struct NoiseScenario {
 /// The defaults take one step per millisecond on D1; the platform is then 3 micrometres off a run with order
 /// 5 and rtol 1e-9 after 20 s.
 struct IntegratorScenario {
-  int order = 2;
-  double rtol = 1e-3;
-  double atol = 1e-5;
+  int order = 2;       ///< of the Runge-Kutta method
+  double rtol = 1e-3;  ///< relative tolerance
+  double atol = 1e-5;  ///< absolute tolerance
 
   static FieldList Fields() {
     return {{"order", &IntegratorScenario::order},
@@ -142,8 +211,8 @@ struct IntegratorScenario {
 /// Without values the MPC has 20 and 100 rad/s, the PD 3 and 3: what it is told sooner slackens cables when
 /// D2's load is released, from 5 rad/s on.
 struct LoadEstimateScenario {
-  std::optional<double> bandwidth_rad_per_s;
-  std::optional<double> mass_bandwidth_rad_per_s;
+  std::optional<double> bandwidth_rad_per_s;       ///< of the rest of the load
+  std::optional<double> mass_bandwidth_rad_per_s;  ///< of its mass
 
   static FieldList Fields() {
     return {{"bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s},
@@ -170,30 +239,34 @@ constexpr bool IsMpc(CdprController controller) {
 
 /// A run of tenon-cdpr, as its YAML file says it.
 struct CdprScenario {
-  std::string app;
-  std::string description;
-  std::string case_name;
-  std::string robot = "cdpr_4";  ///< a shipped robot or a YAML file
-  double duration_s = 60;
-  std::uint64_t seed = 1;
-  CdprController controller = CdprController::kPd;
-  PathScenario path;
-  PdScenario pd;
-  std::optional<MpcScenario> mpc;  ///< needed for the controllers mpc_...
+  std::string app;                                  ///< the app whose scenario this is
+  std::string description;                          ///< one line
+  std::string case_name;                            ///< the run's name
+  YamlFile robot{"cdpr_4"};                         ///< a shipped robot, a file, or one with what differs
+  double duration_s = 60;                           ///< simulated time
+  std::uint64_t seed = 1;                           ///< of all random streams
+  CdprController controller = CdprController::kPd;  ///< what commands the tensions
+  PathScenario path;                                ///< of the platform
+  PdScenario pd;                                    ///< of the controllers pd...
+  std::optional<MpcScenario> mpc;                   ///< needed for the controllers mpc_...
   LoadEstimateScenario load;
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
+  std::vector<GustScenario> gusts;
+  std::optional<HangingLoadScenario> hanging_load;
   NoiseScenario noise;
   /// Winches, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
-  YamlText hardware{"ideal"};
-  std::vector<CdprFault> faults;
+  YamlFile hardware{"ideal"};
+  std::vector<CdprFault> faults;  ///< what breaks, and when
   IntegratorScenario integrator;
-  double log_rate_hz = 200;
-  bool forbid_slack = true;        ///< a slack cable ends the run, exit code 3
-  double max_tension_ratio = 1.1;  ///< so does one pulled harder than this times the winches' maximum
-  ReportScenario report;
+  double log_rate_hz = 200;         ///< of signals.csv
+  bool forbid_slack = true;         ///< a slack cable ends the run, exit code 3
+  double max_tension_ratio = 1.1;   ///< so does one pulled harder than this times the winches' maximum
+  double cable_diameter_m = 0.005;  ///< nearer than this two cables touch
+  ReportScenario report;            ///< what the report shows
+  std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
   static FieldList Fields() {
     return {Required("app", &CdprScenario::app),
@@ -210,6 +283,8 @@ struct CdprScenario {
             {"start_offset_m", &CdprScenario::start_offset_m},
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
+            {"gusts", &CdprScenario::gusts},
+            {"hanging_load", &CdprScenario::hanging_load},
             {"noise", &CdprScenario::noise},
             {"hardware", &CdprScenario::hardware},
             {"faults", &CdprScenario::faults},
@@ -217,7 +292,9 @@ struct CdprScenario {
             {"log_rate_hz", &CdprScenario::log_rate_hz},
             {"forbid_slack", &CdprScenario::forbid_slack},
             {"max_tension_ratio", &CdprScenario::max_tension_ratio},
-            {"report", &CdprScenario::report}};
+            {"cable_diameter_m", &CdprScenario::cable_diameter_m},
+            {"report", &CdprScenario::report},
+            {"parameters", &CdprScenario::parameters}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -21,17 +21,15 @@ int CompareControllers(const RunOptions& options, CdprScenario scenario) {
   return Compare(options, ScenarioReport(scenario, Describe(scenario, names)), variants);
 }
 
-int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
-  if (arguments.list) {
-    ListScenarios("tenon-cdpr");
-    return kRan;
-  }
+int RunOnce(const CommonArguments& arguments, const std::string& controller, bool compare,
+            const RunOptions& options) {
   YamlDocument document = LoadScenario(arguments, "tenon-cdpr");
   if (!controller.empty()) document.Set("controller", controller);
   auto scenario = document.Read<CdprScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
-    const RunOptions options = OptionsOf(arguments);
+    if (options.live && compare)
+      throw ParameterError("--live and --replay run one controller: leave --compare away");
     if (compare) return CompareControllers(options, scenario);
     const Summary summary = RunCdpr(scenario, options).summary;
     summary.Print();
@@ -39,13 +37,21 @@ int Run(const CommonArguments& arguments, const std::string& controller, bool co
   });
 }
 
+int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
+  if (PrintsInstead(arguments, CdprApp())) return kRan;
+  return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+    return RunOnce(now, controller, compare, options);
+  });
+}
+
 }  // namespace
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Flies a cable-driven parallel robot along a path and reports how well it did.", "tenon-cdpr");
+  CLI::App app(tenon::apps::CdprApp().description, "tenon-cdpr");
   tenon::apps::CommonArguments arguments;
   tenon::apps::AddCommonArguments(app, arguments);
+  tenon::apps::AddLiveArguments(app, arguments);
   std::string controller;
   bool compare = false;
   app.add_option(

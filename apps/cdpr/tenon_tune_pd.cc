@@ -3,8 +3,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <exception>
+#include <limits>
 #include <nlopt.hpp>
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
@@ -22,30 +25,69 @@ struct Trial {
   double settle_from;  ///< [s]
 };
 
-CdprScenario Base(const std::string& robot) {
-  CdprScenario scenario;
-  scenario.app = "tenon-cdpr";
-  scenario.case_name = "tuning";
-  scenario.robot = robot;
-  scenario.duration_s = 16;
-  scenario.forbid_slack = false;
-  scenario.path.kind = PathKind::kSpline;
-  if (LoadCdpr(FindResource("robots", robot)).num_cables() >= 6) scenario.path.attitude_rad.emplace(0, 0, 0);
-  return scenario;
-}
+/// How large a robot is, against the one for which the motions below are written.
+struct Scale {
+  Eigen::Vector3d middle;  ///< of the anchors, at the height of the highest ones [m]
+  double length;           ///< mean distance of the anchors from the middle, over that of cdpr_4
+  double time;             ///< by Froude: accelerations are as large a part of gravity's
+  double mass;
 
-/// A fast straight move, a bent one, and the release of a weight. None is a reference that results are shown
-/// on.
+  explicit Scale(const CdprDescription& robot) : middle(Eigen::Vector3d::Zero()), length(0) {
+    const double count = robot.num_cables();
+    double top = -std::numeric_limits<double>::infinity();
+    for (const CableDescription& cable : robot.cables) {
+      middle.head<2>() += cable.anchor_W.head<2>() / count;
+      top = std::max(top, cable.anchor_W.z());
+    }
+    middle.z() = top;
+    for (const CableDescription& cable : robot.cables)
+      length += (cable.anchor_W - middle).head<2>().norm() / count / std::hypot(3.5, 4.5);
+    time = std::sqrt(length);
+    mass = robot.mass / 15;
+  }
+  Eigen::Vector3d Point(double x, double y, double below) const {
+    return middle + length * Eigen::Vector3d(x, y, -below);
+  }
+};
+
+/// A fast straight move, a bent one, the release of a weight, and a gust, in a workspace as large as the
+/// robot's. None is a motion that results are shown on.
 std::vector<Trial> MakeTrials(const std::string& robot) {
-  std::vector<Trial> trials(3, {Base(robot), 4});
-  trials[0].scenario.path.points_m = {{-0.6, -0.8, 1.5}, {0.7, 0.6, 2.2}};
-  trials[0].scenario.path.times_s = {0, 4};
-  trials[1].scenario.path.points_m = {{0.8, -0.5, 1.8}, {0.2, 0.6, 1.4}, {-0.7, 0.2, 2.0}};
-  trials[1].scenario.path.times_s = {0, 2.5, 5};
-  trials[1].settle_from = 5;
+  CdprScenario base;
+  base.app = "tenon-cdpr";
+  base.case_name = "tuning";
+  base.robot = {robot};
+  const CdprDescription description = LoadCdpr(base.robot);
+  const Scale scale(description);
+  base.duration_s = 16 * scale.time;
+  base.forbid_slack = false;
+  base.path.kind = PathKind::kSpline;
+  if (description.num_cables() >= 6) base.path.attitude_rad.emplace(0, 0, 0);
+  if (description.num_cables() > 6) base.path.tension_aim_N = 100;  // as in the scenarios
+  std::vector<Trial> trials(4, {base, 4 * scale.time});
+  trials[0].scenario.path.points_m = {scale.Point(-0.6, -0.8, 2.5), scale.Point(0.7, 0.6, 1.8)};
+  trials[0].scenario.path.times_s = {0, 2 * scale.time};
+  trials[0].settle_from = 2 * scale.time;
+  trials[1].scenario.path.points_m = {scale.Point(0.8, -0.5, 2.2), scale.Point(0.2, 0.6, 2.6),
+                                      scale.Point(-0.7, 0.2, 2)};
+  trials[1].scenario.path.times_s = {0, 1.5 * scale.time, 3 * scale.time};
+  trials[1].settle_from = 3 * scale.time;
   trials[2].scenario.path.kind = PathKind::kHold;
-  trials[2].scenario.path.points_m = {{0.5, 0.9, 1.7}};
-  trials[2].scenario.payload = {.mass_kg = 3, .position_m = {0.1, -0.2, -0.1}, .attach_s = 0, .release_s = 4};
+  trials[2].scenario.path.points_m = {scale.Point(0.5, 0.9, 2.3)};
+  trials[2].scenario.payload = {.mass_kg = 4 * scale.mass,
+                                .position_m = scale.length * Eigen::Vector3d(0.1, -0.2, 0),
+                                .attach_s = 0,
+                                .release_s = 4 * scale.time};
+  if (!trials[2].scenario.path.attitude_rad) {  // four cables let the platform turn with a boom, and swing
+    trials[2].scenario.path.points_m = {scale.Point(-0.5, 1.6, 1.3)};
+    trials[2].scenario.payload.mass_kg = 5 * scale.mass;
+    trials[2].scenario.payload.position_m = scale.length * Eigen::Vector3d(-0.2, -0.9, 0);
+  }
+  trials[3].scenario.path = trials[2].scenario.path;
+  trials[3].scenario.path.points_m = {scale.Point(-0.4, 0.3, 1.9)};
+  trials[3].scenario.gusts = {{.force_N = scale.mass * Eigen::Vector3d(40, 30, 0),
+                               .start_s = 3 * scale.time,
+                               .duration_s = scale.time}};
   return trials;
 }
 
@@ -53,6 +95,7 @@ struct Judgement {
   double tracking_error_rms = 0;  ///< mean over the trials [m]
   double settling_time = 0;       ///< mean over the trials [s]
   double tension_rate_rms = 0;    ///< mean over the trials [N/s]
+  std::string failure;            ///< why the last of the trials that failed did; empty: all were held
   /// One centimetre of error weighs as much as one second of settling, and as 100 N/s of rattling cables:
   /// without that term the gains end where the loop is about to become unstable.
   double cost() const { return tracking_error_rms / 0.01 + settling_time + tension_rate_rms / 100; }
@@ -74,6 +117,8 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
       std::raise(outcome.exit_code - 128);  // nothing is written that could be lost
     const double missing = trial.scenario.duration_s - trial.settle_from;
     const bool failed = outcome.status.ended || !outcome.failure.empty();
+    if (failed) judgement.failure = outcome.failure.empty() ? outcome.status.reason : outcome.failure;
+    if (!failed && !figures->settling_time()) judgement.failure = "it does not settle";
     judgement.tracking_error_rms += (failed ? 1 : *figures->tracking_error().rms()) / trials.size();
     judgement.tension_rate_rms += (failed ? 1000 : *figures->tension_rate().rms()) / trials.size();
     judgement.settling_time +=
@@ -82,32 +127,73 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
   return judgement;
 }
 
-double Cost(const std::vector<double>& log_gains, std::vector<double>&, void* trials) {
+/// What the search has found so far. NLopt passes no exception on, so it waits here.
+struct Search {
+  std::vector<Trial> trials;
+  double best_cost = std::numeric_limits<double>::infinity();
+  std::string best_failure;
+  std::exception_ptr error;
+};
+
+double Cost(const std::vector<double>& log_gains, std::vector<double>&, void* data) {
+  Search& search = *static_cast<Search*>(data);
   const double stiffness = std::exp(log_gains[0]), damping = std::exp(log_gains[1]);
-  const Judgement judgement = Judge(*static_cast<const std::vector<Trial>*>(trials), stiffness, damping);
-  fmt::print("{:10.1f} {:10.1f} {:12.4f} {:12.3f} {:10.1f} {:8.3f}\n", stiffness, damping,
+  Judgement judgement;
+  try {
+    judgement = Judge(search.trials, stiffness, damping);
+  } catch (...) {
+    search.error = std::current_exception();
+    throw nlopt::forced_stop();
+  }
+  fmt::print("{:10.1f} {:10.1f} {:12.4f} {:12.3f} {:10.1f} {:8.3f}  {}\n", stiffness, damping,
              judgement.tracking_error_rms, judgement.settling_time, judgement.tension_rate_rms,
-             judgement.cost());
+             judgement.cost(), judgement.failure);
   std::fflush(stdout);
+  if (judgement.cost() < search.best_cost) {
+    search.best_cost = judgement.cost();
+    search.best_failure = judgement.failure;
+  }
   return judgement.cost();
 }
 
 int Tune(const std::string& robot, int evaluations) {
-  std::vector<Trial> trials = MakeTrials(robot);
+  Search search;
+  search.trials = MakeTrials(robot);
   fmt::print("{:>10} {:>10} {:>12} {:>12} {:>10} {:>8}\n", "K_p N/m", "K_d N s/m", "error rms m",
              "settling s", "rate N/s", "cost");
-  nlopt::opt search(nlopt::LN_BOBYQA, 2);
-  search.set_lower_bounds({std::log(50), std::log(5)});
-  search.set_upper_bounds({std::log(8000), std::log(1500)});
-  search.set_initial_step(0.7);
-  search.set_maxeval(evaluations);
-  search.set_xtol_abs(0.02);
-  search.set_min_objective(Cost, &trials);
-  std::vector<double> best{std::log(800), std::log(120)};
-  double cost = 0;
-  search.optimize(best, cost);
+  nlopt::opt optimizer(nlopt::LN_BOBYQA, 2);
+  optimizer.set_lower_bounds({std::log(50), std::log(5)});
+  optimizer.set_upper_bounds({std::log(8000), std::log(1500)});
+  optimizer.set_initial_step(0.7);
+  optimizer.set_xtol_abs(0.02);
+  optimizer.set_min_objective(Cost, &search);
+  std::vector<double> best, gradient;
+  double cost = std::numeric_limits<double>::infinity();
+  try {
+    // From the best of a coarse grid: some robots are unstable on most of it.
+    for (const double stiffness : {400, 1500, 5000}) {
+      for (const double damping : {60, 200, 600}) {
+        if (evaluations-- <= 0) continue;
+        const std::vector<double> gains{std::log(stiffness), std::log(damping)};
+        const double each = Cost(gains, gradient, &search);
+        if (best.empty() || each < cost) best = gains;
+        cost = std::min(cost, each);
+      }
+    }
+    optimizer.set_maxeval(evaluations);
+    if (evaluations > 0) optimizer.optimize(best, cost);
+  } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow: `best` holds
+  } catch (const nlopt::forced_stop&) {
+    if (!search.error) throw;
+    std::rethrow_exception(search.error);
+  }
+  if (!search.best_failure.empty()) {
+    Say(fmt::format("tenon-tune-pd: no gains were found that hold all motions; the best ones end with: {}\n",
+                    search.best_failure));
+    return kLimitBroken;
+  }
   fmt::print("best: stiffness_N_per_m: {:.0f}, damping_N_s_per_m: {:.0f} (cost {:.3f})\n", std::exp(best[0]),
-             std::exp(best[1]), cost);
+             std::exp(best[1]), search.best_cost);
   return kRan;
 }
 
@@ -119,6 +205,8 @@ int main(int argc, char** argv) {
   std::string robot = "cdpr_4";
   int evaluations = 60;
   app.add_option("--robot", robot, "a shipped robot or a YAML file")->capture_default_str();
-  app.add_option("--evaluations", evaluations, "at most so many trials of gains")->capture_default_str();
+  app.add_option("--evaluations", evaluations, "at most so many trials of gains")
+      ->capture_default_str()
+      ->check(tenon::apps::PositiveInteger());
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Tune(robot, evaluations); });
 }

@@ -2,13 +2,15 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <new>
 #include <system_error>
 
-#include <tenon/plants/model/resources.h>
+#include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/io/output_file.h>
@@ -17,15 +19,17 @@ namespace tenon::apps {
 
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   app.add_option("SCENARIO", arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
-  app.add_option("--seed", arguments.seed, "seed of all random streams");
+  app.add_option("--seed", arguments.seed, "seed of all random streams")->check(Seed());
   app.add_option("--set", arguments.settings, "override a value of the scenario: --set pd.rate_hz=500")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--duration", arguments.duration, "simulated time [s], instead of the scenario's")
-      ->check(CLI::PositiveNumber);
+      ->check(Positive());
   app.add_option("--out", arguments.out, "directory for all output (default: out/SCENARIO)");
   app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
   app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
+  app.add_flag("--keys", arguments.keys,
+               "list all keys of scenarios with their defaults and stop; a SCENARIO is checked before");
   app.footer(
       "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
       "output directory.\n"
@@ -34,8 +38,62 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
       "5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
 }
 
-void Say(const std::string& text) noexcept {
-  std::fputs(text.c_str(), stderr);
+namespace {
+
+/// Whether all of a text is a number of that type.
+template <class Number>
+bool Parses(const std::string& text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Refuses what `fits` does not take. The option's name and the text stand before what is wrong.
+CLI::Validator Range(const char* name, const char* range, bool (*fits)(const std::string& text)) {
+  return {[range, fits](std::string& text) {
+            return fits(text) ? "" : fmt::format("{} must be {}", internal::Excerpt(text), range);
+          },
+          name};
+}
+
+}  // namespace
+
+void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
+  const auto port = Range("PORT", "a port from 1 to 65535", [](const std::string& text) {
+    int number = 0;
+    return Parses(text, number) && number > 0 && number < 65536;
+  });
+  auto* const live =
+      app.add_flag(
+             "--live{8080}", arguments.live,
+             "show the run in a browser while it goes on, and steer it there; --live PORT, default 8080 "
+             "or the next that is free")
+          ->check(port);
+  app.add_option("--live-address", arguments.live_address,
+                 "address to listen at, for browsers of other machines; they need the token that is printed")
+      ->needs(live);
+  app.add_option("--replay", arguments.replay, "repeat a live run from its live.jsonl, without a browser")
+      ->excludes(live);
+}
+
+CLI::Validator Positive() {
+  return Range("> 0", "a positive number", [](const std::string& text) {
+    double number = 0;
+    return Parses(text, number) && std::isfinite(number) && number > 0;
+  });
+}
+
+CLI::Validator PositiveInteger() {
+  return Range("> 0", "an integer from 1 to 2147483647", [](const std::string& text) {
+    std::int32_t number = 0;
+    return Parses(text, number) && number > 0;
+  });
+}
+
+CLI::Validator Seed() {
+  return Range(">= 0", "an integer from 0 to 18446744073709551615", [](const std::string& text) {
+    std::uint64_t number = 0;
+    return Parses(text, number);
+  });
 }
 
 RunOptions OptionsOf(const CommonArguments& arguments) {
@@ -45,8 +103,19 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
 }
 
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
+  // `--live 8081` as `--live=8081`; any other word behind --live is the scenario.
+  std::vector<std::string> words;
+  for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 takes them from the back
+  for (std::size_t i = words.size(); i-- > 1;) {
+    int port = 0;
+    if (words[i] != "--live" || !Parses(words[i - 1], port)) continue;
+    words[i] += "=" + words[i - 1];
+    words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) - 1);
+    break;
+  }
   try {
-    app.parse(argc, argv);
+    app.parse(words);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kRan : kBadUsage;
   }
@@ -74,44 +143,6 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   }
 }
 
-namespace {
-
-/// A scenario with everything that it takes over from the ones that it extends.
-YamlDocument LoadExtended(const std::string& name) {
-  YamlDocument document = YamlDocument::Load(FindResource("scenarios", name));
-  std::vector<std::string> chain{name};
-  for (std::string base; !(base = document.Text("extends")).empty();) {
-    if (std::find(chain.begin(), chain.end(), base) != chain.end())
-      throw ParameterError(fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
-                                       internal::Excerpt(base), internal::Excerpt(chain.back())));
-    chain.push_back(base);
-    document.Remove("extends");
-    document.AddMissing(YamlDocument::Load(FindResource("scenarios", base)));
-  }
-  return document;
-}
-
-}  // namespace
-
-YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
-                          const std::string& app) {
-  YamlDocument document = LoadExtended(name);
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500",
-                                       internal::Excerpt(setting)));
-    }
-    document.Set(setting.substr(0, equals), setting.substr(equals + 1));
-  }
-  if (const std::string other = document.Text("app"); !other.empty() && other != app) {
-    throw ParameterError(fmt::format("{0}: '{1}' is a scenario of another app, not of {2}; run {3} {1}",
-                                     document.PlaceOf("app"), internal::Excerpt(name), app,
-                                     internal::Excerpt(other)));
-  }
-  return document;
-}
-
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
@@ -121,26 +152,33 @@ YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& a
   return document;
 }
 
-std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
-                                                         std::optional<std::uint64_t> seed) {
-  if (seed) {
-    scenario.Set("seed", fmt::format("{}", *seed));
-  } else {
-    const std::string text = scenario.Text("seed");
-    std::uint64_t own =
-        1;  // that of a scenario which says none; what is no number is refused when it is read
-    std::from_chars(text.data(), text.data() + text.size(), own);
-    seed = own;
+int RunLive(CommonArguments arguments,
+            const std::function<int(const CommonArguments& arguments, const RunOptions& options)>& run) {
+  RunOptions options = OptionsOf(arguments);
+  if (arguments.live.empty() && arguments.replay.empty()) return run(arguments, options);
+  LiveSessionOptions session{.duration = arguments.duration};
+  if (!arguments.live.empty()) session.port = std::stoi(arguments.live);
+  if (!arguments.live_address.empty()) session.address = arguments.live_address;
+  if (!arguments.replay.empty()) session.replay = arguments.replay;
+  options.live = std::make_shared<LiveSession>(session);
+  if (const auto seed = options.live->replay_seed()) arguments.seed = seed;
+  for (;;) {
+    const int code = run(arguments, options);
+    const auto seed = options.live->reset_seed();
+    if (!seed) return code;
+    arguments.seed = seed;
   }
-  return scenario.Draw(*seed);
 }
 
-void ListScenarios(const std::string& app) {
-  for (const std::string& name : ListResources("scenarios")) {
-    const YamlDocument document = LoadExtended(name);
-    if (document.Text("app") != app) continue;
-    fmt::print("{:<16} {}\n", name, document.Text("description"));
+bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
+  if (arguments.list)
+    for (const auto& [name, description] : ListScenarios(app.name))
+      fmt::print("{:<16} {}\n", name, description);
+  if (arguments.keys) {
+    if (!arguments.scenario.empty() && app.check) app.check(LoadScenario(arguments, app.name));
+    PrintKeys(app.keys());
   }
+  return arguments.list || arguments.keys;
 }
 
 }  // namespace tenon::apps

@@ -2,26 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <tenon/systems/yaml/yaml.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_app.h>
+#include <tenon/apps/common/scenario_file.h>
 
 namespace tenon::apps {
-
-/// What every app returns to the shell. What a signal stops returns 128 and its number, as in a shell: 130
-/// after Ctrl-C, 143 after SIGTERM.
-enum ExitCode {
-  kRan = 0,
-  kBadUsage = 2,          ///< command line, scenario or robot file
-  kLimitBroken = 3,       ///< the robot fell, or broke a limit that the scenario forbids to break
-  kNumericalFailure = 4,  ///< or out of memory
-  kOutputFailed = 5,      ///< a file could not be written
-};
 
 /// The arguments that all apps share.
 struct CommonArguments {
@@ -31,40 +21,40 @@ struct CommonArguments {
   std::optional<double> duration;     ///< [s]
   std::string out;                    ///< directory; empty: out/SCENARIO
   std::string graph;                  ///< file; empty: none
+  std::string live;                   ///< port; empty: not live
+  std::string live_address;           ///< empty: this machine alone
+  std::string replay;                 ///< recording of a live run; empty: none
   bool list = false;
+  bool keys = false;
 };
 
 /// Declares the shared arguments on an app's command line; the app may add its own.
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
 
-/// On stderr; what cannot be told there is lost, and nothing else with it.
-void Say(const std::string& text) noexcept;
-
-/// What a run leaves, and how long it may take.
-struct RunOptions {
-  std::filesystem::path out;              ///< directory; empty: no file and no progress, figures alone
-  std::string graph = {};                 ///< file; empty: none
-  std::optional<double> wall_limit = {};  ///< [s] on the clock
-};
+/// --live, --live-address and --replay, of apps that run one scenario.
+void AddLiveArguments(CLI::App& app, CommonArguments& arguments);
 
 /// Where the run writes: --out, or out/SCENARIO; and --graph.
 RunOptions OptionsOf(const CommonArguments& arguments);
 
+/// Options that say their range in words, where CLI11 would print its limits to the last digit.
+CLI::Validator Positive();
+CLI::Validator PositiveInteger();
+CLI::Validator Seed();
+
 /// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 
-/// A scenario file with all `settings`, key=value, applied. `extends: NAME` in a scenario takes over
-/// everything of another that it does not say itself; lists are taken over as a whole. Throws ParameterError,
-/// among others for a scenario of another app than `app`.
-YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
-                          const std::string& app);
-/// The same of a command line, with its seed; what the scenario leaves to chance is drawn by that.
+/// LoadScenario of a command line, with its seed; what the scenario leaves to chance is drawn by that.
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app);
-/// Gives a scenario its seed, if there is one, and draws what it leaves to chance. Returns what was drawn.
-std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
-                                                         std::optional<std::uint64_t> seed);
 
-/// Prints name and description of every shipped scenario whose `app` key is this app's name.
-void ListScenarios(const std::string& app);
+/// Runs `run` with the arguments and the options of the command line: once, or with --live once more for each
+/// reset, with another seed. A replay has the recording's seed. Returns what the last `run` returns.
+int RunLive(CommonArguments arguments,
+            const std::function<int(const CommonArguments& arguments, const RunOptions& options)>& run);
+
+/// Whether the command line asks for what an app knows instead of a run, --list or --keys; then it is
+/// printed.
+bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app);
 
 }  // namespace tenon::apps

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
 #include <tenon/apps/common/blame.h>
@@ -49,14 +50,17 @@ void Fault::Validate() const {
   if (probability) DemandBetween("probability", *probability, 0, 1);
 }
 
-std::vector<int> Fault::Indices(const char* what, int count) const {
+std::vector<int> Fault::Indices(const char* what, const std::vector<Element>& things) const {
   std::vector<int> indices;
   for (const std::string& element : elements) {
-    int index = 0;
-    while (index < count && std::to_string(index) != element) ++index;
-    Demand(index < count,
-           fmt::format("elements: there is no {} '{}', give numbers from 0 to {}", what, element, count - 1));
-    indices.push_back(index);
+    const auto thing = std::ranges::find(things, element, &Element::name);
+    if (thing == things.end()) {
+      std::vector<std::string> names;
+      for (const Element& other : things) names.push_back(other.name);
+      throw ParameterError(fmt::format("elements: there is no {} '{}', give some of {}", what, element,
+                                       fmt::join(names, ", ")));
+    }
+    indices.push_back(static_cast<int>(thing - things.begin()));
   }
   return indices;
 }

@@ -24,10 +24,10 @@ constexpr auto EnumNames(FaultKind) {
 
 /// A fault as scenarios say it, but for the place. What a kind does not need is refused, see SignalFault.
 struct Fault {
-  FaultKind kind = FaultKind::kDropOut;
+  FaultKind kind = FaultKind::kDropOut;  ///< what goes wrong
   std::vector<std::string> elements =
-      {};  ///< of the signal, or numbers of joints, winches, cables; empty: all
-  double start_s = 0;
+      {};                             ///< of the signal, as logs name them, or joints, cables; empty: all
+  double start_s = 0;                 ///< when it begins
   std::optional<double> duration_s;   ///< without: to the end of the run
   std::optional<double> size;         ///< of spike, offset [the signal's unit], and loss: 1 loses everything
   std::optional<double> period_s;     ///< of a spike; without: a single one
@@ -40,14 +40,14 @@ struct Fault {
   FaultSchedule schedule() const {
     return {start_s, duration_s.value_or(std::numeric_limits<double>::infinity())};
   }
-  /// The elements as indices of `count` things, each of which is `what`; throws ParameterError.
-  std::vector<int> Indices(const char* what, int count) const;
+  /// The elements as indices of things of these names, each of which is `what`; throws ParameterError.
+  std::vector<int> Indices(const char* what, const std::vector<Element>& things) const;
 };
 
 /// A fault at one of the places that a robot has.
 template <NamedEnum Place>
 struct FaultScenario : Fault {
-  Place at{};
+  Place at{};  ///< which signal or part
   static FieldList Fields() {
     FieldList fields{Required("at", &FaultScenario::at)};
     for (const Field& field : Fault::Fields()) fields.push_back(field);
@@ -112,12 +112,8 @@ class FaultPoint {
   /// `remedy` is what to do if nothing reads the signal.
   explicit FaultPoint(const char* remedy) : remedy_(remedy) {}
   FaultPoint(const OutputPort<T>& output, std::vector<InputPort<T>*> readers, Rate rate,
-             std::string unit = "", T initial = internal::Zeroed<T>())
-      : output_(&output),
-        readers_(std::move(readers)),
-        rate_(rate),
-        unit_(std::move(unit)),
-        initial_(initial) {}
+             T initial = internal::Zeroed<T>())
+      : output_(&output), readers_(std::move(readers)), rate_(rate), initial_(initial) {}
 
   /// A fault behind those that are there already.
   void Insert(FaultInserter& inserter, const Fault& fault, const std::string& name) {
@@ -134,7 +130,8 @@ class FaultPoint {
                .probability = fault.probability.value_or(defaults.probability),
                .initial = initial_,
                .rate = rate_,
-               .unit = unit_});
+               .unit = output_->spec().units,
+               .elements = output_->spec().elements});
     inserter.builder.Connect(*output_, block.u);
     for (InputPort<T>* reader : readers_) {
       inserter.builder.Disconnect(*reader);
@@ -149,7 +146,6 @@ class FaultPoint {
   const OutputPort<T>* output_ = nullptr;
   std::vector<InputPort<T>*> readers_;
   Rate rate_ = Hz(1000);
-  std::string unit_;
   T initial_ = internal::Zeroed<T>();
 };
 

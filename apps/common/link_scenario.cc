@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <tenon/apps/common/checks.h>
+#include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
 

@@ -12,8 +12,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
 
 namespace tenon::apps {
@@ -84,6 +86,9 @@ void WriteGraph(const Diagram& diagram, const fs::path& file) {
       "--graph {}: Graphviz's `dot` failed; apt-get install graphviz, or write a .dot file", file.string()));
 }
 
+/// What a Monitor is called that knows when a robot has fallen.
+static constexpr const char* kFall = "fall";
+
 struct Summary::Json {
   nlohmann::ordered_json values;
 };
@@ -96,7 +101,7 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["case"] = case_name;
   values["seed"] = seed;
   values["finished"] = exit_code_ == kRan;
-  values["fell"] = exit_code_ == kLimitBroken;
+  values["fell"] = outcome.status.monitor != nullptr && outcome.status.monitor->name() == kFall;
   values["end_reason"] = failed                 ? outcome.failure
                          : outcome.status.ended ? outcome.status.reason
                                                 : "end of the run";
@@ -105,16 +110,37 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
 }
 
-Summary::Summary(Summary&&) noexcept = default;
-Summary::~Summary() = default;
+Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(json)), exit_code_(exit_code) {}
 
 namespace {
 
-nlohmann::ordered_json NumberOrNull(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+constexpr const char* kLimits = "limits";
+
+std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
+  if (!object.contains(key)) return std::nullopt;
+  return object[key].get<double>();
 }
 
 }  // namespace
+
+Summary Summary::Load(const fs::path& file, int exit_code) {
+  std::ifstream in(file);
+  auto json = std::make_unique<Json>();
+  json->values = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (!json->values.is_object() || !json->values.contains("finished"))
+    throw RunError(
+        fmt::format("'{}' holds no figures of a run: did something else write it?", file.string()));
+  Summary summary(std::move(json), exit_code);
+  auto& values = summary.json_->values;
+  const auto limits = values.value(kLimits, nlohmann::ordered_json::object());
+  for (const auto& [key, limit] : limits.items())
+    summary.Limit(key, {NumberIn(limit, "low"), NumberIn(limit, "high")});
+  values.erase(kLimits);
+  return summary;
+}
+
+Summary::Summary(Summary&&) noexcept = default;
+Summary::~Summary() = default;
 
 void Summary::Set(const std::string& key, std::optional<double> value) {
   json_->values[key] = NumberOrNull(value);
@@ -126,6 +152,17 @@ void Summary::Set(const std::string& key,
                   const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : values) object[name] = NumberOrNull(value);
+}
+
+void Summary::Break(double time, const std::string& reason) {
+  const auto later = std::ranges::find_if(breaches_, [&](const auto& other) { return other.first > time; });
+  breaches_.emplace(later, time, reason);
+  if (exit_code_ != kRan && !judged_) return;
+  judged_ = true;
+  exit_code_ = kLimitBroken;
+  json_->values["finished"] = false;
+  json_->values["end_reason"] =
+      fmt::format("{}, at {:.4g} s", breaches_.front().second, breaches_.front().first);
 }
 
 namespace {
@@ -152,6 +189,12 @@ std::string Shown(const nlohmann::ordered_json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+std::string Shown(const Limits& limits) {
+  if (limits.low && limits.high) return fmt::format("   (from {:.4g} to {:.4g})", *limits.low, *limits.high);
+  if (limits.low) return fmt::format("   (at least {:.4g})", *limits.low);
+  return limits.high ? fmt::format("   (at most {:.4g})", *limits.high) : "";
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> Summary::Flat() const {
@@ -169,7 +212,13 @@ std::vector<std::pair<std::string, std::string>> Summary::Flat() const {
 }
 
 void Summary::Write(const fs::path& file) const {
-  WriteJson(json_->values, file);
+  nlohmann::ordered_json values = json_->values;
+  for (const auto& [key, limit] : limits_) {
+    auto& object = values[kLimits][key] = nlohmann::ordered_json::object();
+    if (limit.low) object["low"] = *limit.low;
+    if (limit.high) object["high"] = *limit.high;
+  }
+  WriteJson(values, file);
 }
 
 void Summary::AddTo(Report& report) const {
@@ -177,13 +226,19 @@ void Summary::AddTo(Report& report) const {
   const bool finished = values["finished"];
   const double end = values["simulated_s"];
   const std::string reason = values["end_reason"];
-  report.Conclude(finished, finished ? fmt::format("finished after {:.4g} s", end)
-                                     : fmt::format("ended at {:.4g} s: {}", end, reason));
-  if (!finished) report.AddEvent(end, reason);
+  report.Conclude(finished, finished  ? fmt::format("finished after {:.4g} s", end)
+                            : judged_ ? fmt::format("ran for {:.4g} s, but {}", end, reason)
+                                      : fmt::format("ended at {:.4g} s: {}", end, reason));
+  if (!finished && !judged_) report.AddEvent(end, reason);
+  for (const auto& [time, breach] : breaches_) report.AddEvent(time, breach);
   for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
     if (value.is_number() || value.is_null()) {
-      report.AddFigure(name, value.is_null() ? std::nullopt : std::optional<double>(value));
+      const auto limits = std::ranges::find_if(limits_, [&key = name](const auto& limit) {
+        return key == limit.first || key.starts_with(limit.first + ".");
+      });
+      report.AddFigure(name, value.is_null() ? std::nullopt : std::optional<double>(value),
+                       limits == limits_.end() ? Limits{} : limits->second);
     } else {
       report.AddFigure(name, value.is_string() ? value.get<std::string>() : value.dump());
     }
@@ -191,7 +246,25 @@ void Summary::AddTo(Report& report) const {
 }
 
 void Summary::Print() const {
-  for (const auto& [key, value] : json_->values.items()) fmt::print("{:<28} {}\n", key, Shown(value));
+  for (const auto& [key, value] : json_->values.items()) {
+    const auto limit = std::ranges::find(limits_, key, &std::pair<std::string, Limits>::first);
+    const std::string beside = limit == limits_.end() ? "" : Shown(limit->second);
+    fmt::print("{:<28} {}{}\n", key, Shown(value), beside);
+  }
+}
+
+void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values) {
+  for (const auto& [path, numbers] : values) {
+    const std::string key = "parameters." + path;
+    try {
+      const Source& source = context.diagram().Find(path);
+      if (source.kind() != SourceKind::kParameter)
+        throw ParameterError(fmt::format("'{}' is no Parameter: name one of those that --live lists", path));
+      context.SetDoubles(source, numbers);
+    } catch (const Error& error) {
+      throw KeyError(key, error.what());
+    }
+  }
 }
 
 int TryToWrite(const std::function<void()>& write) {

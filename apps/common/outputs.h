@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,8 +10,10 @@
 #include <vector>
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/live_session.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/io/output_file.h>
 #include <tenon/systems/report/report.h>
@@ -54,6 +57,9 @@ struct ReportScenario {
 class Summary {
  public:
   Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
+  /// That of a run which ended with an exit code, as Write left it. Throws RunError if the file is no
+  /// summary.
+  static Summary Load(const std::filesystem::path& file, int exit_code);
   Summary(Summary&&) noexcept;
   ~Summary();
   /// Null if empty: a figure of nothing is no 0.
@@ -61,6 +67,13 @@ class Summary {
   void Set(const std::string& key, const std::string& value);
   /// By name: of legs, of axes.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
+
+  /// What a figure should stay within, and all that are nested in it: `limits` of summary.json, and beside
+  /// the figure where it is shown.
+  void Limit(const std::string& key, const Limits& limits) { limits_.emplace_back(key, limits); }
+  /// What happened at `time` [s] could not have: the run is not finished, whatever end it came to, and ends
+  /// with kLimitBroken. Of several the first in time is the reason, unless something else ended the run.
+  void Break(double time, const std::string& reason);
 
   void Write(const std::filesystem::path& file) const;  ///< throws OutputError
   void Print() const;                                   ///< on stdout, one figure a line
@@ -78,7 +91,11 @@ class Summary {
 
  private:
   struct Json;
+  Summary(std::unique_ptr<Json> json, int exit_code);
   std::unique_ptr<Json> json_;
+  std::vector<std::pair<std::string, Limits>> limits_;
+  std::vector<std::pair<double, std::string>> breaches_;  ///< when [s], and what
+  bool judged_ = false;  ///< it came to its end, and a breach is what is wrong with it
   int exit_code_;
 };
 
@@ -88,14 +105,20 @@ struct RunResult {
   std::optional<Report> report;
 };
 
+/// Sets Parameters of a diagram, by their paths. Throws KeyError with the key `parameters.PATH` if there is
+/// no such Parameter or it does not take the values.
+void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values);
+
 /// A report with the title, plots, events and bands of a scenario.
-Report ScenarioReport(const auto& scenario, const std::string& description) {
+Report ScenarioReport(const auto& scenario, const std::string& description,
+                      const std::vector<SignalLimits>& limits = {}) {
   return Blame("report", [&] {
     return Report({.title = scenario.case_name + ": " + scenario.description,
                    .description = description,
                    .plots = scenario.report.plots,
                    .events = scenario.report.events,
                    .bands = scenario.report.bands,
+                   .limits = limits,
                    .signal_rate = Hz(scenario.log_rate_hz)});
   });
 }
@@ -109,25 +132,50 @@ void WriteResults(const std::filesystem::path& directory, Summary& summary, Repo
 
 /// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all that it leaves
 /// into the directory of the options, if there is one; scenario.yaml is there from the start, so that even a
-/// killed run says what it was. `signals` go to signals.csv and, with `shapes`, to the report.
+/// killed run says what it was. `signals` go to signals.csv and, with `shapes` and
+/// `limits`, to the report. With a live session the run is paced to the clock, and `controls` are what
+/// browsers can do to it; `parameters` of the scenario, if it has that key, are set at the start.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
                       double duration, Simulator& simulator, const std::vector<const Source*>& signals,
-                      const std::vector<const OutputPort<Geometry>*>& shapes, const auto& judge) {
+                      const std::vector<const OutputPort<Geometry>*>& shapes,
+                      const std::vector<SignalLimits>& limits, const auto& judge,
+                      const LiveControls& controls = {}) {
+  if constexpr (requires { scenario.parameters; }) SetParameters(simulator.context(), scenario.parameters);
+  const auto run = [&] {
+    if (!options.live) return Advance(simulator, duration, options.wall_limit);
+    LiveView view{.signals = signals,
+                  .shapes = shapes,
+                  .controls = controls,
+                  .title = scenario.case_name + ": " + scenario.description,
+                  .description = description,
+                  .plots = scenario.report.plots,
+                  .bands = scenario.report.bands,
+                  .limits = limits};
+    if constexpr (requires { scenario.parameters; }) {
+      view.save = [&](const LiveSets& sets) {
+        auto tuned = scenario;
+        for (const LiveSet& set : sets) tuned.parameters[set.path] = set.values;
+        return WriteYaml(tuned);
+      };
+    }
+    return options.live->Advance(simulator, view, duration, options.out);
+  };
   const auto advance = [&] {
-    Summary summary(scenario.case_name, scenario.seed, Advance(simulator, duration, options.wall_limit));
+    Summary summary(scenario.case_name, scenario.seed, run());
     judge(summary);
     return summary;
   };
   if (options.out.empty()) return {advance(), std::nullopt};
 
-  Report report = ScenarioReport(scenario, description);
+  Report report = ScenarioReport(scenario, description, limits);
   Blame("report", [&] { report.Log(simulator, signals, shapes); });
+  const ScenarioFiles files(scenario);  // read before an earlier run's go, which may be these
   const OutputDirectory out(options.out);
-  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
+  files.Write(out.path());
   WriteGraph(simulator.context().diagram(), options.graph);
-  simulator.AddLog(
-      Hz(scenario.log_rate_hz), signals,
-      {std::make_shared<CsvLog>(out.path() / "signals.csv"), std::make_shared<ProgressSink>(duration)});
+  std::vector<std::shared_ptr<LogSink>> sinks{std::make_shared<CsvLog>(out.path() / "signals.csv")};
+  if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration));
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, sinks);
   Summary summary = advance();
   WriteResults(out.path(), summary, report);
   return {std::move(summary), std::move(report)};

@@ -13,10 +13,14 @@
 #include <new>
 #include <utility>
 
-#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/run_options.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
+
+void Say(const std::string& text) noexcept {
+  std::fputs(text.c_str(), stderr);
+}
 
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
@@ -73,6 +77,7 @@ namespace {
 std::atomic<int> caught_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a handler of signals may set nothing else");
 
+constexpr const char* kInterrupted = "interrupted";
 constexpr std::array kSignals{SIGINT, SIGTERM};
 std::mutex guard_mutex;
 int guards = 0;  ///< that live
@@ -104,7 +109,12 @@ int SignalGuard::caught() {
   return caught_signal;
 }
 
-RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit) {
+void StopOnSignal(Simulator& simulator) {
+  simulator.AddMonitor(
+      [](Context&) { return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted); });
+}
+
+RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance) {
   RunOutcome outcome;
   const auto fail = [&](std::string failure, ExitCode code) {
     outcome.failure = std::move(failure);
@@ -112,22 +122,11 @@ RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> 
     outcome.exit_code = code;
   };
   const SignalGuard guard;
-  simulator.AddMonitor(
-      [](Context&) { return SignalGuard::caught() == 0 ? Verdict() : Verdict("interrupted"); });
   const auto begin = std::chrono::steady_clock::now();
-  const auto wall = [begin] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
-  const auto too_long = std::make_shared<bool>(false);  // the monitor outlives this function
-  if (wall_limit) {
-    simulator.AddMonitor([=, limit = *wall_limit](Context&) {
-      *too_long = *too_long || wall() > limit;
-      return *too_long ? Verdict(fmt::format("took longer than {} s on the clock", limit)) : Verdict();
-    });
-  }
   try {
-    outcome.status = simulator.AdvanceTo(duration);
-    if (outcome.status.ended) outcome.exit_code = *too_long ? kNumericalFailure : kLimitBroken;
+    outcome.status = advance();
+    if (outcome.status.ended) outcome.exit_code = kLimitBroken;
+    if (outcome.status.reason == kInterrupted) outcome.exit_code = 128 + SIGINT;  // by a browser
   } catch (const OutputError& error) {
     fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
@@ -138,9 +137,25 @@ RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> 
   // Also if it came with the last tick: who stops one run of several means all.
   if (const int caught = SignalGuard::caught(); caught != 0 && outcome.exit_code != kOutputFailed) {
     outcome.exit_code = 128 + caught;
-    outcome.status = {outcome.status.time, true, "interrupted"};
+    outcome.status = {outcome.status.time, true, kInterrupted};
   }
-  outcome.wall_s = wall();
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return outcome;
+}
+
+RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit) {
+  StopOnSignal(simulator);
+  const auto too_long = std::make_shared<bool>(false);  // the monitor outlives this function
+  if (wall_limit) {
+    const auto begin = std::chrono::steady_clock::now();
+    simulator.AddMonitor([=, limit = *wall_limit](Context&) {
+      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+      *too_long = *too_long || wall.count() > limit;
+      return *too_long ? Verdict(fmt::format("took longer than {} s on the clock", limit)) : Verdict();
+    });
+  }
+  RunOutcome outcome = Observe(simulator, [&] { return simulator.AdvanceTo(duration); });
+  if (*too_long && outcome.exit_code == kLimitBroken) outcome.exit_code = kNumericalFailure;
   return outcome;
 }
 

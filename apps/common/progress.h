@@ -1,12 +1,16 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps {
+
+/// On stderr; what cannot be told there is lost, and nothing else with it.
+void Say(const std::string& text) noexcept;
 
 /// How far something is, on stderr: a line that is written over with a bar if stderr is a terminal, else a
 /// line every 5 s.
@@ -68,9 +72,15 @@ class SignalGuard {
   static int caught();
 };
 
+/// Advances a run by `advance`. A RunError, or that memory is out, is caught and told in the outcome, so that
+/// the caller can still write what there is. A monitor that ends it has broken a limit; the reason
+/// "interrupted" counts as SIGINT.
+RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance);
+/// Lets SIGINT and SIGTERM end what the simulator advances, see SignalGuard.
+void StopOnSignal(Simulator& simulator);
+
 /// Advances to `duration` [s], or until SIGINT or SIGTERM comes, see SignalGuard, or `wall_limit` [s] on the
-/// clock are over, which ends the run as a monitor does. A RunError, or that memory is out, is caught and
-/// told in the outcome, so that the caller can still write what there is.
+/// clock are over, which ends the run as a monitor does. Errors as with Observe.
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit = {});
 
 }  // namespace tenon::apps

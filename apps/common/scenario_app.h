@@ -1,20 +1,50 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 
-/// An app as campaigns see it: what turns a scenario into figures. Both functions may be called by several
+/// What the scenarios of all apps say. A scenario of one's own derives from it and adds its keys:
+///
+///     struct CartScenario : tenon::apps::AppScenario {
+///       double mass_kg = 2;
+///       static tenon::FieldList Fields() { return With({{"mass_kg", &CartScenario::mass_kg}}); }
+///     };
+///
+/// Files are named by members of type YamlFile, so that their paths start from the scenario.
+struct AppScenario {
+  std::string app;          ///< the app whose scenario this is
+  std::string description;  ///< one line
+  std::string case_name;    ///< title of the run
+  double duration_s = 10;
+  std::uint64_t seed = 1;    ///< of all random streams
+  double log_rate_hz = 100;  ///< of signals.csv
+  ReportScenario report;     ///< what the report shows; all signals if it says nothing
+  std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
+
+  /// The keys of these, then `own`.
+  static FieldList With(FieldList own);
+};
+
+/// An app as campaigns see it: what turns a scenario into figures. `check` and `run` may be called by several
 /// threads at once.
 struct ScenarioApp {
-  std::string name;  ///< that of the scenarios' key `app`
+  std::string name;         ///< that of the scenarios' key `app`
+  std::string description;  ///< what it does, for --help
+  /// All keys of its scenarios.
+  std::function<std::vector<ScenarioKey>()> keys;
   /// Throws ParameterError if the scenario is none of this app's; runs nothing.
   std::function<void(const YamlDocument& scenario)> check;
   /// Runs a scenario in which nothing is left to chance, for its own time or `duration` [s]. Throws
@@ -26,8 +56,11 @@ struct ScenarioApp {
 
 /// That of `read(document)`, the scenario as a struct; `prepare(scenario)`, which makes the diagram's
 /// parameters; and `run(scenario, options)`.
-ScenarioApp MakeScenarioApp(std::string name, auto read, auto prepare, auto run) {
+ScenarioApp MakeScenarioApp(std::string name, std::string description, auto read, auto prepare, auto run) {
+  using Scenario = decltype(read(std::declval<const YamlDocument&>()));
   return {.name = std::move(name),
+          .description = std::move(description),
+          .keys = [] { return KeysOf<Scenario>(); },
           .check =
               [=](const YamlDocument& document) {
                 RunBlaming(document, [&] {
@@ -44,5 +77,19 @@ ScenarioApp MakeScenarioApp(std::string name, auto read, auto prepare, auto run)
                 });
               }};
 }
+
+/// An app of one's own: `run` gets its scenario, and calls RunScenario.
+template <HasFields Scenario>
+ScenarioApp MakeScenarioApp(std::string name, std::string description,
+                            RunResult (*run)(const Scenario& scenario, const RunOptions& options)) {
+  return MakeScenarioApp(
+      std::move(name), std::move(description),
+      [](const YamlDocument& document) { return document.Read<Scenario>(); }, [](const Scenario&) {}, run);
+}
+
+/// A main(): reads the command line (SCENARIO, --set, --seed, --duration, --out, --graph, --list, --keys,
+/// --version, --help), runs the scenario, prints its figures and returns its exit code. What goes wrong is
+/// told on stderr.
+int RunApp(const ScenarioApp& app, int argc, char** argv);
 
 }  // namespace tenon::apps

@@ -9,11 +9,29 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
+#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
 namespace tenon::apps {
+namespace {
+
+/// The person goes where browsers drag her, no faster than one walks.
+LiveControls::Goal PersonGoalOf(const Person& person) {
+  constexpr double kReach = 20, kSpeed = 0.5;  // [m] from where she starts, [m/s]
+  const Vec<2>& start = person.params.start;
+  return {"person",
+          {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
+          [path = person.goal.path()](const Vec<3>& place) {
+            return LiveSets{{path, {1, place[0], place[1], kSpeed}}};
+          }};
+}
+
+}  // namespace
 
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options) {
   const double duration = Duration(scenario);
@@ -22,35 +40,48 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   auto& loop =
       Blame("", [&]() -> GuideDog& { return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  std::optional<QuadrupedLive> live;
+  if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk); });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
   const auto leash =
       std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
-  const auto walk = std::make_shared<WalkFigures>();
+  const auto walk = std::make_shared<WalkFigures>(scenario.walk.judged_from_s);
   std::vector<const Source*> judged = signals;
   judged.push_back(WalkFigures::Solves(loop.locomotion));
   simulator.AddLog(Hz(1000), judged, {leash, walk});
+  const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
+  simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {limits});
   signals.insert(signals.end(), faults.begin(), faults.end());
 
   const auto judge = [&](Summary& summary) {
-    summary.Set("robot", scenario.robot);
+    summary.Set("robot", ResourceName(scenario.robot));
     summary.Set("observer", std::string(EnumName(scenario.observer)));
     leash->AddTo(summary);
     walk->AddTo(summary);
+    limits->AddTo(summary);
   };
   const std::string description =
-      fmt::format("{}, {:.4g} s, seed {}", scenario.robot, duration, scenario.seed);
-  return RunScenario(options, scenario, description, duration, simulator, signals,
-                     {&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry,
-                      &loop.leash.geometry, &loop.obstacles.geometry},
-                     judge);
+      fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), duration, scenario.seed);
+  std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry,
+                                                  &loop.person.geometry, &loop.leash.geometry,
+                                                  &loop.obstacles.geometry};
+  LiveControls controls;
+  if (live) {
+    live->AddTo(signals, shapes);
+    controls = live->Controls();
+    controls.goal = PersonGoalOf(loop.person);
+  }
+  return RunScenario(options, scenario, description, duration, simulator, signals, shapes,
+                     DriveLimits(loop.world.plant), judge, controls);
 }
 
 ScenarioApp GuideDogApp() {
   return MakeScenarioApp(
-      "tenon-guide-dog", [](const YamlDocument& document) { return document.Read<GuideDogScenario>(); },
-      MakeGuideDogParams, RunGuideDog);
+      "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
+      [](const YamlDocument& document) { return document.Read<GuideDogScenario>(); }, MakeGuideDogParams,
+      RunGuideDog);
 }
 
 }  // namespace tenon::apps

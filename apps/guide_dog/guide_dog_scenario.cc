@@ -22,6 +22,7 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
   alone.fall = scenario.fall;
   alone.limit_speed = scenario.limit_speed;
   alone.integrator = scenario.integrator;
+  alone.scale_forces = scenario.scale_forces;
   return alone;
 }
 
@@ -50,6 +51,17 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.obstacles = scenario.surroundings;
   params.person = scenario.person;
   params.leash = scenario.leash;
+  const auto [weight, length] = RatioOf(WithoutPerson(scenario));
+  SupervisorGains& supervisor = params.supervisor.gains;
+  AdmittanceGains& admittance = params.admittance.gains;
+  PersonParams& person = params.person;
+  for (double* const force :
+       {&supervisor.threshold, &supervisor.release, &admittance.desired_tension, &admittance.mass,
+        &admittance.damping, &admittance.stiffness, &person.mass, &person.damping, &person.stiffness,
+        &person.felt_tension, &params.leash.stiffness})
+    *force *= weight;
+  for (PersonPhase& phase : person.phases) phase.force *= weight;
+  params.leash.attachment_B *= length;
   return params;
 }
 

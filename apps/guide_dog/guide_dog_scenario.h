@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -12,34 +13,39 @@ namespace tenon::apps {
 
 /// A run of tenon-guide-dog, as its YAML file says it.
 struct GuideDogScenario {
-  std::string app;
-  std::string description;
-  std::string case_name;
-  std::string robot = "dogbot";      ///< a shipped robot or a YAML file
+  std::string app;                   ///< the app whose scenario this is
+  std::string description;           ///< one line
+  std::string case_name;             ///< the run's name
+  YamlFile robot{"dogbot"};          ///< a shipped robot, a file, or one with what differs
   std::optional<double> duration_s;  ///< without: one second longer than the walk
-  std::uint64_t seed = 1;
-  WalkScenario walk;  ///< of the robot if it were alone
+  std::uint64_t seed = 1;            ///< of all random streams
+  WalkScenario walk;                 ///< of the robot if it were alone
   /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
-  YamlText profile{"standard"};
-  ObserverKind observer = ObserverKind::kHybrid;
+  YamlFile profile{"standard"};
+  ObserverKind observer = ObserverKind::kHybrid;  ///< of the forces of others
   SupervisorGains supervisor;
   AdmittanceGains admittance;
   PersonParams person;
   LeashParams leash;
-  ObstacleDetectorParams surroundings;
-  TerrainParams terrain;
-  std::vector<ForceScenario> forces;
-  std::vector<LeggedFault> faults;
+  ObstacleDetectorParams surroundings;  ///< what stands in the way, and how far the robot sees it
+  TerrainParams terrain;                ///< the ground
+  std::vector<ForceScenario> forces;    ///< on trunk and legs
+  std::vector<LeggedFault> faults;      ///< what breaks, and when
   /// Drives, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
-  YamlText hardware{"ideal"};
+  YamlFile hardware{"ideal"};
   SensorScenario sensors;  ///< goes before what the hardware says
   FallScenario fall;
-  bool limit_speed = false;  ///< the drives' torque falls with speed
+  bool limit_speed =
+      true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
   LeggedIntegratorScenario integrator;
-  double log_rate_hz = 100;
-  ReportScenario report;
+  /// Forces, person, leash and blocks are DogBot's: times the robot's weight over DogBot's, see
+  /// ScaledToRobot.
+  bool scale_forces = false;
+  double log_rate_hz = 100;                               ///< of signals.csv
+  ReportScenario report;                                  ///< what the report shows
+  std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
   static FieldList Fields() {
     using S = GuideDogScenario;
@@ -65,8 +71,10 @@ struct GuideDogScenario {
             {"fall", &S::fall},
             {"limit_speed", &S::limit_speed},
             {"integrator", &S::integrator},
+            {"scale_forces", &S::scale_forces},
             {"log_rate_hz", &S::log_rate_hz},
-            {"report", &S::report}};
+            {"report", &S::report},
+            {"parameters", &S::parameters}};
   }
   void Validate() const;  ///< throws ParameterError
 };

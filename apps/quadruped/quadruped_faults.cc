@@ -43,12 +43,9 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
   state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
   wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
   return {.world = &world,
-          .torque = {loop.locomotion.torque, {&world.torque}, rate, "N m"},
+          .torque = {loop.locomotion.torque, {&world.torque}, rate},
           .encoders = std::move(encoders),
-          .torque_sensor = {world.measured_torque,
-                            {&loop.observer.torque},
-                            world.torque_sensor.params.rate,
-                            "N m"},
+          .torque_sensor = {world.measured_torque, {&loop.observer.torque}, world.torque_sensor.params.rate},
           .foot_force = {world.foot_forces, std::move(foot_force_readers), world.foot_sensor.params.rate},
           .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
           .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
@@ -58,7 +55,7 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
 
 void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
   DemandKind(fault, {FaultKind::kStuck, FaultKind::kBroken});
-  const std::vector<int> joints = fault.Indices("joint", kNumJoints);
+  const std::vector<int> joints = fault.Indices("joint", places.world->external_torque.elements());
   if (fault.kind == FaultKind::kBroken) {
     Fault loss = fault;
     loss.kind = FaultKind::kLoss;
@@ -111,7 +108,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedStand&
   QuadrupedWorld& world = loop.world;
   return Insert(builder,
                 {.world = &world,
-                 .torque = {loop.pd.torque, {&world.torque}, loop.pd.params.rate, "N m"},
+                 .torque = {loop.pd.torque, {&world.torque}, loop.pd.params.rate},
                  .encoders = {world.joints, {&loop.pd.joints}, world.encoders.params.rate}},
                 faults);
 }

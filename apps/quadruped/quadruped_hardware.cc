@@ -255,7 +255,7 @@ void DriveScenario::Validate() const {
   if (bandwidth_hz) DemandBetween("bandwidth_hz", *bandwidth_hz, 0.1, 1e6);
 }
 
-HardwareScenario LoadHardware(const YamlText& what) {
+HardwareScenario LoadHardware(const YamlFile& what) {
   return LoadResource("hardware/legged", what).Read<HardwareScenario>();
 }
 

@@ -20,15 +20,15 @@ namespace tenon::apps {
 
 /// How the angles of the joints are measured, see JointEncoders.
 struct EncoderScenario {
-  std::optional<double> rate_hz;  ///< 1000
-  std::optional<int> latency_samples;
-  std::optional<double> angle_noise_rad;
-  std::optional<double> angle_bias_rad;  ///< the same at all joints
-  std::optional<double> speed_noise_rad_per_s;
-  std::optional<double> speed_bias_rad_per_s;
-  std::optional<int> bits;                   ///< of a turn of the joint; without: any angle
-  std::optional<double> offset_rad;          ///< standard deviation of the calibration, by joint
-  std::optional<double> speed_bandwidth_hz;  ///< speeds are differences of angles, through a low-pass
+  std::optional<double> rate_hz;                ///< 1000
+  std::optional<int> latency_samples;           ///< so many samples late
+  std::optional<double> angle_noise_rad;        ///< standard deviation
+  std::optional<double> angle_bias_rad;         ///< the same at all joints
+  std::optional<double> speed_noise_rad_per_s;  ///< standard deviation
+  std::optional<double> speed_bias_rad_per_s;   ///< the same at all joints
+  std::optional<int> bits;                      ///< of a turn of the joint; without: any angle
+  std::optional<double> offset_rad;             ///< standard deviation of the calibration, by joint
+  std::optional<double> speed_bandwidth_hz;     ///< speeds are differences of angles, through a low-pass
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -36,18 +36,19 @@ struct EncoderScenario {
 
 /// The noise grows with the signal: 0.1 is 10 % of it.
 struct TorqueSensorScenario {
-  std::optional<double> rate_hz;  ///< 1000
-  std::optional<int> latency_samples;
-  std::optional<double> noise_ratio;
-  std::optional<double> bias_N_m;  ///< the same at all joints
+  std::optional<double> rate_hz;       ///< 1000
+  std::optional<int> latency_samples;  ///< so many samples late
+  std::optional<double> noise_ratio;   ///< 0.1 is 10 % of the torque
+  std::optional<double> bias_N_m;      ///< the same at all joints
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
 };
 
+/// The forces of the ground on the feet, as sensors there measure them.
 struct FootForceSensorScenario {
-  std::optional<double> rate_hz;  ///< 1000
-  std::optional<int> latency_samples;
+  std::optional<double> rate_hz;             ///< 1000
+  std::optional<int> latency_samples;        ///< so many samples late
   std::optional<double> noise_ratio;         ///< of each component: 0.1 is 10 % of it
   std::optional<double> noise_weight_ratio;  ///< of each component, over the robot's weight
   std::optional<double> bias_N;              ///< the same in all components of all feet
@@ -61,19 +62,22 @@ struct FootForceSensorScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// The inertial unit on the trunk: angular velocity and specific force.
 struct ImuScenario {
-  std::optional<double> rate_hz;  ///< 1000
-  std::optional<int> latency_samples;
-  std::optional<double> angular_velocity_noise_rad_per_s;
+  std::optional<double> rate_hz;                                   ///< 1000
+  std::optional<int> latency_samples;                              ///< so many samples late
+  std::optional<double> angular_velocity_noise_rad_per_s;          ///< standard deviation
   std::optional<Eigen::Vector3d> angular_velocity_bias_rad_per_s;  ///< in the trunk's frame
-  std::optional<double> acceleration_noise_m_per_s2;
-  std::optional<Eigen::Vector3d> acceleration_bias_m_per_s2;  ///< in the trunk's frame
+  std::optional<double> acceleration_noise_m_per_s2;               ///< standard deviation
+  std::optional<Eigen::Vector3d> acceleration_bias_m_per_s2;       ///< in the trunk's frame
   // Standard deviations of what one unit has and the next has not, see ImuErrors.
-  std::optional<double> angular_velocity_bias_deviation_rad_per_s;
-  std::optional<double> acceleration_bias_deviation_m_per_s2;
-  std::optional<double> angular_velocity_walk_rad_per_s_per_sqrt_s;
-  std::optional<double> acceleration_walk_m_per_s2_per_sqrt_s;
-  std::optional<double> misalignment_rad;
+  std::optional<double>
+      angular_velocity_bias_deviation_rad_per_s;  ///< standard deviation of the bias that a run draws
+  std::optional<double>
+      acceleration_bias_deviation_m_per_s2;  ///< standard deviation of the bias that a run draws
+  std::optional<double> angular_velocity_walk_rad_per_s_per_sqrt_s;  ///< of the bias, a random walk
+  std::optional<double> acceleration_walk_m_per_s2_per_sqrt_s;       ///< of the bias, a random walk
+  std::optional<double> misalignment_rad;  ///< standard deviation of the axes, about each of them
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -115,7 +119,7 @@ struct HardwareScenario {
 
 /// Reads the hardware that ships under a name, or a file, or one with what differs (LoadResource). Throws
 /// ParameterError.
-HardwareScenario LoadHardware(const YamlText& what);
+HardwareScenario LoadHardware(const YamlFile& what);
 /// With the sensors that a scenario says instead, key by key.
 HardwareScenario WithSensors(HardwareScenario hardware, const SensorScenario& sensors);
 

@@ -7,14 +7,19 @@
 #include <vector>
 
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/diagram_builder.h>
 
 namespace tenon::apps {
 
 std::string Describe(const QuadrupedScenario& scenario) {
-  return fmt::format("{}, {:.4g} s, seed {}", scenario.robot, Duration(scenario), scenario.seed);
+  return fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), Duration(scenario),
+                     scenario.seed);
 }
 
 namespace {
@@ -26,20 +31,31 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   DiagramBuilder builder;
   auto& loop = Blame("", [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  std::optional<QuadrupedLive> live;
+  if (options.live) {
+    WalkSchedule* walk = nullptr;
+    if constexpr (requires { loop.walk; }) walk = &loop.walk;
+    Blame("forces", [&] { live.emplace(builder, loop.world, walk); });
+  }
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
+  const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
+  simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {limits});
 
   const auto judge = [&](Summary& summary) {
-    summary.Set("robot", scenario.robot);
+    summary.Set("robot", ResourceName(scenario.robot));
     if (observer) summary.Set("observer", std::string(EnumName(*observer)));
     figures->AddTo(summary);
+    limits->AddTo(summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
   };
   std::vector<const Source*> signals = Figures::Signals(loop);
   signals.insert(signals.end(), faults.begin(), faults.end());
-  return RunScenario(options, scenario, Describe(scenario), Duration(scenario), simulator, signals,
-                     Figures::Shapes(loop), judge);
+  std::vector<const OutputPort<Geometry>*> shapes = Figures::Shapes(loop);
+  if (live) live->AddTo(signals, shapes);
+  return RunScenario(options, scenario, Describe(scenario), Duration(scenario), simulator, signals, shapes,
+                     DriveLimits(loop.world.plant), judge, live ? live->Controls() : LiveControls());
 }
 
 }  // namespace
@@ -69,7 +85,8 @@ ScenarioApp QuadrupedApp() {
       MakeStandParams(scenario);
     }
   };
-  return MakeScenarioApp("tenon-quadruped", read, prepare, RunQuadruped);
+  return MakeScenarioApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.",
+                         read, prepare, RunQuadruped);
 }
 
 }  // namespace tenon::apps

@@ -10,6 +10,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/plants/model/robot_scale.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/random_stream.h>
@@ -29,7 +30,7 @@ double EndOfWalk(const WalkScenario& walk) {
 }
 
 QuadrupedDescription LoadRobot(const QuadrupedScenario& scenario) {
-  return Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
+  return Blame("robot", [&] { return LoadQuadruped(scenario.robot); });
 }
 
 HardwareScenario HardwareOf(const QuadrupedScenario& scenario) {
@@ -105,8 +106,8 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
 }  // namespace
 
 void JointPdScenario::Validate() const {
-  DemandNotNegative("stiffness_N_m_per_rad", stiffness_N_m_per_rad);
-  DemandNotNegative("damping_N_m_s_per_rad", damping_N_m_s_per_rad);
+  if (stiffness_N_m_per_rad) DemandNotNegative("stiffness_N_m_per_rad", *stiffness_N_m_per_rad);
+  if (damping_N_m_s_per_rad) DemandNotNegative("damping_N_m_s_per_rad", *damping_N_m_s_per_rad);
   DemandRate("rate_hz", rate_hz);
 }
 
@@ -195,21 +196,74 @@ void QuadrupedScenario::Validate() const {
   DemandRate("log_rate_hz", log_rate_hz);
 }
 
+JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {
+  const RobotScale scale = ScaleOf(robot);
+  const double moment = scale.Weight() * scale.length;
+  return {.robot = robot,
+          .stiffness = stiffness_N_m_per_rad.value_or(kStiffness * moment),
+          .damping = damping_N_m_s_per_rad.value_or(kDamping * moment * scale.Time()),
+          .gravity_compensation = gravity_compensation,
+          .rate = Hz(rate_hz)};
+}
+
+SizeRatio RatioOf(const QuadrupedScenario& scenario) {
+  if (!scenario.scale_forces) return {};
+  const RobotScale robot = ScaleOf(LoadRobot(scenario)), dogbot = ScaleOf(LoadQuadruped(YamlFile{"dogbot"}));
+  return {robot.mass / dogbot.mass, robot.length / dogbot.length};
+}
+
+QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario) {
+  const auto [weight, length] = RatioOf(scenario);
+  scenario.scale_forces = false;
+  for (ForceScenario& force : scenario.forces) {
+    force.force_N *= weight;
+    force.torque_N_m *= weight * length;
+  }
+  for (RandomForceScenario& force : scenario.random_forces) {
+    force.lower_N *= weight;
+    force.upper_N *= weight;
+  }
+  TrunkLoadScenario& payload = scenario.payload;
+  payload.mass_kg *= weight;
+  payload.position_m *= length;
+  payload.edges_m *= length;
+  if (payload.slides) payload.slides->reach_m *= length;
+  for (TerrainBox& box : scenario.terrain.boxes) {
+    box.size *= length;
+    box.height *= length;
+  }
+  if (scenario.terrain.field) {
+    BoxField& field = *scenario.terrain.field;
+    field.size *= length;
+    field.gap *= length;
+    for (BoxKind& kind : field.kinds) kind.height *= length;
+  }
+  if (scenario.walk) {
+    StepProperties& step = scenario.walk->step;
+    for (double* const part : {&step.height, &step.touchdown_speed, &step.search_depth, &step.free_shift,
+                               &step.free_offset, &step.largest_shift})
+      *part *= length;
+  }
+  return scenario;
+}
+
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
   return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;
 }
 
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  if (scenario.scale_forces) return MakeStandParams(ScaledToRobot(scenario));
   const QuadrupedDescription robot = LoadRobot(scenario);
   QuadrupedStandParams params;
   params.world = MakeWorldParams(scenario, robot, HardwareOf(scenario), Hz(scenario.pd->rate_hz));
-  const auto& [stiffness, damping, gravity_compensation, rate_hz] = *scenario.pd;
-  params.pd = {robot, stiffness, damping, gravity_compensation, params.world.plant.gravity, Hz(rate_hz)};
+  params.pd = scenario.pd->For(robot);
+  params.pd.gravity = params.world.plant.gravity;
   return params;
 }
 
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
+  if (scenario.scale_forces) return MakeWalkParams(ScaledToRobot(scenario));
   const WalkScenario& walk = *scenario.walk;
   QuadrupedWalkParams params;
   const QuadrupedDescription robot = LoadRobot(scenario);
@@ -223,9 +277,12 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const double rotor_inertia = params.world.plant.robot.drive.rotor_inertia;
   if (rotor_inertia != robot.drive.rotor_inertia)
     believed.drive.rotor_inertia = rotor_inertia;  // of a data sheet
-  LocomotionProfile profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile); });
+  const RobotScale scale = ScaleOf(robot);  // the robot as built: what it is believed to be is another matter
+  LocomotionProfile profile =
+      Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); });
   if (scenario.observer) profile.observer.kind = *scenario.observer;
-  params.locomotion = Blame("walk.gaits", [&] { return MakeLocomotion(believed, profile, walk.gaits); });
+  params.locomotion = MakeLocomotion(believed, profile);
+  params.locomotion.scheduler = Blame("walk.gaits", [&] { return LoadGaits(walk.gaits, scale); });
   params.observer = MakeObserver(believed, profile);
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,19 +21,23 @@
 
 namespace tenon::apps {
 
+/// Without gains, those of DogBot's size and weight, scaled: K_p = 3.886 m g l per rad, K_d = 0.3099 m g l t,
+/// see RobotScale. A hand's push of a tenth of the weight moves the trunk by a hundredth of the leg's length.
 struct JointPdScenario {
-  double stiffness_N_m_per_rad = 0;
-  double damping_N_m_s_per_rad = 0;
-  bool gravity_compensation = true;
-  double rate_hz = 1000;
+  static constexpr double kStiffness = 3.8860629, kDamping = 0.30989852;  // 500 N m/rad and 10 N m s/rad
+  std::optional<double> stiffness_N_m_per_rad;  ///< K_p of the joints' angles; without: 3.886 m g l
+  std::optional<double> damping_N_m_s_per_rad;  ///< K_d of their speeds; without: 0.31 m g l sqrt(l / g)
+  bool gravity_compensation = true;             ///< the torques that hold the weight are added
+  double rate_hz = 1000;                        ///< of the controller
 
   static FieldList Fields() {
-    return {Required("stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad),
-            Required("damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad),
+    return {{"stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad},
+            {"damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad},
             {"gravity_compensation", &JointPdScenario::gravity_compensation},
             {"rate_hz", &JointPdScenario::rate_hz}};
   }
   void Validate() const;  ///< throws ParameterError
+  JointPdParams For(const QuadrupedDescription& robot) const;
 };
 
 /// What the walking controller knows of the robot's pose and motion.
@@ -43,11 +48,11 @@ constexpr auto EnumNames(StateSource) {
 
 /// What the walking robot is to do, and what the user chooses of the way it does that.
 struct WalkScenario {
-  WalkScheduleParams path;
-  std::string gaits = "standard";  ///< a shipped table or a YAML file
-  ComReference com_reference = ComReference::kPendulum;
-  ZmpPlanParams zmp;  ///< of ComReference::kZmpSpline
-  StepProperties step;
+  WalkScheduleParams path;     ///< where it goes, and by which gaits
+  YamlFile gaits{"standard"};  ///< a shipped table, a file, or one with what differs
+  ComReference com_reference = ComReference::kPendulum;  ///< how the CoM's path is planned
+  ZmpPlanParams zmp;                                     ///< of ComReference::kZmpSpline
+  StepProperties step;                                   ///< how the feet swing
   StateSource state =
       StateSource::kTrue;        ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
   double friction = 1;           ///< that the controller counts on
@@ -73,9 +78,9 @@ struct WalkScenario {
 /// Runs of one scenario with its first force at several instants and in several directions around the
 /// vertical: `phases` instants, evenly over `period_s` from the force's start on.
 struct SweepScenario {
-  int phases = 8;
-  double period_s = 0;
-  int directions = 8;
+  int phases = 8;       ///< instants
+  double period_s = 0;  ///< over which they are spread, from the force's start on
+  int directions = 8;   ///< around the vertical
 
   static FieldList Fields() {
     return {{"phases", &SweepScenario::phases},
@@ -88,8 +93,8 @@ struct SweepScenario {
 /// When a robot counts as fallen.
 struct FallScenario {
   double min_height_ratio = 0.5;  ///< of the trunk above the ground, to that in the nominal stance
-  double max_tilt_rad = 1;
-  double max_height_m = 10;  ///< of the trunk above the ground: a robot that is higher was thrown
+  double max_tilt_rad = 1;        ///< of the trunk
+  double max_height_m = 10;       ///< of the trunk above the ground: a robot that is higher was thrown
 
   static FieldList Fields() {
     return {{"min_height_ratio", &FallScenario::min_height_ratio},
@@ -108,15 +113,15 @@ constexpr auto EnumNames(Part) {
 
 /// A constant force, or a sine of the time since its start if there is a frequency.
 struct ForceScenario {
-  Part on = Part::kTrunk;
-  double height = 0.5;  ///< on a leg: 0 the foot, 0.5 the knee, 1 the hip
-  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
-  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();
-  double factor = 1;    ///< of force and torque
-  double turn_rad = 0;  ///< both turned by this about the vertical
-  double start_s = 0;
-  double duration_s = 0;
-  double frequency_rad_per_s = 0;
+  Part on = Part::kTrunk;                                ///< where it acts
+  double height = 0.5;                                   ///< on a leg: 0 the foot, 0.5 the knee, 1 the hip
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();     ///< in W
+  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< in W
+  double factor = 1;                                     ///< of force and torque
+  double turn_rad = 0;                                   ///< both turned by this about the vertical
+  double start_s = 0;                                    ///< when it sets in
+  double duration_s = 0;                                 ///< how long it lasts
+  double frequency_rad_per_s = 0;                        ///< of a sine; 0: constant
 
   static FieldList Fields() {
     return {{"on", &ForceScenario::on},
@@ -134,10 +139,10 @@ struct ForceScenario {
 
 /// A force that changes every period, see RandomForce.
 struct RandomForceScenario {
-  bool on_trunk = false;
-  double lower_N = 0;
-  double upper_N = 0;
-  double period_s = 2;
+  bool on_trunk = false;  ///< else on a leg, another one each time
+  double lower_N = 0;     ///< least strength
+  double upper_N = 0;     ///< greatest strength
+  double period_s = 2;    ///< between changes
 
   static FieldList Fields() {
     return {{"on_trunk", &RandomForceScenario::on_trunk},
@@ -151,7 +156,7 @@ struct RandomForceScenario {
 /// How a load slides, see SlidingLoad.
 struct SlideScenario {
   Eigen::Vector2d reach_m{0.1, 0.1};  ///< to either side along x and y
-  double friction = 0.3;
+  double friction = 0.3;              ///< coefficient between load and trunk
 
   static FieldList Fields() {
     return {{"reach_m", &SlideScenario::reach_m}, {"friction", &SlideScenario::friction}};
@@ -161,10 +166,10 @@ struct SlideScenario {
 
 /// A uniform box on the trunk for the whole run; the controller does not know of it.
 struct TrunkLoadScenario {
-  double mass_kg = 0;
+  double mass_kg = 0;                                    ///< of the box
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of its centre in the trunk's frame
-  Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();
-  std::optional<SlideScenario> slides;  ///< it lies on the trunk; without: it is fixed there
+  Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();     ///< lengths of its edges
+  std::optional<SlideScenario> slides;                   ///< it lies on the trunk; without: it is fixed there
 
   static FieldList Fields() {
     return {{"mass_kg", &TrunkLoadScenario::mass_kg},
@@ -178,11 +183,11 @@ struct TrunkLoadScenario {
 
 /// What QuadrupedPlant recommends, and how far it goes.
 struct LeggedIntegratorScenario {
-  int order = 2;
-  double rtol = 1e-2;
-  double atol_position = 1e-4;  ///< [m, rad]
-  double atol_velocity = 1e-2;  ///< [m/s, rad/s]
-  double atol_bristles = 1e-6;  ///< [m]
+  int order = 2;                ///< of the Runge-Kutta method
+  double rtol = 1e-2;           ///< relative tolerance
+  double atol_position = 1e-4;  ///< absolute tolerance of positions and angles [m, rad]
+  double atol_velocity = 1e-2;  ///< the same of their rates [m/s, rad/s]
+  double atol_bristles = 1e-6;  ///< the same of the bristles of the feet [m]
 
   static FieldList Fields() {
     return {{"order", &LeggedIntegratorScenario::order},
@@ -196,35 +201,38 @@ struct LeggedIntegratorScenario {
 
 /// A run of tenon-quadruped, as its YAML file says it.
 struct QuadrupedScenario {
-  std::string app;
-  std::string description;
-  std::string case_name;
-  std::string robot = "dogbot";      ///< a shipped robot or a YAML file
-  std::optional<double> duration_s;  ///< without: 10 s of standing, or one second longer than the walk
-  std::uint64_t seed = 1;
-  double start_height_m = 0;  ///< of the feet above the plane's origin, at rest in the nominal stance
-  TerrainParams terrain;
-  std::optional<JointPdScenario> pd;     ///< either stands by this
-  std::optional<WalkScenario> walk;      ///< or walks
+  std::string app;                    ///< the app whose scenario this is
+  std::string description;            ///< one line
+  std::string case_name;              ///< the run's name
+  YamlFile robot{"dogbot"};           ///< a shipped robot, a file, or one with what differs
+  std::optional<double> duration_s;   ///< without: 10 s of standing, or one second longer than the walk
+  std::uint64_t seed = 1;             ///< of all random streams
+  double start_height_m = 0;          ///< of the feet above the plane's origin, at rest in the nominal stance
+  TerrainParams terrain;              ///< the ground
+  std::optional<JointPdScenario> pd;  ///< either stands by this
+  std::optional<WalkScenario> walk;   ///< or walks
   std::optional<ObserverKind> observer;  ///< instead of the profile's
   /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
-  YamlText profile{"standard"};
+  YamlFile profile{"standard"};
   /// Drives, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
-  YamlText hardware{"ideal"};
-  SensorScenario sensors;  ///< goes before what the hardware says
-  std::vector<ForceScenario> forces;
-  std::vector<RandomForceScenario> random_forces;
+  YamlFile hardware{"ideal"};
+  SensorScenario sensors;                          ///< goes before what the hardware says
+  std::vector<ForceScenario> forces;               ///< on trunk and legs
+  std::vector<RandomForceScenario> random_forces;  ///< that change every so often
   TrunkLoadScenario payload;
-  std::vector<LeggedFault> faults;
-  std::optional<SweepScenario> sweep;
-  std::vector<ObserverKind> compare;  ///< what --compare runs; empty: all
+  std::vector<LeggedFault> faults;     ///< what breaks, and when
+  std::optional<SweepScenario> sweep;  ///< one scenario at many instants and in many directions
+  std::vector<ObserverKind> compare;   ///< what --compare runs; empty: all
   FallScenario fall;
-  bool limit_speed = false;  ///< the drives' torque falls with speed
+  bool limit_speed =
+      true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
   LeggedIntegratorScenario integrator;
-  double log_rate_hz = 200;
-  ReportScenario report;
+  bool scale_forces = false;  ///< forces, loads, steps and blocks are DogBot's, see ScaledToRobot
+  double log_rate_hz = 200;   ///< of signals.csv
+  ReportScenario report;      ///< what the report shows
+  std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
   static FieldList Fields() {
     return {Required("app", &QuadrupedScenario::app),
@@ -250,11 +258,24 @@ struct QuadrupedScenario {
             {"fall", &QuadrupedScenario::fall},
             {"limit_speed", &QuadrupedScenario::limit_speed},
             {"integrator", &QuadrupedScenario::integrator},
+            {"scale_forces", &QuadrupedScenario::scale_forces},
             {"log_rate_hz", &QuadrupedScenario::log_rate_hz},
-            {"report", &QuadrupedScenario::report}};
+            {"report", &QuadrupedScenario::report},
+            {"parameters", &QuadrupedScenario::parameters}};
   }
   void Validate() const;  ///< throws ParameterError
 };
+
+/// How a robot compares with DogBot, for which the thesis gives forces and blocks.
+struct SizeRatio {
+  double weight = 1, length = 1;  ///< of the robot over that of DogBot; length: of a leg
+};
+/// 1 and 1 unless the scenario scales its forces.
+SizeRatio RatioOf(const QuadrupedScenario& scenario);
+/// The scenario for its robot, if scale_forces: forces and the payload's mass times the ratio of the weights,
+/// heights, sizes and gaps of blocks, lengths of steps and of the payload times that of the legs, torques
+/// times both. Times, speeds, the path and where blocks lie stay.
+QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario);
 
 /// How long it runs [s].
 double Duration(const QuadrupedScenario& scenario);

@@ -17,7 +17,6 @@ std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {
 void StandFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
   position_ = Columns(names, "loop.world.plant.state.p_WB");
   attitude_ = Columns(names, "loop.world.plant.state.q_WB");
-  torque_ = Columns(names, "loop.world.plant.joint_torque");
   force_ = Columns(names, "loop.world.plant.foot_forces");
 }
 
@@ -28,7 +27,6 @@ void StandFigures::Row(std::span<const double> row) {
   drift_ = std::hypot(row[position_[0]] - start_[0], row[position_[1]] - start_[1]);
   const double x = row[attitude_[1]], y = row[attitude_[2]];
   tilt_.Add(std::acos(std::clamp(1 - 2 * (x * x + y * y), -1.0, 1.0)));
-  for (const std::size_t column : torque_) joint_torque_.Add(std::abs(row[column]));
   for (std::size_t i = 0; i < force_.size(); i += 3)
     load_.Add(std::hypot(row[force_[i]], row[force_[i + 1]], row[force_[i + 2]]));
 }
@@ -38,7 +36,6 @@ void StandFigures::AddTo(Summary& summary) const {
   summary.Set("height_end_m", height_end_);
   summary.Set("drift_m", drift_);
   summary.Set("tilt_max_rad", tilt_.max());
-  summary.Set("torque_max_N_m", joint_torque_.max());
   summary.Set("foot_force_max_N", load_.max());
 }
 

@@ -30,10 +30,10 @@ class StandFigures final : public LogSink {
   void AddTo(Summary& summary) const;
 
  private:
-  std::vector<std::size_t> position_, attitude_, torque_, force_;
-  std::vector<double> start_;                  // horizontal [m]
-  Tally height_, tilt_, joint_torque_, load_;  // of the trunk [m], [rad]; in magnitude [N m], [N]
-  std::optional<double> height_end_, drift_;   // [m]
+  std::vector<std::size_t> position_, attitude_, force_;
+  std::vector<double> start_;                 // horizontal [m]
+  Tally height_, tilt_, load_;                // of the trunk [m], [rad]; in magnitude [N]
+  std::optional<double> height_end_, drift_;  // [m]
 };
 
 }  // namespace tenon::apps

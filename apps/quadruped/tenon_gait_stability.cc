@@ -11,7 +11,7 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 
 namespace tenon::apps {
@@ -139,10 +139,7 @@ int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
 }
 
 int Run(const CommonArguments& common, const StabilityArguments& arguments) {
-  if (common.list) {
-    ListScenarios("tenon-quadruped");
-    return kRan;
-  }
+  if (PrintsInstead(common, QuadrupedApp())) return kRan;
   const YamlDocument document = LoadScenario(common, "tenon-quadruped");
   const auto scenario = document.Read<QuadrupedScenario>();
   return RunBlaming(document, [&] { return Analyse(common, arguments, scenario); });
@@ -160,7 +157,7 @@ int main(int argc, char** argv) {
   app.add_option("--settle", stability.settle, "strides before the one that is linearised")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--strides", stability.strides, "for which the decay of a push is compared")
-      ->check(CLI::PositiveNumber);
+      ->check(tenon::apps::PositiveInteger());
   app.add_option("--push", stability.push, "to the left [m/s]");
   app.add_option("--steps", stability.steps, "of the differences");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments, stability); });

@@ -13,7 +13,8 @@
 #include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/common/scenario_app.h>
+#include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/plants/model/resources.h>
 
@@ -21,65 +22,6 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kSettled = 0.02;  // of the force: the estimate has settled once it stays so near
-
-/// Gains of an observer, given or designed; those that it has by default if there are none.
-struct VariantScenario {
-  std::string name;
-  std::vector<double> gains_per_s;
-  std::optional<ButterworthDesign> butterworth;
-
-  static FieldList Fields() {
-    return {Required("name", &VariantScenario::name),
-            {"gains_per_s", &VariantScenario::gains_per_s},
-            {"butterworth", &VariantScenario::butterworth}};
-  }
-  void Validate() const {
-    Demand(gains_per_s.empty() || !butterworth,
-           fmt::format("the variant '{}' has gains_per_s and butterworth: leave one away", name));
-  }
-  /// Leaves gains alone.
-  void Resolve() {
-    gains_per_s = LegObserverGains{.gains = gains_per_s, .butterworth = butterworth}.Gains();
-    butterworth.reset();
-  }
-};
-
-struct ObserverOrderScenario {
-  std::string app;
-  std::string description;
-  std::string case_name;
-  std::string robot = "dogbot";  ///< a shipped robot or a YAML file
-  double duration_s = 1;
-  std::uint64_t seed = 1;
-  JointPdScenario pd;                                    ///< by which it stands
-  Eigen::Vector3d force_N = Eigen::Vector3d(20, 0, 10);  ///< on the front left foot, from `start_s` on
-  double start_s = 0.2;
-  std::vector<VariantScenario> variants;
-  double log_rate_hz = 1000;
-  ReportScenario report;
-
-  static FieldList Fields() {
-    return {Required("app", &ObserverOrderScenario::app),
-            {"description", &ObserverOrderScenario::description},
-            Required("case", &ObserverOrderScenario::case_name),
-            {"robot", &ObserverOrderScenario::robot},
-            {"duration_s", &ObserverOrderScenario::duration_s},
-            {"seed", &ObserverOrderScenario::seed},
-            Required("pd", &ObserverOrderScenario::pd),
-            {"force_N", &ObserverOrderScenario::force_N},
-            {"start_s", &ObserverOrderScenario::start_s},
-            Required("variants", &ObserverOrderScenario::variants),
-            {"log_rate_hz", &ObserverOrderScenario::log_rate_hz},
-            {"report", &ObserverOrderScenario::report}};
-  }
-  void Validate() const {
-    Demand(start_s >= 0 && duration_s > start_s,
-           fmt::format("the force starts at {} s but the run ends at {} s: nothing would be seen", start_s,
-                       duration_s));
-    Demand(force_N.norm() > 0, "force_N is zero: there is nothing to estimate");
-    Demand(!variants.empty(), "there are no variants: give gains to compare");
-  }
-};
 
 /// How an estimate follows the step, from its log.
 class StepFigures final : public LogSink {
@@ -128,8 +70,9 @@ struct Result {
 };
 
 Report MakeReport(const ObserverOrderScenario& scenario) {
-  return ScenarioReport(scenario, fmt::format("{} stands; {} N on its front left foot from {} s on",
-                                              scenario.robot, scenario.force_N.norm(), scenario.start_s));
+  return ScenarioReport(scenario,
+                        fmt::format("{} stands; {} N on its front left foot from {} s on",
+                                    ResourceName(scenario.robot), scenario.force_N.norm(), scenario.start_s));
 }
 
 void Connect(DiagramBuilder& builder, QuadrupedWorld& world, JointPd& pd, LegMomentumObserver& observer) {
@@ -142,7 +85,7 @@ void Connect(DiagramBuilder& builder, QuadrupedWorld& world, JointPd& pd, LegMom
 
 QuadrupedWorldParams MakeWorld(const ObserverOrderScenario& scenario) {
   QuadrupedWorldParams world;
-  world.plant.robot = Blame("robot", [&] { return LoadQuadruped(FindResource("robots", scenario.robot)); });
+  world.plant.robot = Blame("robot", [&] { return LoadQuadruped(scenario.robot); });
   world.plant.initial.p_WB[2] = world.plant.robot.StanceHeight();
   world.plant.initial.q = world.plant.robot.stance;
   world.min_height = 0.5 * world.plant.robot.StanceHeight();
@@ -180,10 +123,9 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   }
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", world_params);
-  auto& pd = builder.Add<JointPd>(
-      "pd", JointPdParams{world_params.plant.robot, scenario.pd.stiffness_N_m_per_rad,
-                          scenario.pd.damping_N_m_s_per_rad, scenario.pd.gravity_compensation,
-                          world_params.plant.gravity, Hz(scenario.pd.rate_hz)});
+  JointPdParams pd_params = scenario.pd.For(world_params.plant.robot);
+  pd_params.gravity = world_params.plant.gravity;
+  auto& pd = builder.Add<JointPd>("pd", pd_params);
   auto& observer = builder.Add<LegMomentumObserver>("observer", observer_params);
   Connect(builder, world, pd, observer);
   const auto diagram = builder.Build();
@@ -194,8 +136,9 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   Report report = MakeReport(scenario);
   report.Log(simulator, signals, {&world.plant.geometry});
   scenario.variants = {variant};
+  const ScenarioFiles files(scenario);
   const OutputDirectory out(OptionsOf(arguments).out);
-  WriteFile(out.path() / "scenario.yaml", WriteYaml(scenario));
+  files.Write(out.path());
   WriteGraph(*diagram, arguments.graph);
   const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
   simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
@@ -222,10 +165,11 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   std::vector<std::string> names;
   for (const VariantScenario& variant : scenario.variants) names.push_back(variant.name);
   CheckVariantNames(names);
+  const ScenarioFiles files(scenario);
   const OutputDirectory out(OptionsOf(arguments).out);
   const std::filesystem::path& base = out.path();
   for (const std::string& name : names) OutputDirectory(base / name);  // also of those that are refused
-  WriteFile(base / "scenario.yaml", WriteYaml(scenario));
+  files.Write(base);
   std::vector<Result> results;
   for (const VariantScenario& variant : scenario.variants) {
     CommonArguments each = arguments;
@@ -265,10 +209,12 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
 }
 
 int Run(const CommonArguments& arguments) {
-  if (arguments.list) {
-    ListScenarios("tenon-observer-order");
-    return kRan;
-  }
+  const ScenarioApp app{.name = "tenon-observer-order",
+                        .description = {},
+                        .keys = [] { return KeysOf<ObserverOrderScenario>(); },
+                        .check = {},
+                        .run = {}};
+  if (PrintsInstead(arguments, app)) return kRan;
   const YamlDocument document = LoadScenario(arguments, "tenon-observer-order");
   auto scenario = document.Read<ObserverOrderScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;

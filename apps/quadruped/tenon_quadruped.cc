@@ -2,11 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/plants/model/resources.h>
 
 namespace tenon::apps {
 namespace {
@@ -75,17 +77,16 @@ void CheckJudged(const CommonArguments& arguments, const QuadrupedScenario& scen
   Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
 }
 
-int Run(const CommonArguments& arguments, const WalkArguments& walk) {
-  if (arguments.list) {
-    ListScenarios("tenon-quadruped");
-    return kRan;
-  }
+int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const RunOptions& options) {
   const YamlDocument document = LoadWalk(arguments, walk);
   auto scenario = document.Read<QuadrupedScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
-    CheckJudged(arguments, scenario);
-    const RunOptions options = OptionsOf(arguments);
+    if (!options.live) CheckJudged(arguments, scenario);
+    if (options.live && (walk.compare || scenario.sweep))
+      throw ParameterError("--live and --replay run one scenario: leave --compare away, set sweep to null");
+    for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
+      Say(fmt::format("warning: {}\n", warning));
     if (walk.compare) return CompareObservers(options, scenario);
     if (scenario.sweep) return RunSweep(options, scenario);
     const Summary summary = RunQuadruped(scenario, options).summary;
@@ -94,13 +95,21 @@ int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   });
 }
 
+int Run(const CommonArguments& arguments, const WalkArguments& walk) {
+  if (PrintsInstead(arguments, QuadrupedApp())) return kRan;
+  return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+    return RunOnce(now, walk, options);
+  });
+}
+
 }  // namespace
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Lets a quadruped stand or walk and reports how well it did.", "tenon-quadruped");
+  CLI::App app(tenon::apps::QuadrupedApp().description, "tenon-quadruped");
   tenon::apps::CommonArguments arguments;
   tenon::apps::AddCommonArguments(app, arguments);
+  tenon::apps::AddLiveArguments(app, arguments);
   tenon::apps::WalkArguments walk;
   app.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (the scenario's, unless given)");
   app.add_option("--speed", walk.speed, "forwards [m/s] (the scenario's, unless given)");

@@ -42,11 +42,10 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   ground_force_ = Columns(names, "loop.errors.errors.ground_force");
   external_force_ = Columns(names, "loop.world.plant.external_wrench.force_W");
   estimated_force_ = Columns(names, "loop.observer.wrench.force_W");
-  joint_torque_ = Columns(names, "loop.world.plant.joint_torque");
   slip_ = Columns(names, "loop.world.plant.foot_slips");
   position_ = Columns(names, "loop.world.plant.state.p_WB");
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-    contact_[leg] = Column(names, "loop.locomotion.schedule.legs." + std::to_string(leg) + ".state");
+    contact_[leg] = Column(names, std::string("loop.locomotion.schedule.legs.") + kLegNames[leg] + ".state");
   solve_time_ = Column(names, "loop.locomotion.whole_body.diagnostics.solve_time");
   failures_ = Column(names, "loop.locomotion.whole_body.diagnostics.failures");
   estimate_.Begin(names);
@@ -64,7 +63,6 @@ void WalkFigures::Row(std::span<const double> row) {
     error[i] = row[estimated_force_[i]] - row[external_force_[i]];
   }
   estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
-  for (const std::size_t column : joint_torque_) torque_.Add(std::abs(row[column]));
   solve_times_.Add(row[solve_time_]);
   failure_count_ = row[failures_];
   end_ = {row[position_[0]], row[position_[1]]};
@@ -119,7 +117,6 @@ void WalkFigures::AddTo(Summary& summary) const {
               {{"x", estimates_[0].mean()}, {"y", estimates_[1].mean()}, {"z", estimates_[2].mean()}});
   summary.Set("force_estimate_error_rms_N", estimate_errors_.rms());
   summary.Set("slip_max_m", largest_by_leg(&LegFigures::slips));
-  summary.Set("torque_max_N_m", torque_.max());
   summary.Set("distance_m", distance);
   summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
   summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));

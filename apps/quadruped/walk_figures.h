@@ -61,13 +61,13 @@ class WalkFigures final : public LogSink {
 
   double from_;
   std::vector<std::size_t> external_force_, estimated_force_;
-  std::vector<std::size_t> com_, foot_, ground_force_, joint_torque_, slip_, position_;
+  std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::size_t solve_time_ = 0, failures_ = 0;
 
   std::array<LegFigures, kNumLegs> legs_;
   double time_ = 0;                               // [s]
-  Tally com_errors_, force_errors_, torque_;      // [m], [N], [N m]
+  Tally com_errors_, force_errors_;               // [m], [N]
   std::array<Tally, 3> estimates_;                // [N]
   Tally estimate_errors_;                         // [N]
   std::optional<std::array<double, 2>> begin_{};  // of the trunk [m]

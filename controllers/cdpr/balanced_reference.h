@@ -12,9 +12,12 @@ namespace tenon {
 struct ReferenceShift {
   Vec<3> turn_W = Vec<3>::Zero();  ///< R -> exp([turn]x) R [rad]
   CableVector tension;             ///< [N]; without entries none
+  int unheld = 0;  ///< for so many calls in a row the cables that are left could not hold the platform
 
   static FieldList Fields() {
-    return {{"turn_W", &ReferenceShift::turn_W, "rad"}, {"tension", &ReferenceShift::tension, "N"}};
+    return {{"turn_W", &ReferenceShift::turn_W, "rad"},
+            {"tension", &ReferenceShift::tension, "N"},
+            {"unheld", &ReferenceShift::unheld}};
   }
 };
 
@@ -26,17 +29,20 @@ struct ReferenceShift {
 /// a the reference's acceleration, m_L a point mass at r, f and tau what else acts about the platform's CoM.
 /// Next means: of least |du|^2 + |turn / 1 mrad|^2 [N^2], turns added as vectors, with tensions within the
 /// robot's bounds, if enough of them are. Four and five cables leave one or two parameters free, more of them
-/// the attitude altogether. Without load the equation is taken to first order about the equilibrium; with one
-/// Newton's method, a step of it a call, goes on from the shift of the call before: what changes slowly it
-/// follows to rounding.
+/// the attitude altogether. Cables that are broken have no tension, and the others carry their part. Without
+/// load and with all cables the equation is taken to first order about the equilibrium; else Newton's method,
+/// a step of it a call, goes on from the shift of the call before: what changes slowly it follows to
+/// rounding.
 class BalancedReference {
  public:
   explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}
 
-  /// From `at` and the shift found before, which becomes the new one (0 without load). Without allocations
-  /// from the second call on.
+  /// From `at` and the shift found before, which becomes the new one (0 without load and with all cables).
+  /// `broken` has a 1 for a cable that is, else 0; without entries none is. Without allocations from the
+  /// second call on.
   /// @throws RunError when a cable has no length there.
-  void Calc(const CdprReference& at, const LoadEstimate& load, ReferenceShift& shift);
+  void Calc(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
+            ReferenceShift& shift);
 
   const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX [rad], next to the reference's
   const CableVector& tension() const { return tension_; }  ///< [N]
@@ -48,7 +54,7 @@ class BalancedReference {
   Eigen::Matrix3d R_WB_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d euler_ = Eigen::Vector3d::Zero();
   CableVector tension_;
-  std::vector<char> held_;  // at the lower bound -1, at the upper one 1
+  std::vector<char> held_;  // cables at a bound, or broken
 };
 
 }  // namespace tenon

@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 
 #include <fmt/core.h>
+#include <tenon/plants/model/cross_matrix.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -8,12 +9,6 @@
 
 namespace tenon {
 namespace {
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d cross;
-  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return cross;
-}
 
 Eigen::Vector3d RotationVector(const Vec<4>& q) {
   const Eigen::Vector3d v = (q[0] < 0 ? -1 : 1) * q.tail<3>();
@@ -69,8 +64,8 @@ void CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noi
 
   Covariance F = Covariance::Identity();
   F.block<3, 3>(0, 3).diagonal().setConstant(T);
-  F.block<3, 3>(3, 6) = -T * R_WB * Skew(f);
-  F.block<3, 3>(6, 6) -= T * Skew(w);
+  F.block<3, 3>(3, 6) = -T * R_WB * CrossMatrix(f);
+  F.block<3, 3>(6, 6) -= T * CrossMatrix(w);
   const Covariance FP = F.lazyProduct(memory.covariance);
   memory.covariance = FP.lazyProduct(F.transpose());
   memory.covariance.diagonal().segment<3>(3).array() += std::pow(T * noise.specific_force, 2);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Cholesky>
@@ -19,12 +20,6 @@ constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d cross;
-  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return cross;
-}
 
 }  // namespace
 
@@ -87,13 +82,13 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
   Matrix6d jacobian = Matrix6d::Zero();
   for (int i = 0; i < cables.num_cables(); ++i) {
     const Eigen::Vector3d direction = cables.direction.col(i);
-    const Eigen::Matrix3d arm = Skew(cables.arm_W.col(i));
+    const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
     const Eigen::Matrix3d turn =
         tension[i] / cables.length[i] * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
     jacobian.topLeftCorner<3, 3>() -= turn;
     jacobian.topRightCorner<3, 3>() += turn * arm;
     jacobian.bottomLeftCorner<3, 3>() -= arm * turn;
-    jacobian.bottomRightCorner<3, 3>() += arm * turn * arm + tension[i] * Skew(direction) * arm;
+    jacobian.bottomRightCorner<3, 3>() += arm * turn * arm + tension[i] * CrossMatrix(direction) * arm;
   }
   return jacobian;
 }
@@ -124,6 +119,25 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((K + K.transpose()) / 2,
                                                               Eigen::EigenvaluesOnly);
   return robot.mass * solver.eigenvalues()[0];
+}
+
+Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
+                              const CableVector& tension) {
+  Matrix6d stiffness = -CalcWrenchJacobian(cables, tension);
+  for (int i = 0; i < cables.num_cables(); ++i) {
+    const Vector6d column = cables.structure.col(i);
+    stiffness += (cable.axial_stiffness + tension[i]) / cables.length[i] * column * column.transpose();
+  }
+  return (stiffness + stiffness.transpose()) / 2;
+}
+
+double CalcLeastTranslationalStiffness(const Matrix6d& stiffness) {
+  const Eigen::LLT<Matrix6d> llt(stiffness);
+  if (llt.info() != Eigen::Success) return 0;
+  const Matrix6d compliance = llt.solve(Matrix6d::Identity());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(compliance.topLeftCorner<3, 3>(),
+                                                              Eigen::EigenvaluesOnly);
+  return 1 / solver.eigenvalues()[2];
 }
 
 CableVector CalcRestLengths(const CableProperties& cable, const CableVector& length,

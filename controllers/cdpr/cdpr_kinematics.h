@@ -87,6 +87,21 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
                            const Eigen::Matrix3d& R_WB, const CableVector& tension);
 
+/// -d(wrench)/d(p, theta) [N/m, N, N m] of elastic cables with the winches held, at an equilibrium under
+/// gravity with tensions u: the Hessian of the energy sum_i EA (|l_i| - l0_i)^2 / (2 l0_i) + m g z,
+///
+///     K = sum_i (EA + u_i) / |l_i|  (W column i) (W column i)^T - CalcWrenchJacobian(),      EA / l0 = (EA +
+///     u) / |l|
+///
+/// Its second part, the geometric one, is what locked winches alone leave.
+Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
+                              const CableVector& tension);
+
+/// The least force per displacement of the CoM [N/m], over all directions of the force, of a platform with
+/// this stiffness that may turn while it gives way: 1 over the largest eigenvalue of the upper left block of
+/// K^-1. 0 if K is not positive definite: the equilibrium is not stable.
+double CalcLeastTranslationalStiffness(const Matrix6d& stiffness);
+
 /// Rest lengths l0 of elastic cables that have the length l under the tension u: l = l0 (1 + u / EA) [m].
 CableVector CalcRestLengths(const CableProperties& cable, const CableVector& length,
                             const CableVector& tension);

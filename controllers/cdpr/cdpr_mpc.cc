@@ -25,11 +25,11 @@ void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x,
 }
 
 void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
-                       const CdprMpcCost& cost, CdprPlan& warm_start, CdprMpcSolver& solver,
-                       CdprPlan* plan) const {
+                       const CableVector& broken, const CdprMpcCost& cost, CdprPlan& warm_start,
+                       CdprMpcSolver& solver, CdprPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
   const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform, load.payload);
-  const SlqReport report = solver.Solve(time, x, load, cost, warm_start);
+  const SlqReport report = solver.Solve(time, x, load, broken, cost, warm_start);
   CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
   ++diagnostics.solves;
   if (report.ok()) {
@@ -45,13 +45,15 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
 }
 
 void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
-                          CdprReference& reference, CableVector* command) const {
+                          const CableVector& broken, CdprReference& reference, CableVector* command) const {
   const CdprDescription& robot = params.path->robot();
   plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform, plan.payload), command);
   params.path->At(time, &reference);
   *command -= robot.winch.reel_damping * reference.length_rate;
   *command += robot.winch.time_constant * plan.reference_rate;
   *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
+  for (Eigen::Index i = 0; i < broken.size(); ++i)
+    if (broken[i] != 0) (*command)[i] = 0;
 }
 
 Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const {
@@ -59,6 +61,15 @@ Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row
   if (diagnostics.fallbacks_in_a_row <= max_fallbacks_in_a_row) return {};
   return fmt::format("the MPC found no better policy {} times in a row ({} of {} solves failed)",
                      diagnostics.fallbacks_in_a_row, diagnostics.fallbacks, diagnostics.solves);
+}
+
+Verdict CdprMpc::CheckStatics(const CdprPlan& plan, const CableVector& broken) const {
+  constexpr double kPatience = 0.2;  // [s]
+  if (plan.shift.unheld * params.rate.period() < kPatience) return {};
+  std::string which;
+  for (Eigen::Index i = 0; i < broken.size(); ++i)
+    if (broken[i] != 0) which += (which.empty() ? "" : ", ") + std::to_string(i);
+  return fmt::format("without cable {} the others cannot hold the platform where it should be", which);
 }
 
 }  // namespace tenon

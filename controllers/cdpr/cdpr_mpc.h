@@ -24,10 +24,12 @@ namespace tenon {
 /// `max_fallbacks_in_a_row` the run ends.
 ///
 /// With a load that is estimated (LoadEstimator), which is in the model and in what is followed, a constant
-/// one leaves no error.
+/// one leaves no error. Cables that are known to be broken (BrokenCableDetector) are not used: command 0, and
+/// the others carry their part. If they cannot, for 0.2 s, the run ends.
 ///
 ///     ports in  estimate  the platform's state
 ///               load      on the platform; none if not connected
+///               broken    1 for a cable that is, else 0; none if not connected
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
 ///               diagnostics
@@ -38,6 +40,7 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   using LeafSystem::LeafSystem;
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
   InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
+  InputPort<CableVector> broken{this, {"broken"}, CableVector{}};
   Parameter<CdprMpcWeights> weights{this, {"weights"}, params.weights, "of the squared errors, per second"};
   Parameter<CdprMpcWeights> terminal_weights{
       this,
@@ -53,29 +56,32 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                             {"plan"},
                             CdprMpcSolver::FirstPlan(params),
                             Sampled{params.rate},
-                            Uses(time, estimate, load, cost, warm_start, solver),
+                            Uses(time, estimate, load, broken, cost, warm_start, solver),
                             &CdprMpc::CalcPlan};
   Workspace<CdprReference> reference{this, "reference", params.path->At(0)};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.path->robot().num_cables()),
                                   Sampled{params.command_rate},
-                                  Uses(time, estimate, plan, reference),
+                                  Uses(time, estimate, plan, broken, reference),
                                   &CdprMpc::CalcCommand};
   OutputPort<CdprMpcDiagnostics> diagnostics{this, {"diagnostics"}, Uses(plan), &CdprMpc::CalcDiagnostics};
   Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan, max_fallbacks_in_a_row),
                     &CdprMpc::CheckFallbacks};
+  Monitor statics{this, "statics", Sampled{params.rate}, Uses(plan, broken), &CdprMpc::CheckStatics};
 
  private:
   CdprMpcCost CalcCost(const CdprMpcWeights& weights, const CdprMpcWeights& terminal_weights) const {
     return CdprMpcSolver::Cost(params, weights, terminal_weights);
   }
   void CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
-                const CdprMpcCost& cost, CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
+                const CableVector& broken, const CdprMpcCost& cost, CdprPlan& warm_start,
+                CdprMpcSolver& solver, CdprPlan* plan) const;
   void CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
-                   CdprReference& reference, CableVector* command) const;
+                   const CableVector& broken, CdprReference& reference, CableVector* command) const;
   CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
   Verdict CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const;
+  Verdict CheckStatics(const CdprPlan& plan, const CableVector& broken) const;
 };
 
 }  // namespace tenon

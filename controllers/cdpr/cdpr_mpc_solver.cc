@@ -12,7 +12,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <type_traits>
 
 namespace tenon {
@@ -35,38 +34,15 @@ struct Reference {
   explicit Reference(const CdprDescription& robot) : balanced(robot) {}
 };
 
-void CalcReference(const EquilibriumPath& path, double time, const LoadEstimate& load, ReferenceShift& shift,
+/// `body` is the platform with the payload of `load`.
+void CalcReference(const EquilibriumPath& path, double time, const LoadEstimate& load,
+                   const CableVector& broken, const LoadedPlatform& body, ReferenceShift& shift,
                    Reference* reference) {
-  const CdprDescription& robot = path.robot();
   CdprReference& at = reference->at;
   path.At(time, &at);
-  reference->balanced.Calc(at, load, shift);
-  const Eigen::Matrix3d& R_WB = reference->balanced.R_WB();
-  const Eigen::Vector3d w = EulerRateMatrix(at.euler) * at.euler_rate;
-  const LoadedPlatform body(robot, load.payload);
-  reference->x << at.velocity, R_WB * body.inertia * R_WB.transpose() * w / body.mass, at.position,
-      reference->balanced.euler();
-  if (load.payload.mass != 0) {
-    const Eigen::Vector3d arm_W = R_WB * body.com_B;
-    reference->x.head<3>() += w.cross(arm_W);
-    reference->x.segment<3>(6) += arm_W;
-  }
-}
-
-/// d(state without payload)/d(state with it), both of one motion near rest, at an attitude.
-Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, const Payload& payload,
-                                               const Eigen::Vector3d& euler) {
-  const LoadedPlatform body(robot, payload);
-  const Eigen::Matrix3d R_WB = RotationFromEuler(euler);
-  const Eigen::Vector3d c = R_WB * body.com_B;
-  Eigen::Matrix3d cross;
-  cross << 0, -c[2], c[1], c[2], 0, -c[0], -c[1], c[0], 0;
-  const Eigen::Matrix3d rate = R_WB * (body.mass * body.inertia.inverse()) * R_WB.transpose();  // w = rate L
-  Eigen::Matrix<double, 12, 12> T = Eigen::Matrix<double, 12, 12>::Identity();
-  T.block<3, 3>(0, 3) = cross * rate;  // v = v' - w x c
-  T.block<3, 3>(3, 3) = R_WB * robot.inertia_B * R_WB.transpose() / robot.mass * rate;
-  T.block<3, 3>(6, 9) = cross * EulerRateMatrix(euler);  // p = p' - c
-  return T;
+  reference->balanced.Calc(at, load, broken, shift);
+  reference->x = CentroidalStateOf(body, at.position, reference->balanced.R_WB(), reference->balanced.euler(),
+                                   at.velocity, EulerRateMatrix(at.euler) * at.euler_rate);
 }
 
 template <class From, class To>
@@ -165,7 +141,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
   Reference start(params.path->robot());
   CdprPlan plan;
-  CalcReference(*params.path, 0, {}, plan.shift, &start);
+  CalcReference(*params.path, 0, {}, {}, {params.path->robot(), {}}, plan.shift, &start);
   plan.reference_rate.setZero(n);
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
@@ -206,7 +182,7 @@ class CdprMpcSolver::Impl {
         steps_(Steps(params)),
         reference_(params.path->robot()) {
     ReferenceShift none;
-    CalcReference(*path_, 0, {}, none, &reference_);
+    CalcReference(*path_, 0, {}, {}, {path_->robot(), {}}, none, &reference_);
     const CableVector& u = reference_.balanced.tension();
     const Target target{reference_.x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
@@ -216,23 +192,20 @@ class CdprMpcSolver::Impl {
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
 
-  SlqReport Solve(double time, CentroidalState x, const LoadEstimate& load, const CdprMpcCost& cost,
-                  CdprPlan& plan) {
-    SetTargets(time, load, plan.shift);
-    // The angles next to those of the reference.
-    for (int i = 9; i < 12; ++i) {
-      constexpr double kTurn = 2 * std::numbers::pi;
-      x[i] -= kTurn * std::round((x[i] - targets_[0].x[i]) / kTurn);
-    }
-    const SlqReport report = Improve(time - plan.start, x, load, targets_, cost, plan);
+  SlqReport Solve(double time, CentroidalState x, const LoadEstimate& load, const CableVector& broken,
+                  const CdprMpcCost& cost, CdprPlan& plan) {
+    const LoadedPlatform body(path_->robot(), load.payload);
+    SetTargets(time, load, broken, body, plan.shift);
+    x.tail<3>() = EulerNear(x.tail<3>(), targets_[0].x.tail<3>());
+    const SlqReport report = Improve(time - plan.start, x, load, body, targets_, cost, plan);
     plan.start = time;
     if (!report.ok()) return report;  // the policy before goes on, about the CoM that it was made for
     plan.payload = load.payload;
+    if (!equilibrium_input_) return report;  // whose tensions do not change
     path_->At(time, &reference_.at);
     plan.reference_rate = -reference_.at.tension / period_;
     path_->At(time + period_, &reference_.at);
     plan.reference_rate += reference_.at.tension / period_;
-    if (!equilibrium_input_) plan.reference_rate.setZero();
     return report;
   }
 
@@ -245,33 +218,38 @@ class CdprMpcSolver::Impl {
 
   /// `plan`, seen `elapsed` [s] later, becomes the one for a start at x.
   virtual SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
-                            const std::vector<Target>& targets, const CdprMpcCost& cost, CdprPlan& plan) = 0;
+                            const LoadedPlatform& body, const std::vector<Target>& targets,
+                            const CdprMpcCost& cost, CdprPlan& plan) = 0;
 
  private:
   // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again,
-  // unless there is a load, which changes. What it shifts at one node is where the next begins; the first
-  // one's is kept for the next call.
-  void SetTargets(double time, const LoadEstimate& load, ReferenceShift& shift) {
-    if (load.any()) return SetLoadedTargets(time, load, shift);
+  // unless there is a load, which changes, or a broken cable. What it shifts at one node is where the next
+  // begins; the first one's is kept for the next call.
+  void SetTargets(double time, const LoadEstimate& load, const CableVector& broken,
+                  const LoadedPlatform& body, ReferenceShift& shift) {
+    if (load.any() || (broken.array() != 0).any()) return SetShiftedTargets(time, load, broken, body, shift);
     const long now = std::lround(time / period_);
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
       if (cached.time != time + index * period_) {
         cached.time = time + index * period_;
-        CalcReference(*path_, cached.time, load, shift, &reference_);
+        CalcReference(*path_, cached.time, load, broken, body, shift, &reference_);
         SetTarget(reference_, cached.target);
       }
       targets_[k] = cached.target;
       if (k < steps_.size()) index += steps_[k];
     }
   }
-  void SetLoadedTargets(double time, const LoadEstimate& load, ReferenceShift& shift) {
+  void SetShiftedTargets(double time, const LoadEstimate& load, const CableVector& broken,
+                         const LoadedPlatform& body, ReferenceShift& shift) {
     constexpr int kSteps = 3;  // of Newton's method at the first node
-    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(*path_, time, load, shift, &reference_);
+    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(*path_, time, load, broken, body, shift, &reference_);
     for (std::size_t k = 0; k < targets_.size(); ++k) {
-      CalcReference(*path_, time, load, shift, &reference_);
+      CalcReference(*path_, time, load, broken, body, shift, &reference_);
       SetTarget(reference_, targets_[k]);
+      for (Eigen::Index i = 0; i < broken.size(); ++i)
+        if (broken[i] != 0) targets_[k].u[i] = targets_[k].lower[i] = targets_[k].upper[i] = 0;
       if (k == 0) first_shift_ = shift;
       if (k < steps_.size()) time += steps_[k] * period_;
     }
@@ -327,7 +305,8 @@ class SolverFor final : public CdprMpcSolver::Impl {
 
  private:
   SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
-                    const std::vector<Target>& targets, const CdprMpcCost& cost, CdprPlan& plan) override {
+                    const LoadedPlatform& body, const std::vector<Target>& targets, const CdprMpcCost& cost,
+                    CdprPlan& plan) override {
     auto& policy = slq_.policy();
     for (std::size_t k = 0; k < policy.size(); ++k) {
       policy[k].x = plan.nodes[k].x;
@@ -336,9 +315,8 @@ class SolverFor final : public CdprMpcSolver::Impl {
     }
     if (elapsed > 0) slq_.Shift(elapsed);
     Problem& problem = slq_.problem();
-    problem.SetPayload(robot_, load.payload);
-    const Eigen::Vector3d com_W =
-        RotationFromEuler(targets.front().x.tail<3>()) * LoadedPlatform(robot_, load.payload).com_B;
+    problem.SetPayload(robot_, body);
+    const Eigen::Vector3d com_W = RotationFromEuler(targets.front().x.tail<3>()) * body.com_B;
     const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
     problem.load << force, torque - com_W.cross(force);
     problem.Q = cost.Q;
@@ -346,7 +324,7 @@ class SolverFor final : public CdprMpcSolver::Impl {
     problem.Q_f = cost.Q_f;
     problem.coupled = false;
     if (load.payload.mass != 0)
-      problem.SetErrors(ErrorsOfPlatform(robot_, load.payload, targets.front().x.tail<3>()));
+      problem.SetErrors(ErrorsOfPlatform(robot_, body, targets.front().x.tail<3>()));
     for (std::size_t k = 0; k < targets.size(); ++k) {
       auto& target = problem.targets[k];
       target.x = targets[k].x;
@@ -384,8 +362,8 @@ CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
 CdprMpcSolver::~CdprMpcSolver() = default;
 
 SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, const LoadEstimate& load,
-                               const CdprMpcCost& cost, CdprPlan& plan) {
-  return impl_->Solve(time, x, load, cost, plan);
+                               const CableVector& broken, const CdprMpcCost& cost, CdprPlan& plan) {
+  return impl_->Solve(time, x, load, broken, cost, plan);
 }
 
 }  // namespace tenon

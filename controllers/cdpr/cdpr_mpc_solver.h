@@ -5,6 +5,7 @@
 #include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/systems/framework/rate.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -12,11 +13,11 @@ namespace tenon {
 
 /// Weights of the squared errors, per second of the horizon.
 struct CdprMpcWeights {
-  double position = 0;          ///< [1/m^2]
-  double velocity = 0;          ///< [s^2/m^2]
-  double attitude = 0;          ///< [1/rad^2]
+  double position = 0;          ///< of the CoM against the reference [1/m^2]
+  double velocity = 0;          ///< of the CoM's velocity [s^2/m^2]
+  double attitude = 0;          ///< of roll, pitch and yaw [1/rad^2]
   double angular_velocity = 0;  ///< [s^2/rad^2], about the principal axes of a level platform
-  double tension = 0;           ///< [1/N^2]
+  double tension = 0;           ///< of each tension against its reference, or 0 [1/N^2]
 
   static FieldList Fields() {
     return {Required("position_per_m2", &CdprMpcWeights::position),
@@ -36,8 +37,11 @@ struct CdprMpcCost {
 
 enum class TerminalCost {
   kRiccati,  ///< the cost to go of the linear problem at the equilibrium at the start of the path
-  kGiven,    ///< `terminal_weights`
+  kGiven,    ///< `terminal_weights`: diagonal, as in the thesis
 };
+constexpr auto EnumNames(TerminalCost) {
+  return std::array{Named{TerminalCost::kRiccati, "riccati"}, Named{TerminalCost::kGiven, "diagonal"}};
+}
 
 struct CdprMpcParams {
   /// What to follow, and the robot that the controller believes in.
@@ -63,7 +67,7 @@ struct CdprMpcParams {
 /// The reference at a node is the quasi-static one of the path, with what it takes to accelerate the platform
 /// and to carry its load, see BalancedReference (for u_des = 0 the attitude alone). Bounds of node k leave
 /// room for the reel damping b of the winches: tensions at the platform within [t_min, t_max] and
-/// [t_min, t_max] + b dl/dt.
+/// [t_min, t_max] + b dl/dt. A cable that is broken has tension 0.
 class CdprMpcSolver {
  public:
   explicit CdprMpcSolver(const CdprMpcParams& params);
@@ -82,9 +86,10 @@ class CdprMpcSolver {
                           const CdprMpcWeights& terminal_weights);
 
   /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`, x with its payload (see
-  /// CentroidalStateOf), on which the rest of the load stays as it is.
-  SlqReport Solve(double time, const CentroidalState& x, const LoadEstimate& load, const CdprMpcCost& cost,
-                  CdprPlan& plan);
+  /// CentroidalStateOf), on which the rest of the load stays as it is. `broken` has a 1 for a cable that is,
+  /// else 0; without entries none is.
+  SlqReport Solve(double time, const CentroidalState& x, const LoadEstimate& load, const CableVector& broken,
+                  const CdprMpcCost& cost, CdprPlan& plan);
 
   class Impl;
 

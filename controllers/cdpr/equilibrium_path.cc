@@ -4,8 +4,10 @@
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/LU>
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -89,12 +91,12 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
   //   swapped snap(a) h^4 / 12 = -30 d + 16 va h + 14 vb h + 3 aa h^2 - 2 ab h^2     snap(b): the sign
   //   changes as well
   const int inner = n - 2;
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * inner, 2 * inner);
+  std::vector<Eigen::Triplet<double>> system;  // banded
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(2 * inner, 3);
   const auto add = [&](int row, int point, double of_velocity, double of_acceleration) {
     if (point == 0 || point == n - 1) return;  // at rest
-    system(row, 2 * (point - 1)) += of_velocity;
-    system(row, 2 * (point - 1) + 1) += of_acceleration;
+    system.emplace_back(row, 2 * (point - 1), of_velocity);
+    system.emplace_back(row, 2 * (point - 1) + 1, of_acceleration);
   };
   for (int i = 1; i + 1 < n; ++i) {
     const int jerk = 2 * (i - 1), snap = jerk + 1;
@@ -109,7 +111,12 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
     right.row(jerk) = 60 * (after / std::pow(k, 3) - before / std::pow(h, 3)).transpose();
     right.row(snap) = -30 * (after / std::pow(k, 4) + before / std::pow(h, 4)).transpose();
   }
-  const Eigen::MatrixXd solution = inner > 0 ? Eigen::MatrixXd(system.partialPivLu().solve(right)) : right;
+  Eigen::MatrixXd solution = right;
+  if (inner > 0) {
+    Eigen::SparseMatrix<double> matrix(2 * inner, 2 * inner);
+    matrix.setFromTriplets(system.begin(), system.end());
+    solution = Eigen::SparseLU<Eigen::SparseMatrix<double>>(matrix).solve(right);
+  }
 
   std::vector<PathPoint> knots(n);
   for (int i = 0; i < n; ++i) {
@@ -123,6 +130,27 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
   path.center_ = points.back();
   for (int i = 0; i + 1 < n; ++i) {
     path.pieces_.push_back(HermiteQuintic(times[i + 1] - times[i], knots[i], knots[i + 1]));
+  }
+  return path;
+}
+
+Path Path::Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times) {
+  const std::size_t n = points.size();
+  if (n < 2 || times.size() != n) return Spline(points, times);  // which says what is wrong
+  Path path;
+  path.times_ = times;
+  path.center_ = points.back();
+  for (std::size_t first = 0; first + 1 < n;) {
+    std::size_t last = first + 1;
+    const bool rests = points[first] == points[last];
+    while (!rests && last + 1 < n && points[last + 1] != points[last]) ++last;
+    const auto part = [&](const auto& all) {
+      return std::vector(all.begin() + static_cast<std::ptrdiff_t>(first),
+                         all.begin() + static_cast<std::ptrdiff_t>(last + 1));
+    };
+    const Path moves = Spline(part(points), part(times));  // of one that rests, constant
+    path.pieces_.insert(path.pieces_.end(), moves.pieces_.begin(), moves.pieces_.end());
+    first = last;
   }
   return path;
 }
@@ -196,8 +224,10 @@ double Path::TimeOf(double parameter) const {
 }
 
 EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
-                                 const StaticsOptions& options)
+                                 const StaticsOptions& options, const std::optional<Path>& attitude)
     : robot_(robot), path_(path) {
+  Require(!attitude || !path.is_periodic(),
+          "EquilibriumPath: on a circle the attitude is constant, give it in the options.");
   int intervals = 0;
   if (path.is_periodic()) {
     intervals = kNodesPerTurn;
@@ -215,6 +245,7 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
     const double parameter = first_ + i * step_;
     const double time = std::round(path.TimeOf(parameter) * 1e6) / 1e6;  // for messages
     StaticEquilibrium found;
+    if (attitude) each.attitude = attitude->PositionOf(parameter);
     try {
       found = SolveInverseGeometricoStatic(robot, path.PositionOf(parameter), each);
     } catch (const ParameterError& error) {
@@ -223,7 +254,7 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
     }
     if (i > 0) {
       const Eigen::Vector3d last = each.warm_start->euler;
-      for (int k = 0; k < 3; ++k) found.euler[k] -= kTwoPi * std::round((found.euler[k] - last[k]) / kTwoPi);
+      found.euler = EulerNear(found.euler, last);
       const double jump = (found.euler - last).norm();
       if (jump > kLargestJump) {
         const Eigen::Vector3d& p = found.p_WB;

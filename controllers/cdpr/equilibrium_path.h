@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/fields.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace tenon {
@@ -34,6 +35,10 @@ class Path {
   /// which of all curves through the points has the least integral of the squared jerk. It does not stop at
   /// the points.
   static Path Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
+
+  /// The same, but where two successive points are equal it is at rest from the one's time to the other's; in
+  /// between are splines from rest to rest. Position, velocity and acceleration are continuous everywhere.
+  static Path Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
   static Path Hold(const Eigen::Vector3d& position);
 
@@ -101,10 +106,12 @@ struct CdprReference {
 /// pass that description.
 class EquilibriumPath {
  public:
-  /// The options are as for one equilibrium; a warm start is for the first point. Throws ParameterError
-  /// naming the time, the point and the reason if there is no equilibrium somewhere on the path, or if the
-  /// branch ends there and the attitude would have to jump.
-  EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {});
+  /// The options are as for one equilibrium; a warm start is for the first point. `attitude`, if given, is
+  /// the path of roll, pitch, yaw [rad] in place of their attitude, for a path that is no circle. Throws
+  /// ParameterError naming the time, the point and the reason if there is no equilibrium somewhere on the
+  /// path, or if the branch ends there and the attitude would have to jump.
+  EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {},
+                  const std::optional<Path>& attitude = {});
 
   /// The reference at any time, into `reference`: takes less than 2 us for four cables and does not allocate
   /// if that has been filled for as many.

@@ -382,7 +382,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
         (pushed->tension.array() - upper).max(lower - pushed->tension.array()).maxCoeff(&worst);
     if (excess > kLeastExcess) {
       Refuse(robot, p_WB,
-             fmt::format("cable {} of {} would need {:.2f} N, outside its bounds [{:g}, {:g}] N", worst + 1,
+             fmt::format("cable {} of {} would need {:.2f} N, outside its bounds [{:g}, {:g}] N", worst,
                          robot.num_cables(), pushed->tension[worst], lower, upper));
     }
   }

@@ -1,7 +1,7 @@
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
 #include <fmt/core.h>
-#include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
 
@@ -25,27 +25,34 @@ int BlockSize(int cables, int first) {
   return n == Eigen::Dynamic ? std::min(kBlock<n>, cables - first) : n;
 }
 
-[[gnu::always_inline]] inline Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d cross;
-  cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return cross;
-}
-
 }  // namespace
+
+CentroidalState CentroidalStateOf(const LoadedPlatform& body, const Eigen::Vector3d& p_WB,
+                                  const Eigen::Matrix3d& R_WB, const Eigen::Vector3d& euler,
+                                  const Eigen::Vector3d& v_W, const Eigen::Vector3d& w_W) {
+  const Eigen::Vector3d arm_W = R_WB * body.com_B;
+  CentroidalState x;
+  x << v_W + w_W.cross(arm_W), R_WB * body.inertia * R_WB.transpose() * w_W / body.mass, p_WB + arm_W, euler;
+  return x;
+}
 
 CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform,
                                   const Payload& payload) {
   const Eigen::Matrix3d R_WB = platform.R_WB();
-  const LoadedPlatform body(robot, payload);
-  CentroidalState x;
-  x << platform.v_W, R_WB * body.inertia * R_WB.transpose() * platform.w_W / body.mass, platform.p_WB,
-      EulerFromRotation(R_WB);
-  if (payload.mass != 0) {
-    const Eigen::Vector3d arm_W = R_WB * body.com_B;
-    x.head<3>() += Eigen::Vector3d(platform.w_W).cross(arm_W);
-    x.segment<3>(6) += arm_W;
-  }
-  return x;
+  return CentroidalStateOf(LoadedPlatform(robot, payload), platform.p_WB, R_WB, EulerFromRotation(R_WB),
+                           platform.v_W, platform.w_W);
+}
+
+Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, const LoadedPlatform& body,
+                                               const Eigen::Vector3d& euler) {
+  const Eigen::Matrix3d R_WB = RotationFromEuler(euler);
+  const Eigen::Matrix3d cross = CrossMatrix(R_WB * body.com_B);
+  const Eigen::Matrix3d rate = R_WB * (body.mass * body.inertia.inverse()) * R_WB.transpose();  // w = rate L
+  Eigen::Matrix<double, 12, 12> T = Eigen::Matrix<double, 12, 12>::Identity();
+  T.block<3, 3>(0, 3) = cross * rate;  // v = v' - w x c
+  T.block<3, 3>(3, 3) = R_WB * robot.inertia_B * R_WB.transpose() / robot.mass * rate;
+  T.block<3, 3>(6, 9) = cross * EulerRateMatrix(euler);  // p = p' - c
+  return T;
 }
 
 template <int n>
@@ -86,8 +93,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot)
 }
 
 template <int n>
-void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Payload& payload) {
-  const LoadedPlatform body(robot, payload);
+void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const LoadedPlatform& body) {
   mass_inverse_ = 1 / body.mass;
   inertia_inverse_ = body.mass * body.inertia.inverse();
   for (int i = 0; i < robot.num_cables(); ++i)
@@ -228,7 +234,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
     force_by_p(r, r) -= stiffness;
     torque_by_turn(r, r) -= trace;
   }
-  force_by_turn += Skew(lever);
+  force_by_turn += CrossMatrix(lever);
   const Eigen::Matrix3d torque_by_p = force_by_turn.transpose();
 
   dx.template head<3>() = mass_inverse_ * force;
@@ -249,7 +255,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Linearize(const State& x, const
   f.momentum_by_pose.template bottomRightCorner<3, 3>().noalias() = mass_inverse_ * (torque_by_turn * E);
 
   // dw = (mobility [L x] - [w x]) dturn, at constant L; E^{-1} w depends on pitch and yaw besides.
-  const Eigen::Matrix3d w_by_euler = (mobility * Skew(momentum) - Skew(w)) * E;
+  const Eigen::Matrix3d w_by_euler = (mobility * CrossMatrix(momentum) - CrossMatrix(w)) * E;
   for (int c = 0; c < 3; ++c) {
     f.euler_by_momentum.col(c) = attitude.EulerRate(mobility.col(c));
     f.euler_by_euler.col(c) = attitude.EulerRate(w_by_euler.col(c));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/cdpr_signals.h>
@@ -12,9 +13,17 @@ namespace tenon {
 /// the mass [m^2/s], position of the CoM [m], ZYX Euler angles [rad], all in W.
 using CentroidalState = Eigen::Matrix<double, 12, 1>;
 
-/// The state (3.5) of a platform and its payload, about their common CoM.
+/// The state (3.5) of a platform and its payload, about their common CoM; `euler` are the angles of R_WB.
+CentroidalState CentroidalStateOf(const LoadedPlatform& body, const Eigen::Vector3d& p_WB,
+                                  const Eigen::Matrix3d& R_WB, const Eigen::Vector3d& euler,
+                                  const Eigen::Vector3d& v_W, const Eigen::Vector3d& w_W);
 CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform,
                                   const Payload& payload = {});
+
+/// d(state of the platform alone)/d(state of `body`, the platform with its payload), both of one motion, near
+/// rest at the attitude `euler` [rad]: v = v' - w x c, p = p' - c, and w = m I^{-1} L' gives L.
+Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, const LoadedPlatform& body,
+                                               const Eigen::Vector3d& euler);
 
 /// The kino-centroidal model of a cable robot with n massless cables, whose input are the tensions u >= 0
 /// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) as it must read in Euler angles):
@@ -28,7 +37,9 @@ CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformSt
 /// rigid platform. Singular at pitch = +-pi/2 and where a cable has no length: the result is not finite
 /// there.
 ///
-/// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number.
+/// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
+/// instantiated in the library. They are not declared `extern template`: GCC 12 then drops the vector clones
+/// of the members without a word.
 template <int n>
 class KinoCentroidalModel {
  public:
@@ -65,8 +76,8 @@ class KinoCentroidalModel {
 
   Eigen::Matrix<double, 6, 1> load =
       Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the CoM of all that moves [N, N m]
-  /// From now on the platform and what it carries, see LoadedPlatform.
-  void SetPayload(const CdprDescription& robot, const Payload& payload);
+  /// From now on the platform with what it carries.
+  void SetPayload(const CdprDescription& robot, const LoadedPlatform& body);
 
   /// @throws ParameterError if the robot has not n cables, n not Eigen::Dynamic.
   explicit KinoCentroidalModel(const CdprDescription& robot);
@@ -82,12 +93,5 @@ class KinoCentroidalModel {
   Eigen::Matrix3d inertia_inverse_;                                       // m I^{-1}, in B
   Eigen::Matrix<double, 3, n, Eigen::RowMajor> anchor_W_, attachment_B_;  // cables side by side
 };
-
-extern template class KinoCentroidalModel<4>;
-extern template class KinoCentroidalModel<5>;
-extern template class KinoCentroidalModel<6>;
-extern template class KinoCentroidalModel<7>;
-extern template class KinoCentroidalModel<8>;
-extern template class KinoCentroidalModel<Eigen::Dynamic>;
 
 }  // namespace tenon

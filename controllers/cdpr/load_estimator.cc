@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/plants/model/cross_matrix.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -92,8 +93,7 @@ void LoadEstimator::CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vect
   Eigen::Map<Eigen::Matrix3d> P(memory.arm_covariance.data());
   P.diagonal().array() += params.rate.period() * kArmWalk * kArmWalk;
   P.diagonal() = P.diagonal().cwiseMin(std::pow(params.arm_deviation, 2));
-  Eigen::Matrix3d H;  // r x F = H r
-  H << 0, force_B[2], -force_B[1], -force_B[2], 0, force_B[0], force_B[1], -force_B[0], 0;
+  const Eigen::Matrix3d H = -CrossMatrix(force_B);  // r x F = H r
   const Eigen::Matrix3d HP = H * P;
   Eigen::Matrix3d S = HP * H.transpose();
   S.diagonal().array() += std::pow(params.torque_deviation, 2);

@@ -11,9 +11,9 @@ CdprReference ReferenceBalancer::Empty(int num_cables) {
 }
 
 void ReferenceBalancer::CalcBalanced(const CdprReference& reference, const LoadEstimate& load,
-                                     ReferenceShift& shift, BalancedReference& work,
-                                     CdprReference* balanced) const {
-  work.Calc(reference, load, shift);
+                                     const CableVector& broken, ReferenceShift& shift,
+                                     BalancedReference& work, CdprReference* balanced) const {
+  work.Calc(reference, load, broken, shift);
   *balanced = reference;
   balanced->euler = work.euler();
   balanced->tension =

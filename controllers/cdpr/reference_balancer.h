@@ -14,16 +14,18 @@ struct ReferenceBalancerParams {
 
 /// Feedforward for controllers that follow a CdprReference: gives it the attitude, the tensions and the cable
 /// lengths with which the platform accelerates as it is to, and carries a load that is known or estimated,
-/// see BalancedReference. Position and velocities stay.
+/// and does without the cables that are broken, see BalancedReference. Position and velocities stay.
 ///
 ///     ports in   reference
 ///                load      on the platform; none if not connected
+///                broken    1 for a cable that is, else 0; none if not connected
 ///     port out   balanced  sampled
 class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<CdprReference> reference{this, {"reference"}};
   InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
+  InputPort<CableVector> broken{this, {"broken"}, CableVector{}};
   Scratch<ReferenceShift> shift{this, "shift",
                                 ReferenceShift{Vec<3>::Zero(), CableVector::Zero(params.robot.num_cables())}};
   Workspace<BalancedReference> work{this, "work", BalancedReference(params.robot)};
@@ -31,13 +33,13 @@ class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
                                      {"balanced"},
                                      Empty(params.robot.num_cables()),
                                      Sampled{params.rate},
-                                     Uses(reference, load, shift, work),
+                                     Uses(reference, load, broken, shift, work),
                                      &ReferenceBalancer::CalcBalanced};
 
  private:
   static CdprReference Empty(int num_cables);
-  void CalcBalanced(const CdprReference& reference, const LoadEstimate& load, ReferenceShift& shift,
-                    BalancedReference& work, CdprReference* balanced) const;
+  void CalcBalanced(const CdprReference& reference, const LoadEstimate& load, const CableVector& broken,
+                    ReferenceShift& shift, BalancedReference& work, CdprReference* balanced) const;
 };
 
 }  // namespace tenon

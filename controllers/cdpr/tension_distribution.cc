@@ -120,7 +120,7 @@ const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structu
     result_.reason = fmt::format(
         "no tensions within [{:g}, {:g}] N balance the wrench: cable {} of {} would need "
         "{:.2f} N{}",
-        tension_min, tension_max, worst + 1, n, u_[worst], rank < n ? " in the solution of least norm" : "");
+        tension_min, tension_max, worst, n, u_[worst], rank < n ? " in the solution of least norm" : "");
     return result_;
   }
   result_.feasible = true;

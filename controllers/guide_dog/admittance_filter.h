@@ -18,7 +18,7 @@ struct AdmittanceGains {
   double damping = 40;          ///< D_a [N s/m]
   double stiffness = 100;       ///< K_a, across the path [N/m]
   double min_forward = 0.03;    ///< the robot leads: stopping is not this block's decision [m/s]
-  double max_forward = 0.2;     ///< [m/s]
+  double max_forward = 0.2;     ///< the fastest that the leash may draw it on [m/s]
   double max_left = 0.05;       ///< to either side [m/s]
   double acceleration = 0.5;    ///< of each velocity, at most [m/s^2]
 

@@ -67,7 +67,7 @@ struct SlqNode {
 ///    what the quadratic model expects.
 ///
 /// If the model is not convex or no alpha is good, mu I is added to Huu and 2 is repeated. Inputs never leave
-/// their bounds, in no roll-out.
+/// their bounds, in no roll-out; see SlqBounds for other ways.
 ///
 /// The nodes need not be equidistant. Nothing is allocated after construction. Copies are independent, so an
 /// Slq can be the Scratch of a block. SlqStatus tells what can go wrong; then the policy is left as it was.
@@ -111,6 +111,7 @@ class Slq {
   };
 
   void Clamp(int k, Input& u) const {
+    if (options_.bounds == SlqBounds::kNone) return;
     const Input &lower = problem_.Lower(k), &upper = problem_.Upper(k);
     for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::min(std::max(u[i], lower[i]), upper[i]);
   }

@@ -18,7 +18,13 @@ constexpr auto EnumNames(StepMethod) {
 enum class SlqBounds {
   kProjectedNewton,    ///< the backward pass minimises over the box; inputs at a bound have no feedback
   kRollOutProjection,  ///< the backward pass knows no bounds; inputs are clamped in the roll-out (the thesis)
+  kNone,               ///< there are none
 };
+
+constexpr auto EnumNames(SlqBounds) {
+  return std::array{Named{SlqBounds::kProjectedNewton, "newton"},
+                    Named{SlqBounds::kRollOutProjection, "projected"}, Named{SlqBounds::kNone, "none"}};
+}
 
 struct SlqOptions {
   StepMethod method = StepMethod::kRungeKutta4;

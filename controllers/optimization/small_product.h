@@ -4,9 +4,10 @@
 
 /// Compiles a function for AVX2 with FMA besides the target of the build; which one runs is decided when the
 /// library is loaded. Last digits so depend on the processor, and on nothing else. GCC alone, not under
-/// sanitizers.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__OPTIMIZE__)
+/// sanitizers, and not with -D TENON_VECTOR_CLONES=OFF for CMake.
+#if !defined(TENON_NO_VECTOR_CLONES) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    __GNUC__ >= 12 && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&                   \
+    defined(__OPTIMIZE__)
 #define TENON_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define TENON_VECTOR_CLONES

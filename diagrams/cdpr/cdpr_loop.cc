@@ -1,8 +1,12 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/diagrams/late.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/plants/model/quaternion.h>
-#include <tenon/systems/primitives/sample_delay.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon {
 namespace {
@@ -18,16 +22,10 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
 }
 
 CableSignals CablesAtRest(const CdprPlantParams& start) {
-  CableSignals cables = CableSignals::Zero(start.robot.num_cables());
-  const Eigen::Matrix3d R_WB = RotationFromEuler(start.euler);
-  for (int i = 0; i < start.robot.num_cables(); ++i) {
-    const CableDescription& cable = start.robot.cables[static_cast<std::size_t>(i)];
-    cables.length[i] = (cable.anchor_W - start.p_WB - R_WB * cable.attachment_B).norm();
-    cables.tension[i] = start.initial_tension[i];
-    cables.rest_length[i] =
-        cables.length[i] / (1 + start.initial_tension[i] / start.robot.cable.axial_stiffness);
-  }
-  return cables;
+  const CableVector length =
+      CalcCableKinematics(start.robot, start.p_WB, RotationFromEuler(start.euler)).length;
+  return {length, CableVector::Zero(length.size()), start.initial_tension,
+          CalcRestLengths(start.robot.cable, length, start.initial_tension)};
 }
 
 CablePdParams PdOf(const CdprLoopParams& params) {
@@ -49,6 +47,7 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
                                                                 .max_tension_ratio = params.max_tension_ratio,
                                                                 .rate = params.control_rate});
   AddHardware(params);
+  AddDisturbances(params);
 
   if (params.mpc || params.offset_free) {
     estimator = &Add<CdprEstimator>("estimator", params.estimator);
@@ -64,10 +63,19 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
     Connect(*told_inertial, load->inertial);
     Connect(*told_cables, load->cables);
   }
+  if (params.mpc || params.feedforward || params.offset_free) {
+    broken_cables = &Add<BrokenCableDetector>(
+        "broken_cables", BrokenCableDetectorParams{.num_cables = params.robot.num_cables(),
+                                                   .reel_damping = params.path->robot().winch.reel_damping,
+                                                   .rate = params.control_rate});
+    Connect(*told_cables, broken_cables->cables);
+  }
   if (params.mpc) {
     mpc = &Add<CdprMpc>("mpc", *params.mpc);
     Connect(estimator->estimate, mpc->estimate);
     if (load != nullptr) Connect(load->load, mpc->load);
+    Connect(broken_cables->broken, mpc->broken);
+    Connect(mpc->command, broken_cables->command);
     Connect(mpc->command, *drive);
     Connect(mpc->command, command);
   } else {
@@ -77,6 +85,8 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
                                          ReferenceBalancerParams{params.path->robot(), params.control_rate});
       Connect(reference.reference, balancer->reference);
       if (load != nullptr) Connect(load->load, balancer->load);
+      Connect(broken_cables->broken, balancer->broken);
+      Connect(pd->command, broken_cables->command);
       Connect(balancer->balanced, pd->reference);
     } else {
       Connect(reference.reference, pd->reference);
@@ -97,6 +107,28 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
   Connect(plant.cables, cables);
   Connect(*told_pose, pose);
   Connect(*told_inertial, inertial);
+}
+
+void CdprLoop::AddDisturbances(const CdprLoopParams& params) {
+  const OutputPort<PlatformWrench>* wrench = nullptr;
+  if (!params.gusts.gusts.empty()) {
+    gusts = &Add<Gusts>("gusts", params.gusts);
+    wrench = &gusts->wrench;
+  }
+  if (params.hanging_load) {
+    const CdprPlantParams start = AtRest(params);
+    HangingLoadParams load_params = *params.hanging_load;
+    const double length =
+        load_params.length * (1 + load_params.mass * load_params.gravity / load_params.axial_stiffness);
+    const double depth = std::sqrt(std::max(0.0, length * length - params.swing.squaredNorm()));
+    load_params.p_W = start.p_WB + RotationFromEuler(start.euler) * load_params.attachment_B + params.swing -
+                      Vec<3>(0, 0, depth);
+    hanging_load = &Add<HangingLoad>("hanging_load", load_params);
+    Connect(plant.platform, hanging_load->platform);
+    if (wrench != nullptr) Connect(*wrench, hanging_load->others);
+    wrench = &hanging_load->wrench;
+  }
+  if (wrench != nullptr) Connect(*wrench, plant.wrench);
 }
 
 void CdprLoop::AddHardware(const CdprLoopParams& params) {
@@ -121,32 +153,22 @@ void CdprLoop::AddHardware(const CdprLoopParams& params) {
   if (hardware.cable_sensors) {
     auto& sensors = Add<CableSensors>("cable_sensors", *hardware.cable_sensors);
     Connect(plant.cables, sensors.cables);
-    told_cables = &sensors.measured;
-    told_cables =
-        Late("cables", told_cables, CablesAtRest(start), hardware.cable_sensors->rate, hardware.cable_delay);
+    told_cables = &Late(*this, "cables", sensors.measured, CablesAtRest(start), hardware.cable_sensors->rate,
+                        hardware.cable_delay);
   }
   const Eigen::Matrix3d R_WB = RotationFromEuler(start.euler);
-  told_pose = Late("pose", static_cast<const OutputPort<PoseMeasurement>*>(&pose_sensor.pose),
-                   {start.p_WB, QuaternionFromRotation(R_WB)}, params.pose_sensor.rate, hardware.pose_delay);
+  told_pose =
+      &Late<PoseMeasurement>(*this, "pose", pose_sensor.pose, {start.p_WB, QuaternionFromRotation(R_WB)},
+                             params.pose_sensor.rate, hardware.pose_delay);
   told_inertial = &imu.measurement;
   if (hardware.imu_errors) {
     auto& errors = Add<ImuErrors>("imu_errors", *hardware.imu_errors);
     Connect(*told_inertial, errors.measurement);
     told_inertial = &errors.measured;
   }
-  told_inertial =
-      Late("inertial", told_inertial, {Vec<3>::Zero(), R_WB.transpose() * Vec<3>(0, 0, start.gravity)},
-           params.imu.rate, hardware.imu_delay);
-}
-
-template <class T>
-const OutputPort<T>* CdprLoop::Late(const std::string& name, const OutputPort<T>* from, const T& initial,
-                                    Rate rate, int samples) {
-  if (samples == 0) return from;
-  auto& delay = Add<SampleDelay<T>>(
-      name + "_delay", SampleDelayParams<T>{.samples = samples, .initial = initial, .rate = rate});
-  Connect(*from, delay.u);
-  return &delay.y;
+  told_inertial = &Late<ImuMeasurement>(*this, "inertial", *told_inertial,
+                                        {Vec<3>::Zero(), R_WB.transpose() * Vec<3>(0, 0, start.gravity)},
+                                        params.imu.rate, hardware.imu_delay);
 }
 
 }  // namespace tenon

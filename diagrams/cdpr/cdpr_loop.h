@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/cable_pd.h>
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
@@ -13,6 +14,8 @@
 #include <tenon/controllers/cdpr/reference_generator.h>
 #include <tenon/plants/cdpr/cdpr_monitor.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/cdpr/gusts.h>
+#include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/plants/cdpr/payload_schedule.h>
 #include <tenon/plants/cdpr/winch_errors.h>
 #include <tenon/plants/sensors/cable_sensors.h>
@@ -51,6 +54,10 @@ struct CdprLoopParams {
   Vec<3> start_offset = Vec<3>::Zero();  ///< of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
   PayloadScheduleParams payload;
+  GustsParams gusts;
+  /// If given, a load swings under the platform; at the start it hangs `swing` aside of straight down.
+  std::optional<HangingLoadParams> hanging_load;
+  Vec<3> swing = Vec<3>::Zero();  ///< horizontal, shorter than the rope [m]
   PoseSensorParams pose_sensor;
   ImuParams imu;
   CdprHardwareParams hardware;
@@ -72,7 +79,10 @@ struct CdprLoopParams {
 ///
 /// The PD may follow what ReferenceBalancer makes of the reference, with feedforward; and either may be told
 /// the load on the platform by LoadEstimator, which sees it by estimator, inertial unit and the cables'
-/// tensions, so that a constant one leaves no error.
+/// tensions, so that a constant one leaves no error. All but the plain PD do without cables that
+/// BrokenCableDetector finds broken.
+///
+/// Gusts and a hanging load act on the plant's wrench.
 ///
 /// With hardware, what it says lies between: command_delay and winch_errors before the plant, cable_sensors,
 /// imu_errors and delays behind it. Its outputs are those of the blocks; the blocks themselves are public,
@@ -86,9 +96,12 @@ class CdprLoop final : public Subdiagram {
   CdprMpc* mpc = nullptr;              ///< or this one,
   CdprEstimator* estimator = nullptr;  ///< which needs this, as what is offset-free does
   LoadEstimator* load = nullptr;
+  BrokenCableDetector* broken_cables = nullptr;  ///< of all but the plain PD
   ReferenceBalancer* balancer = nullptr;
   PayloadSchedule& payload;
   CdprPlant& plant;
+  Gusts* gusts = nullptr;               ///< if there are any
+  HangingLoad* hanging_load = nullptr;  ///< if there is one
   PoseSensor& pose_sensor;
   Imu& imu;
 
@@ -106,9 +119,7 @@ class CdprLoop final : public Subdiagram {
 
  private:
   void AddHardware(const CdprLoopParams& params);
-  template <class T>
-  const OutputPort<T>* Late(const std::string& name, const OutputPort<T>* from, const T& initial, Rate rate,
-                            int samples);
+  void AddDisturbances(const CdprLoopParams& params);
 };
 
 }  // namespace tenon

@@ -34,7 +34,7 @@ class LeggedLocomotion final : public Subdiagram {
   TrunkPlanner& trunk_planner;
   WholeBodyController& whole_body;
 
-  OutputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};
   OutputPort<ContactSchedule> schedule{this, {"schedule"}};
   OutputPort<BodyReference> body{this, {"body"}};
   OutputPort<FeetReference> feet{this, {"feet"}};

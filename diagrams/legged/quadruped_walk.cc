@@ -15,6 +15,10 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const L
   return params;
 }
 
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {
+  return MakeQuadrupedWalk(robot, LoadLocomotionProfile("standard", ScaleOf(robot)));
+}
+
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     : walk(Add<WalkSchedule>("walk", params.walk)),
       locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),

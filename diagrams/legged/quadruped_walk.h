@@ -25,8 +25,9 @@ struct QuadrupedWalkParams {
 
 /// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses;
 /// what is left to give is the walk, and the forces that disturb it.
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot,
-                                      const LocomotionProfile& profile = LoadLocomotionProfile("standard"));
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile);
+/// With the standard profile for this robot.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
 ///

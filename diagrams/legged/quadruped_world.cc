@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <tenon/systems/primitives/sample_delay.h>
+#include <tenon/diagrams/late.h>
 
 namespace tenon {
 namespace {
@@ -77,13 +77,16 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   const LeggedState& initial = params.plant.initial;
   const ImuMeasurement at_rest{Vec<3>::Zero(),
                                initial.R_WB().transpose() * Vec<3>(0, 0, params.plant.gravity)};
-  ConnectLate<JointMotion>("joints", encoders.joints, {initial.q, initial.qd}, params.encoders.rate,
-                           hardware.encoder_delay, joints);
-  ConnectLate<Vec<12>>("measured_torque", torque_sensor.measured, Vec<12>::Zero(), params.torque_sensor.rate,
-                       hardware.torque_delay, measured_torque);
-  ConnectLate<FootForces>("foot_forces", foot_sensor.measured, {}, params.foot_sensor.rate,
-                          hardware.foot_delay, foot_forces);
-  ConnectLate<ImuMeasurement>("inertial", *unit, at_rest, params.imu.rate, hardware.imu_delay, inertial);
+  Connect(Late<JointMotion>(*this, "joints", encoders.joints, {initial.q, initial.qd}, params.encoders.rate,
+                            hardware.encoder_delay),
+          joints);
+  Connect(Late<Vec<12>>(*this, "measured_torque", torque_sensor.measured, Vec<12>::Zero(),
+                        params.torque_sensor.rate, hardware.torque_delay),
+          measured_torque);
+  Connect(Late<FootForces>(*this, "foot_forces", foot_sensor.measured, {}, params.foot_sensor.rate,
+                           hardware.foot_delay),
+          foot_forces);
+  Connect(Late(*this, "inertial", *unit, at_rest, params.imu.rate, hardware.imu_delay), inertial);
 }
 
 void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {
@@ -104,16 +107,6 @@ void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {
     in = &delay.u;
   }
   Connect(torque, *in);
-}
-
-template <class T>
-void QuadrupedWorld::ConnectLate(const std::string& name, const OutputPort<T>& from, const T& initial,
-                                 Rate rate, int samples, OutputPort<T>& to) {
-  if (samples == 0) return Connect(from, to);
-  auto& delay = Add<SampleDelay<T>>(
-      name + "_delay", SampleDelayParams<T>{.samples = samples, .initial = initial, .rate = rate});
-  Connect(from, delay.u);
-  Connect(delay.y, to);
 }
 
 }  // namespace tenon

@@ -96,17 +96,14 @@ class QuadrupedWorld final : public Subdiagram {
 
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<FootForces> ground_forces{this, {"ground_forces"}};
-  OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}};
+  OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m", kJointElements}};
   OutputPort<JointMotion> joints{this, {"joints"}};
-  OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m"}};
+  OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m", kJointElements}};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}};
   OutputPort<ImuMeasurement> inertial{this, {"inertial"}};
 
  private:
   void ConnectDrives(const QuadrupedHardwareParams& hardware);
-  template <class T>
-  void ConnectLate(const std::string& name, const OutputPort<T>& from, const T& initial, Rate rate,
-                   int samples, OutputPort<T>& to);
 };
 
 }  // namespace tenon

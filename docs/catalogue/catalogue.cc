@@ -3,12 +3,18 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
+#include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/plants/cdpr/cable_fault.h>
+#include <tenon/plants/cdpr/gusts.h>
+#include <tenon/plants/cdpr/hanging_load.h>
+#include <tenon/plants/cdpr/platform_pull.h>
 #include <tenon/plants/legged/joint_lock.h>
+#include <tenon/plants/legged/spring_pull.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/io/external_input.h>
@@ -222,6 +228,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<FallMonitor>("FallMonitor"));
   entries.push_back(Make<DriveErrors>("DriveErrors"));
   entries.push_back(Make<SlidingLoad>("SlidingLoad", SlidingLoadParams{.mass = 1}));
+  entries.push_back(Make<SpringPull>("SpringPull", SpringPullParams{.robot = shipped.dog}));
   entries.push_back(Make<JointEncoders>("JointEncoders"));
   entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
   entries.push_back(Make<ShankForces>("ShankForces", ShankForcesParams{shipped.dog}));
@@ -250,6 +257,9 @@ Shelf CdprPlants(const Shipped& shipped) {
   entries.push_back(Make<WinchErrors>("WinchErrors"));
   entries.push_back(Make<CableFault>("CableFault", CableFaultParams{.num_cables = robot.num_cables()}));
   entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
+  entries.push_back(Make<Gusts>("Gusts"));
+  entries.push_back(Make<HangingLoad>("HangingLoad"));
+  entries.push_back(Make<PlatformPull>("PlatformPull"));
   entries.push_back(Make<CdprMonitor>("CdprMonitor", CdprMonitorParams{.robot = robot}));
   entries.push_back(Make<PoseSensor>("PoseSensor"));
   entries.push_back({"Imu", "BasicImu", std::make_unique<Imu>()});
@@ -262,6 +272,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   Shelf shelf{"quadruped controllers", {}};
   auto& entries = shelf.entries;
   entries.push_back(Make<WalkSchedule>("WalkSchedule", shipped.walk.walk));
+  entries.push_back(Make<WalkDrive>("WalkDrive"));
   entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
   entries.push_back(Make<GroundEstimator>("GroundEstimator", locomotion.ground));
   entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
@@ -293,6 +304,7 @@ Shelf CdprControllers(const Shipped& shipped) {
   auto& entries = shelf.entries;
   entries.push_back(
       Make<ReferenceGenerator>("ReferenceGenerator", ReferenceGeneratorParams{.path = loop.path}));
+  entries.push_back(Make<BrokenCableDetector>("BrokenCableDetector"));
   entries.push_back(Make<CablePd>("CablePd", CablePdParams{.robot = loop.robot,
                                                            .stiffness_N_per_m = loop.pd_stiffness_N_per_m,
                                                            .damping_N_s_per_m = loop.pd_damping_N_s_per_m}));

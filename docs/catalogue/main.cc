@@ -6,15 +6,22 @@
 #include <fstream>
 
 #include <tenon/docs/catalogue/documents.h>
+#include <tenon/docs/catalogue/scenario_page.h>
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::fputs("usage: tenon-catalogue SOURCE_DIR OUT_DIR     writes blocks.md and diagrams/*.svg\n", stderr);
+    std::fputs(
+        "usage: tenon-catalogue SOURCE_DIR OUT_DIR     writes blocks.md, scenarios.md, keys/meanings.yaml "
+        "and diagrams/*.svg\n",
+        stderr);
     return 2;
   }
   const std::filesystem::path source = argv[1], out = argv[2];
   try {
     std::filesystem::create_directories(out / "diagrams");
+    std::filesystem::create_directories(out / "keys");
+    std::ofstream(out / "keys" / "meanings.yaml") << tenon::docs::WriteMeanings(source);
+    std::ofstream(out / "scenarios.md") << tenon::docs::WriteScenarioKeys();
     std::ofstream(out / "blocks.md") << tenon::docs::WriteBlocks(source);
     for (const tenon::docs::Picture& picture : tenon::docs::MakePictures()) {
       if (!tenon::docs::IsUpToDate(picture, out / "diagrams")) tenon::docs::Draw(picture, out / "diagrams");

@@ -1,5 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 
+#include <numbers>
 #include <string>
 
 namespace tenon {
@@ -9,9 +10,17 @@ constexpr double kCableRadius = 0.008;       // [m]
 constexpr double kPlatformThickness = 0.04;  // [m], at least, if all attachments lie in one plane
 constexpr double kForceScale = 0.01;         // [m/N]
 constexpr double kPayloadRadius = 0.05;      // [m]
+constexpr double kPulleyWidth = 0.02;        // [m]
 
-// The order of the shapes: these, then one cable, one anchor and one post per cable.
+constexpr std::size_t kSaggingPieces = 12;
+
+// The order of the shapes: these, then the pieces of each cable, then each pulley, then one anchor and one
+// post per cable.
 enum Index { kPlatform, kPath, kPayloadBall, kForce, kFirstCable };
+
+std::size_t PiecesPerCable(const CdprDescription& robot) {
+  return robot.cable.mass_per_length > 0 ? kSaggingPieces : 1;
+}
 
 }  // namespace
 
@@ -25,7 +34,12 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
   shapes[kPayloadBall] = Shape::Sphere(ShapeRole::kLoad, "payload", kPayloadRadius);
   shapes[kForce] = Shape::Arrow(ShapeRole::kDisturbance, "external force", kForceScale);
   for (std::size_t i = 0; i < robot.cables.size(); ++i)
-    shapes.push_back(Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), kCableRadius, "N"));
+    for (std::size_t k = 0; k < PiecesPerCable(robot); ++k)
+      shapes.push_back(Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), kCableRadius, "N"));
+  if (robot.winch.pulley_radius > 0)
+    for (std::size_t i = 0; i < robot.cables.size(); ++i)
+      shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "pulley " + std::to_string(i),
+                                       robot.winch.pulley_radius, kPulleyWidth));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), 0.05);
     anchor.p_W = robot.cables[i].anchor_W;
@@ -39,7 +53,8 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
 }
 
 void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platform, const CableVector& tension,
-                      const Payload& payload, const PlatformWrench& wrench, Geometry* geometry) {
+                      const std::vector<CableStatics>& cables, const Payload& payload,
+                      const PlatformWrench& wrench, Geometry* geometry) {
   Geometry& shapes = *geometry;
   const Eigen::Matrix3d R_WB = platform.R_WB();
   shapes[kPlatform].p_W = shapes[kPath].p_W = shapes[kForce].p_W = platform.p_WB;
@@ -49,11 +64,31 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
   Shape& ball = shapes[kPayloadBall];
   ball.visible = payload.mass > 0;
   ball.p_W = platform.p_WB + R_WB * payload.p_B;
+  const std::size_t pieces = PiecesPerCable(robot);
+  const double radius = robot.winch.pulley_radius;
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
-    Shape& cable = shapes[kFirstCable + i];
-    cable.p_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
-    cable.vector_W = robot.cables[i].anchor_W - cable.p_W;
-    cable.value = tension[static_cast<Eigen::Index>(i)];
+    const CableStatics& cable = cables[i];
+    const Vec<3> attachment_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
+    Vec<3> from_W = attachment_W;
+    for (std::size_t k = 0; k < pieces; ++k) {
+      Vec<3> to_W = cable.exit_W;
+      if (k + 1 < pieces) {
+        const double part = static_cast<double>(k + 1) / static_cast<double>(pieces);
+        const Vec<2> point = cable.catenary.PointAt(part * cable.catenary.rest_length);
+        to_W = attachment_W + point[0] * cable.toward_W + Vec<3>(0, 0, point[1]);
+      }
+      Shape& piece = shapes[kFirstCable + i * pieces + k];
+      piece.p_W = from_W;
+      piece.vector_W = to_W - from_W;
+      piece.value = tension[static_cast<Eigen::Index>(i)];
+      from_W = to_W;
+    }
+    if (radius == 0) continue;
+    Shape& pulley = shapes[kFirstCable + robot.cables.size() * pieces + i];
+    pulley.p_W = robot.cables[i].anchor_W + radius * cable.plane_W;
+    // A quarter turn about the horizontal direction of the plane brings z to the pulley's axle.
+    const double half = std::numbers::sqrt2 / 2;
+    pulley.q_W = {half, half * cable.plane_W[0], half * cable.plane_W[1], 0};
   }
 }
 

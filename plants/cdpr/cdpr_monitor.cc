@@ -6,6 +6,11 @@
 #include <cmath>
 
 namespace tenon {
+namespace {
+
+constexpr double kGravity = 9.81;  // [m/s^2]
+
+}  // namespace
 
 void CdprMonitorParams::Validate() const {
   Demand(max_tension_ratio >= 1,
@@ -18,7 +23,9 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {
   const double limit = max_tension_ratio * params.robot.cable.tension_max;
   for (Eigen::Index i = 0; i < cables.tension.size(); ++i) {
-    if (forbid_slack && cables.tension[i] <= 0) return fmt::format("cable {} is slack", i);
+    // What pulls no harder than its own weight hangs.
+    const double weight = params.robot.cable.mass_per_length * kGravity * cables.rest_length[i];
+    if (forbid_slack && cables.tension[i] <= weight) return fmt::format("cable {} is slack", i);
     if (cables.tension[i] > limit)
       return fmt::format("cable {} pulls with {:.0f} N, more than the {:.0f} N that its winch holds", i,
                          cables.tension[i], limit);

@@ -19,18 +19,6 @@ void CheckFinite(const char* name, const Vec<3>& v) {
         fmt::format("{} is ({}, {}, {}); give three finite numbers", name, v[0], v[1], v[2]));
 }
 
-/// The tension of a taut cable in tension or torque mode, see the header.
-double TautTension(const CdprPlantParams& params, double rest, double motor_tension, double reel_speed,
-                   double length, double length_rate, bool stuck) {
-  const WinchProperties& winch = params.robot.winch;
-  const double damping = params.robot.cable.axial_damping / rest;
-  const double strained = params.robot.cable.axial_stiffness / rest * (length - rest) + damping * length_rate;
-  if (params.lock_winches || stuck) return std::max(0.0, strained);
-  if (winch.mode == WinchMode::kTorque) return std::max(0.0, strained - damping * reel_speed);
-  return std::max(0.0,
-                  (winch.reel_damping * strained + damping * motor_tension) / (winch.reel_damping + damping));
-}
-
 }  // namespace
 
 void CdprPlantParams::Validate() const {
@@ -40,6 +28,9 @@ void CdprPlantParams::Validate() const {
   CheckFinite("v_W", v_W);
   CheckFinite("w_W", w_W);
   if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  if (gravity < 0 && robot.cable.mass_per_length > 0)
+    throw ParameterError(
+        fmt::format("gravity is {} m/s^2, but cables with mass hang downwards; give 0 or more", gravity));
   if (initial_tension.size() != robot.num_cables())
     throw ParameterError(
         fmt::format("initial_tension has {} entries but the robot '{}' has {} cables; give one tension each",
@@ -59,15 +50,46 @@ PlatformState CdprPlant::InitialPlatform(const CdprPlantParams& params) {
   return {params.p_WB, QuaternionFromRotation(RotationFromEuler(params.euler)), params.v_W, params.w_W};
 }
 
-Eigen::VectorXd CdprPlant::InitialRestLength(const CdprPlantParams& params) {
-  Eigen::VectorXd rest_length(params.robot.num_cables());
+CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
+  const CdprDescription& robot = params.robot;
+  const int n = robot.num_cables();
+  Start start{
+      Eigen::VectorXd(n), Eigen::VectorXd(n), {}, {}, std::vector<int>(static_cast<std::size_t>(n), -1)};
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
-  for (int i = 0; i < params.robot.num_cables(); ++i) {
-    const CableDescription& cable = params.robot.cables[static_cast<std::size_t>(i)];
-    const double length = (cable.anchor_W - params.p_WB - R_WB * cable.attachment_B).norm();
-    rest_length[i] = length / (1 + params.initial_tension[i] / params.robot.cable.axial_stiffness);
+  for (int i = 0; i < n; ++i) {
+    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const Vec<3> span = cable.anchor_W - params.p_WB - R_WB * cable.attachment_B;
+    try {
+      start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity);
+      const CableStatics statics = CalcCableStatics(robot, i, span, start.rest_length[i], params.gravity);
+      start.length_offset[i] = statics.length - span.norm();
+      if (robot.winch.drum) {
+        const DrumTurn turn = DrumTurnAt(*robot.winch.drum, i, start.rest_length[i]);
+        start.drum_angle.push_back(turn.angle);
+        start.drum_radius.push_back(turn.radius);
+      }
+    } catch (const RunError& error) {
+      throw ParameterError(fmt::format("at the start {}", error.what()));
+    }
   }
-  return rest_length;
+  if (robot.winch.differential) {
+    for (const auto& [i, j] : robot.winch.differential->pairs) {
+      start.partner[static_cast<std::size_t>(i)] = j;
+      start.partner[static_cast<std::size_t>(j)] = i;
+    }
+  }
+  return start;
+}
+
+CdprPlant::CableForces CdprPlant::NoForces(int num_cables) {
+  return {.signals = CableSignals::Zero(num_cables),
+          .statics = std::vector<CableStatics>(static_cast<std::size_t>(num_cables)),
+          .reeling = CableVector::Ones(num_cables)};
+}
+
+WinchMotion CdprPlant::MotionOf(int cable, double motor_tension, double reel_speed, double reeling,
+                                const CableFaults& faults) const {
+  return {motor_tension, reel_speed, reeling, params.lock_winches || faults.is_stuck(cable)};
 }
 
 void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
@@ -83,38 +105,46 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
   CableSignals& signals = out->signals;
   signals.rest_length = rest_length;
   out->wrench = {};
-  out->energy = 0;
+  out->energy = out->potential = 0;
 
+  const WinchProperties& winch = params.robot.winch;
   const Eigen::Matrix3d R_WB = x.R_WB();
   for (int i = 0; i < n; ++i) {
-    const CableDescription& cable = params.robot.cables[static_cast<std::size_t>(i)];
+    const auto index = static_cast<std::size_t>(i);
+    const CableDescription& cable = params.robot.cables[index];
     const Vec<3> arm = R_WB * cable.attachment_B;
     const Vec<3> span = cable.anchor_W - x.p_WB - arm;
-    const double length = span.norm();
     const double rest = rest_length[i];
-    if (length == 0)
-      throw RunError(
-          fmt::format("cable {} has no length and so no direction: its attachment is at its anchor", i));
-    if (rest <= 0)
-      throw RunError(
-          fmt::format("cable {} is reeled in completely (rest length {} m); command less tension or move the "
-                      "platform away "
-                      "from the anchor",
-                      i, rest));
-    const Vec<3> direction = span / length;
+    CableStatics& statics = out->statics[index];
+    statics = CalcCableStatics(params.robot, i, span, rest, params.gravity);
+    const Vec<3>& direction = statics.direction_W;
     const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
-    const bool taut = length > rest && !faults.is_broken(i);
-    const double tension = taut ? TautTension(params, rest, motor_tension[i], reel_speed[i], length,
-                                              length_rate, faults.is_stuck(i))
-                                : 0;
-
-    signals.length[i] = length;
+    signals.length[i] = statics.length - start.length_offset[i];
     signals.length_rate[i] = length_rate;
+    DrumTurn turn;
+    if (winch.drum) {
+      turn = DrumTurnAt(*winch.drum, i, rest);
+      out->reeling[i] = turn.radius / start.drum_radius[index];
+    }
+
+    const WinchMotion motion = MotionOf(i, motor_tension[i], reel_speed[i], out->reeling[i], faults);
+    const double damping = params.robot.cable.axial_damping / statics.elastic_length;
+    const bool pulls = statics.tension > 0 && !faults.is_broken(i);
+    const double tension =
+        pulls ? TensionAtWinch(winch, motion, statics.tension + damping * length_rate, damping) : 0;
+    const double pull = std::max(0.0, tension - statics.tension_loss);
     signals.tension[i] = tension;
-    out->wrench.force_W += tension * direction;
-    out->wrench.torque_W += arm.cross(tension * direction);
-    if (taut)
-      out->energy += params.robot.cable.axial_stiffness / (2 * rest) * (length - rest) * (length - rest);
+    if (pulls) {
+      out->wrench.force_W += pull * direction;
+      out->wrench.torque_W += arm.cross(pull * direction);
+      out->energy += statics.elastic_energy;
+      out->potential += statics.potential_energy;
+    }
+    if (winch.drum) {
+      const double turned = start.drum_radius[index] * (start.drum_angle[index] - turn.angle);
+      signals.length[i] += turned - (rest - start.rest_length[i]);
+      signals.length_rate[i] += (1 / motion.reeling - 1) * PayOutRate(winch, motion, tension);
+    }
   }
 }
 
@@ -141,13 +171,14 @@ CdprEnergy CdprPlant::CalcEnergy(const PlatformState& x, const CableForces& cabl
                                  const Payload& payload) const {
   const double payload_height = x.p_WB[2] + (x.R_WB() * payload.p_B)[2];
   return {.kinetic = body.kinetic_energy(),
-          .potential = params.gravity * (params.robot.mass * x.p_WB[2] + payload.mass * payload_height),
+          .potential = params.gravity * (params.robot.mass * x.p_WB[2] + payload.mass * payload_height) +
+                       cables.potential,
           .elastic = cables.energy};
 }
 
 void CdprPlant::CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
                              const PlatformWrench& wrench, Geometry* out) const {
-  MoveCdprGeometry(params.robot, x, cables.signals.tension, payload, wrench, out);
+  MoveCdprGeometry(params.robot, x, cables.signals.tension, cables.statics, payload, wrench, out);
 }
 
 PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const {
@@ -158,16 +189,12 @@ PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigi
 void CdprPlant::CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
                                    const Eigen::VectorXd& reel_speed, const CableFaults& faults,
                                    Eigen::VectorXd* rate) const {
-  const WinchProperties& winch = params.robot.winch;
-  if (params.lock_winches) {
-    rate->setZero(params.robot.num_cables());
-  } else if (winch.mode == WinchMode::kTension) {
-    *rate = (cables.signals.tension - motor_tension) / winch.reel_damping;
-  } else {
-    *rate = reel_speed;
-  }
-  for (Eigen::Index i = 0; i < rate->size(); ++i)
-    if (faults.is_stuck(i)) (*rate)[i] = 0;
+  const int n = params.robot.num_cables();
+  rate->resize(n);
+  for (int i = 0; i < n; ++i)
+    (*rate)[i] = PayOutRate(params.robot.winch,
+                            MotionOf(i, motor_tension[i], reel_speed[i], cables.reeling[i], faults),
+                            cables.signals.tension[i]);
 }
 
 void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const CableVector& command,
@@ -176,9 +203,12 @@ void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const
   if (command.size() != n)
     throw RunError(fmt::format(
         "the command has {} entries but the robot has {} cables; give one tension each", command.size(), n));
+  const auto asked_of = [&](int i) { return command[i] < 0 ? 0 : command[i]; };  // nan stays nan
   rate->resize(n);
   for (int i = 0; i < n; ++i) {
-    const double asked = command[i] < 0 ? 0 : command[i];  // written so that nan stays nan
+    double asked = asked_of(i);
+    if (const int j = start.partner[static_cast<std::size_t>(i)]; j >= 0)
+      asked = GivenByDifferential(*params.robot.winch.differential, asked, asked_of(j));
     (*rate)[i] = (asked - motor_tension[i]) / params.robot.winch.time_constant;
   }
 }
@@ -190,8 +220,9 @@ void CdprPlant::CalcReelAcceleration(const CableForces& cables, const Eigen::Vec
   if (params.lock_winches || winch.mode == WinchMode::kTension) {
     acceleration->setZero(params.robot.num_cables());
   } else {
-    *acceleration =
-        (cables.signals.tension - motor_tension - winch.reel_damping * reel_speed) / winch.effective_mass;
+    *acceleration = (cables.reeling.cwiseProduct(cables.signals.tension) - motor_tension -
+                     winch.reel_damping * reel_speed) /
+                    winch.effective_mass;
     for (Eigen::Index i = 0; i < acceleration->size(); ++i)
       if (faults.is_stuck(i)) (*acceleration)[i] = -reel_speed[i] / winch.time_constant;
   }

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/cdpr/free_rigid_body.h>
+#include <tenon/plants/cdpr/winch.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
+
+#include <vector>
 
 namespace tenon {
 
@@ -22,8 +26,7 @@ struct CdprPlantParams {
   void Validate() const;
 };
 
-/// A cable-driven parallel robot: a platform on Simbody, 4 or more straight elastic cables, one winch
-/// each.
+/// A cable-driven parallel robot: a platform on Simbody, 4 or more elastic cables, one winch each.
 ///
 ///     ports in   command       tension asked of each winch [N]; below 0 counts as 0
 ///                payload       point mass on the platform (optional)
@@ -38,7 +41,7 @@ struct CdprPlantParams {
 ///     states     platform_state
 ///                rest_length    l0, paid out [m]
 ///                motor_tension  T_m, what the motor pulls at the drum [N]
-///                reel_speed     dl0/dt in torque mode, else unused [m/s]
+///                reel_speed     of the drum in torque mode, dl0/dt on the start's radius; else unused [m/s]
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
 ///
@@ -47,19 +50,20 @@ struct CdprPlantParams {
 /// with e_i the direction from attachment to anchor. The quaternion's length has no meaning for the motion;
 /// 5 (1 - |q|^2) q in its derivative brings it back to 1, so that equilibria are isolated points.
 ///
-/// **Cables** pull, if longer than their rest length l0, and never push:
+/// **Cables** pull as CableStatics says, by default straight springs if longer than their rest length l0, and
+/// are damped along their end's direction by the material's damping time, damping / EA:
 ///
-///     T = max(0, k (l - l0) + c (dl/dt - dl0/dt)) if l > l0, else 0;   k = EA / l0,  c = damping / l0.
+///     T = max(0, T_e + c (dl/dt - dl0/dt)),   c = (damping / EA) dT_e/dl;
+///     straight  T_e = k (l - l0) and c = damping / l0 if l > l0, else both 0;   k = EA / l0.
 ///
-/// With a rate, c makes T jump when a slack cable becomes taut.
+/// With a rate, c makes T jump when a slack cable becomes taut. What has mass hangs, pulls harder at its
+/// anchor than at its attachment, and is never without tension; it hangs at rest at every instant: that it
+/// swings itself is not modelled, nor the friction of pulleys, see WinchErrors for that.
 ///
-/// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant. Then with b
-/// the reel damping:
-///  - tension mode: the drum turns at dl0/dt = (T - T_m) / b. T depends on that speed through c: put in,
-///    T (1 + c/b) = T_e + (c/b) T_m with T_e = k (l - l0) + c dl/dt, so T = max(0, (b T_e + c T_m) / (b +
-///    c)). (If the fraction is negative, T = 0 solves both equations; as T - max(0, T_e - c/b (T - T_m))
-///    increases with T, there is no other solution.)
-///  - torque mode: m_eff d2l0/dt2 = T - T_m - b dl0/dt, with dl0/dt a state.
+/// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u held to what
+/// a differential can give, see DifferentialProperties. What T_m and T make of l0 is in winch.h. On a drum
+/// with layers `cables.length` is what its turns would be on the radius of the start. At the start all
+/// lengths told are the distances between attachments and anchors, as after homing with the ideal model.
 ///
 /// **Faults.** The drum of a winch that sticks does not turn, dl0/dt = 0, so that T = max(0, k (l - l0) + c
 /// dl/dt); a broken cable has T = 0, whatever its length, and its drum stands, too. The motors go on. In
@@ -69,10 +73,10 @@ struct CdprPlantParams {
 /// stay: a mass that joins does so at the speed of the point that takes it. Make the signal change at ticks,
 /// by a sampled source, so that no integration step straddles the change.
 ///
-/// At the start the cables carry `initial_tension`, l0 = l / (1 + T / EA), and so do the motors.
-/// Not modelled: sagging, the cables' mass, pulleys of finite radius, limits of the winches' speed.
+/// At the start the cables carry `initial_tension`, straight l0 = l / (1 + T / EA), and so do the motors;
+/// that throws ParameterError where CalcRestLength throws. Not modelled: limits of the winches' speed.
 ///
-/// Throws RunError, if a cable has no length or is reeled in completely, if the command has not one entry per
+/// Throws RunError, where CalcCableStatics does, if a drum is empty, if the command has not one entry per
 /// cable, or the faults neither that nor none, and if the payload's mass is negative.
 class CdprPlant final : public LeafSystem<CdprPlantParams> {
  public:
@@ -81,9 +85,20 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   /// What the cables do, as several calculations need it.
   struct CableForces {
     CableSignals signals;
+    std::vector<CableStatics> statics{};
+    CableVector reeling{};    ///< radius on the drum over that at the start
     PlatformWrench wrench{};  ///< of all cables, about the CoM
     double energy = 0;        ///< elastic [J]
+    double potential = 0;     ///< of the cables' weight [J]
   };
+  /// What the cables have at the start, and what homing there has put into the encoders.
+  struct Start {
+    Eigen::VectorXd rest_length;                  ///< [m]
+    Eigen::VectorXd length_offset;                ///< true length minus the one that is told [m]
+    std::vector<double> drum_angle, drum_radius;  ///< of drums with layers [rad, m]
+    std::vector<int> partner;                     ///< at a differential; -1: none
+  };
+  const Start start = StartOf(params);
 
   InputPort<CableVector> command{this, {"command", "N"}};
   InputPort<Payload> payload{this, {"payload"}, Payload{}};
@@ -91,14 +106,14 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   InputPort<CableFaults> faults{this, {"faults"}, CableFaults{}};
 
   ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
-  ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, InitialRestLength(params)};
+  ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, start.rest_length};
   ContinuousState<Eigen::VectorXd> motor_tension{this, {"motor_tension", "N"}, params.initial_tension};
   ContinuousState<Eigen::VectorXd> reel_speed{
       this, {"reel_speed", "m/s"}, Eigen::VectorXd::Zero(params.robot.num_cables())};
 
-  Shared<CableForces> cable_forces{
-      this, "cable_forces", CableForces{CableSignals::Zero(params.robot.num_cables())},
-      Uses(platform_state, rest_length, motor_tension, reel_speed, faults), &CdprPlant::CalcCableForces};
+  Shared<CableForces> cable_forces{this, "cable_forces", NoForces(params.robot.num_cables()),
+                                   Uses(platform_state, rest_length, motor_tension, reel_speed, faults),
+                                   &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
 
@@ -131,7 +146,10 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);
-  static Eigen::VectorXd InitialRestLength(const CdprPlantParams& params);
+  static Start StartOf(const CdprPlantParams& params);
+  static CableForces NoForces(int num_cables);
+  WinchMotion MotionOf(int cable, double motor_tension, double reel_speed, double reeling,
+                       const CableFaults& faults) const;
 
   void CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
                        const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,

@@ -1,6 +1,7 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
 
 #include <fmt/format.h>
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/framework/errors.h>
 
@@ -24,16 +25,10 @@ SimTK::MassProperties MakeMassProperties(double mass, const Eigen::Matrix3d& I) 
   }
 }
 
-Eigen::Matrix3d Cross(const Vec<3>& r) {
-  Eigen::Matrix3d cross;
-  cross << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
-  return cross;
-}
-
 /// Spatial inertia of a mass at r with the moments of inertia J, both about and from the body's origin;
 /// angular before linear.
 Matrix6 SpatialInertia(double mass, const Vec<3>& r, const Eigen::Matrix3d& J) {
-  const Eigen::Matrix3d moment = mass * Cross(r);
+  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
   Matrix6 inertia;
   inertia << J, moment, -moment, mass * Eigen::Matrix3d::Identity();
   return inertia;
@@ -122,7 +117,7 @@ void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, c
   if (payload.mass != 0) {
     const Vec<3> r = RotationFromQuaternion(x.q_WB) * payload.p_B;
     const Vec<3> centripetal = payload.mass * x.w_W.cross(x.w_W.cross(r));
-    inertia += SpatialInertia(payload.mass, r, -payload.mass * Cross(r) * Cross(r));
+    inertia += SpatialInertia(payload.mass, r, -payload.mass * CrossMatrix(r) * CrossMatrix(r));
     force.head<3>() -= r.cross(centripetal);
     force.tail<3>() -= centripetal;
   }

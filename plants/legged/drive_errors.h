@@ -30,10 +30,13 @@ class DriveErrors final : public LeafSystem<DriveErrorsParams> {
   using LeafSystem::LeafSystem;
   InputPort<Vec<12>> command{this, {"command", "N m"}};
   Random random{this, "random"};
-  DiscreteState<Vec<12>> gain{this, {"gain"}};
+  DiscreteState<Vec<12>> gain{this, {"gain", "", kJointElements}};
   Update<Vec<12>> draw{gain, AtStart{}, Uses(random), &DriveErrors::Draw};
-  OutputPort<Vec<12>> torque{
-      this, {"torque", "N m"}, Sampled{params.rate}, Uses(command, gain, random), &DriveErrors::CalcTorque};
+  OutputPort<Vec<12>> torque{this,
+                             {"torque", "N m", kJointElements},
+                             Sampled{params.rate},
+                             Uses(command, gain, random),
+                             &DriveErrors::CalcTorque};
 
  private:
   Vec<12> Draw(RandomStream& random) const;

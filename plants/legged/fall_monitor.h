@@ -20,8 +20,8 @@ struct FallMonitorParams {
 };
 
 /// Ends the run when a quadruped has fallen: B's origin comes closer to the ground straight below it than
-/// min_height, or the trunk tilts by more than max_tilt. Likewise when it goes where none can, higher than
-/// max_height. The reason tells which and by how much.
+/// min_height, or the trunk tilts by more than max_tilt. Likewise, by another monitor, when it goes where
+/// none can, higher than max_height. The reason tells which and by how much.
 ///
 ///     port in     state
 ///     parameters  min_height [m], max_tilt [rad], max_height [m]
@@ -36,11 +36,14 @@ class FallMonitor final : public LeafSystem<FallMonitorParams> {
       this, {"max_tilt", "rad"}, params.max_tilt, "of the trunk's z axis from the vertical"};
   Parameter<double> max_height{
       this, {"max_height", "m"}, params.max_height, "of B's origin above the ground"};
-  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt, max_height),
-               &FallMonitor::Check};
+  Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt),
+               &FallMonitor::CheckFall};
+  Monitor flight{this, "flight", Sampled{params.rate}, Uses(state, max_height), &FallMonitor::CheckFlight};
 
  private:
-  Verdict Check(const LeggedState& x, double min_height, double max_tilt, double max_height) const;
+  double Height(const LeggedState& x) const;
+  Verdict CheckFall(const LeggedState& x, double min_height, double max_tilt) const;
+  Verdict CheckFlight(const LeggedState& x, double max_height) const;
 };
 
 }  // namespace tenon

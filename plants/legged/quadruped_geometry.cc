@@ -30,17 +30,9 @@ std::size_t At(int index) {
   return static_cast<std::size_t>(index);
 }
 
-/// The edges of the uniform box with these moments: m (b^2 + c^2) / 12 about its first axis, and so on.
-Vec<3> BoxEdges(const RigidInertia& body) {
-  if (body.mass == 0) return Vec<3>::Zero();
-  const Vec<3> I = body.inertia.diagonal();
-  const Vec<3> squares = 6 / body.mass * (Vec<3>::Constant(I.sum()) - 2 * I);
-  return squares.cwiseMax(0.0).cwiseSqrt();
-}
-
-/// The trunk: that box, widened to the first joints of the legs if they lie outside.
+/// The trunk: its uniform box, widened to the first joints of the legs if they lie outside.
 Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
-  Vec<3> edges = BoxEdges(robot.trunk);
+  Vec<3> edges = UniformBox(robot.trunk);
   for (const LegDescription& leg : robot.legs)
     edges = edges.cwiseMax(2 * (leg.joints[0].p_PJ - robot.trunk.com).cwiseAbs());
   return edges;
@@ -73,17 +65,29 @@ void AddTerrain(const TerrainParams& params, Geometry* shapes) {
 
 }  // namespace
 
+/// m (b^2 + c^2) / 12 about its first axis, and so on.
+Eigen::Vector3d UniformBox(const RigidInertia& body) {
+  if (body.mass == 0) return Eigen::Vector3d::Zero();
+  const Vec<3> I = body.inertia.diagonal();
+  const Vec<3> squares = 6 / body.mass * (Vec<3>::Constant(I.sum()) - 2 * I);
+  return squares.cwiseMax(0.0).cwiseSqrt();
+}
+
+double LinkRadius(const QuadrupedDescription& robot) {
+  return 0.8 * robot.foot_radius;
+}
+
 Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
                                const TerrainParams& terrain) {
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
   shapes[kTrunk] = Shape::Box(ShapeRole::kBody, "trunk", TrunkEdges(robot));
-  shapes[kPayload] = Shape::Box(ShapeRole::kLoad, "payload", BoxEdges(payload));
+  shapes[kPayload] = Shape::Box(ShapeRole::kLoad, "payload", UniformBox(payload));
   shapes[kPayload].visible = payload.mass > 0;
   shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the trunk");
   for (int j = 0; j < kNumJoints; ++j)
     shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kBody, "link of " + robot.joint(j).name,
-                                                0.8 * robot.foot_radius, LinkEnd(robot, j).norm());
+                                                LinkRadius(robot), LinkEnd(robot, j).norm());
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const std::string name = kLegNames[At(leg)];
     shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);

@@ -22,4 +22,10 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
                            const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                            Geometry* geometry);
 
+/// The edges of the uniform box with the mass and the moments of inertia of a body [m]; 0 without mass.
+Eigen::Vector3d UniformBox(const RigidInertia& body);
+
+/// Of the capsules that stand for the links [m].
+double LinkRadius(const QuadrupedDescription& robot);
+
 }  // namespace tenon

@@ -13,19 +13,6 @@ namespace {
 constexpr double kNormRate = 5;         // [1/s], with which the quaternion's length returns to 1
 constexpr double kFrictionSpeed = 0.1;  // [rad/s], below which Coulomb's friction is smooth
 
-/// The torque of a drive, see the header.
-double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
-                   bool limit_speed) {
-  double upper = joint.torque_limit, lower = -joint.torque_limit;
-  if (limit_speed) {
-    const double fall = joint.speed_limit * (1 - drive.full_torque_speed_ratio);
-    upper = std::clamp(joint.torque_limit * (joint.speed_limit - qd) / fall, lower, upper);
-    lower = std::clamp(-joint.torque_limit * (joint.speed_limit + qd) / fall, lower, upper);
-  }
-  if (command > upper) return upper;  // written so that nan stays nan
-  return command < lower ? lower : command;
-}
-
 /// Friction and end stops of a joint.
 double PassiveTorque(double q, double qd, const JointDescription& joint, const DriveProperties& drive) {
   double torque = -drive.damping * qd;
@@ -37,6 +24,18 @@ double PassiveTorque(double q, double qd, const JointDescription& joint, const D
 }
 
 }  // namespace
+
+double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
+                   bool limit_speed) {
+  double upper = joint.torque_limit, lower = -joint.torque_limit;
+  if (limit_speed) {
+    const double fall = joint.speed_limit * (1 - drive.full_torque_speed_ratio);
+    upper = std::clamp(joint.torque_limit * (joint.speed_limit - qd) / fall, lower, upper);
+    lower = std::clamp(-joint.torque_limit * (joint.speed_limit + qd) / fall, lower, upper);
+  }
+  if (command > upper) return upper;  // written so that nan stays nan
+  return command < lower ? lower : command;
+}
 
 void QuadrupedPlantParams::Validate() const {
   if (!(robot.mass() > 0))

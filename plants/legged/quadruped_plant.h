@@ -19,11 +19,16 @@ struct QuadrupedPlantParams {
   RigidInertia payload;  ///< fixed to the trunk, in B; none by default
   TerrainParams terrain;
   LeggedState initial;
-  double gravity = 9.81;     ///< [m/s^2]
-  bool limit_speed = false;  ///< the drives' torque falls with speed
+  double gravity = 9.81;    ///< [m/s^2]
+  bool limit_speed = true;  ///< the drives' torque falls with speed
 
   void Validate() const;  ///< throws ParameterError
 };
+
+/// What a drive gives of a command at a joint's speed qd [N m, rad/s]: see QuadrupedPlant. Not a number stays
+/// not a number.
+double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
+                   bool limit_speed = true);
 
 /// The bristles of the feet, see foot_contact.h.
 struct FootBristles {
@@ -107,20 +112,23 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
 
   OutputPort<LeggedState> state{this, {"state"}, Uses(motion), &QuadrupedPlant::CalcState};
   OutputPort<Vec<12>> joint_torque{
-      this, {"joint_torque", "N m"}, Uses(motion, torque), &QuadrupedPlant::CalcJointTorque};
+      this, {"joint_torque", "N m", kJointElements}, Uses(motion, torque), &QuadrupedPlant::CalcJointTorque};
   OutputPort<LeggedAcceleration> acceleration{this,
                                               {"acceleration"},
                                               Uses(motion, body, contacts, joint_torque, external, locks),
                                               &QuadrupedPlant::CalcAcceleration};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}, Uses(contacts), &QuadrupedPlant::CalcFootForces};
-  OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m"}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
+  OutputPort<Vec<4>> foot_depths{
+      this, {"foot_depths", "m", kLegElements}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
   OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{
-      this, {"foot_slips", "m/s"}, Uses(contacts), &QuadrupedPlant::CalcFootSlips};
+      this, {"foot_slips", "m/s", kLegElements}, Uses(contacts), &QuadrupedPlant::CalcFootSlips};
   OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
   OutputPort<WrenchEstimate> external_wrench{
       this, {"external_wrench"}, Uses(body, external), &QuadrupedPlant::CalcExternalWrench};
-  OutputPort<Vec<12>> external_torque{
-      this, {"external_torque", "N m"}, Uses(body, external), &QuadrupedPlant::CalcExternalTorque};
+  OutputPort<Vec<12>> external_torque{this,
+                                      {"external_torque", "N m", kJointElements},
+                                      Uses(body, external),
+                                      &QuadrupedPlant::CalcExternalTorque};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
                                 MakeQuadrupedGeometry(params.robot, params.payload, params.terrain),

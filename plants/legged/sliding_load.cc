@@ -19,7 +19,8 @@ void DemandPositive(const char* name, double value, const char* unit) {
 }  // namespace
 
 void SlidingLoadParams::Validate() const {
-  DemandPositive("mass", mass, " kg");
+  Demand(std::isfinite(mass) && mass >= 0,
+         fmt::format("the sliding load's mass of {} kg must not be negative: give 0 for none", mass));
   DemandPositive("slip_speed", slip_speed, " m/s");
   DemandPositive("stiffness", stiffness, " N/m");
   DemandPositive("gravity", gravity, " m/s^2");
@@ -41,15 +42,17 @@ Vec<3> SlidingLoad::CalcPlace(const LeggedState& robot, const LoadMotion& motion
 }
 
 ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
-                                     double friction, double slip_speed) const {
-  const double k = params.stiffness, d = 2 * params.damping_ratio * std::sqrt(k * params.mass);
+                                     double mass, double friction, double slip_speed) const {
+  ExternalForce force;
+  if (mass == 0) return force;
+  const double k = params.stiffness, d = 2 * params.damping_ratio * std::sqrt(k * mass);
   const Eigen::Matrix3d R_WB = robot.R_WB();
   const Eigen::Vector3d velocity =
       R_WB.transpose() * (motion.v_W - robot.v_W - robot.w_W.cross(motion.p_W - robot.p_WB));
   const Eigen::Vector3d away = place - params.position_B;
 
   Eigen::Vector3d on_load;
-  on_load[2] = std::max(0.0, params.mass * params.gravity - k * away[2] - d * velocity[2]);
+  on_load[2] = std::max(0.0, mass * params.gravity - k * away[2] - d * velocity[2]);
   const Eigen::Vector2d slip = velocity.head<2>();
   on_load.head<2>() = -friction * on_load[2] / std::hypot(slip.norm(), slip_speed) * slip;
   for (int axis = 0; axis < 2; ++axis) {
@@ -58,21 +61,24 @@ ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion&
     if (beyond > 0) on_load[axis] -= side * std::max(0.0, k * beyond + d * side * velocity[axis]);
   }
 
-  ExternalForce force;
   force.p_B = place;
   force.force_W = -(R_WB * on_load);
   return force;
 }
 
-LoadMotion SlidingLoad::CalcDerivative(const LoadMotion& motion, const ExternalForce& force) const {
-  return {motion.v_W, Vec<3>(0, 0, -params.gravity) - force.force_W / params.mass};
+LoadMotion SlidingLoad::CalcDerivative(const LoadMotion& motion, const ExternalForce& force,
+                                       double mass) const {
+  if (mass == 0) return {};
+  return {motion.v_W, Vec<3>(0, 0, -params.gravity) - force.force_W / mass};
 }
 
 Geometry SlidingLoad::MakeGeometry() {
   return {Shape::Box(ShapeRole::kLoad, "sliding load", Vec<3>::Constant(kDrawnEdge))};
 }
 
-void SlidingLoad::CalcGeometry(const LeggedState& robot, const LoadMotion& motion, Geometry* geometry) const {
+void SlidingLoad::CalcGeometry(const LeggedState& robot, const LoadMotion& motion, double mass,
+                               Geometry* geometry) const {
+  (*geometry)[0].visible = mass > 0;
   (*geometry)[0].p_W = motion.p_W;
   (*geometry)[0].q_W = robot.q_WB;
 }

@@ -11,7 +11,7 @@ namespace tenon {
 
 /// Defaults: a wooden box on an aluminium plate (dry friction about 0.3), which gives way by 2 mm to 5 kg.
 struct SlidingLoadParams {
-  double mass = 0;                       ///< m [kg]
+  double mass = 0;                       ///< m; 0: it is not there, until the Parameter is set [kg]
   Vec<3> position_B = Vec<3>::Zero();    ///< of its centre at the start, in the trunk's frame [m]
   Vec<2> reach = Vec<2>::Constant(0.1);  ///< how far it slides from there to either side along x and y [m]
   double friction = 0.3;                 ///< mu
@@ -41,36 +41,39 @@ struct LoadMotion {
 ///     stops: max(0, k e + d e'), e > 0     by which it is beyond its reach to a side, back along x or y
 ///
 /// with d = 2 damping_ratio sqrt(k m). The trunk feels -f where the load is, so that momentum is kept.
-/// Nothing holds it from above: it can be thrown off.
+/// Nothing holds it from above: it can be thrown off. Without mass it is not there, and its motion stands
+/// still.
 ///
 ///     port in     robot
 ///     ports out   force     on the trunk: -f at r
 ///                 place     r [m]
 ///                 geometry  a box of the load's place
-///     parameters  friction, slip_speed [m/s]
+///     parameters  mass [kg], friction, slip_speed [m/s]
 class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
+  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "of the load; 0: there is none"};
   Parameter<double> friction{this, {"friction"}, params.friction, "between trunk and load"};
   Parameter<double> slip_speed{
       this, {"slip_speed", "m/s"}, params.slip_speed, "at which friction has reached 71 % of its bound"};
   ContinuousState<LoadMotion> motion{this, {"motion"}, Start(params)};
   OutputPort<Vec<3>> place{this, {"place", "m"}, Uses(robot, motion), &SlidingLoad::CalcPlace};
   OutputPort<ExternalForce> force{
-      this, {"force"}, Uses(robot, motion, place, friction, slip_speed), &SlidingLoad::CalcForce};
-  TimeDerivative<LoadMotion> dmotion{motion, Uses(motion, force), &SlidingLoad::CalcDerivative};
+      this, {"force"}, Uses(robot, motion, place, mass, friction, slip_speed), &SlidingLoad::CalcForce};
+  TimeDerivative<LoadMotion> dmotion{motion, Uses(motion, force, mass), &SlidingLoad::CalcDerivative};
   OutputPort<Geometry> geometry{
-      this, {"geometry"}, MakeGeometry(), Uses(robot, motion), &SlidingLoad::CalcGeometry};
+      this, {"geometry"}, MakeGeometry(), Uses(robot, motion, mass), &SlidingLoad::CalcGeometry};
 
  private:
   static LoadMotion Start(const SlidingLoadParams& params);
   static Geometry MakeGeometry();
   Vec<3> CalcPlace(const LeggedState& robot, const LoadMotion& motion) const;
   ExternalForce CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
-                          double friction, double slip_speed) const;
-  LoadMotion CalcDerivative(const LoadMotion& motion, const ExternalForce& force) const;
-  void CalcGeometry(const LeggedState& robot, const LoadMotion& motion, Geometry* geometry) const;
+                          double mass, double friction, double slip_speed) const;
+  LoadMotion CalcDerivative(const LoadMotion& motion, const ExternalForce& force, double mass) const;
+  void CalcGeometry(const LeggedState& robot, const LoadMotion& motion, double mass,
+                    Geometry* geometry) const;
 };
 
 }  // namespace tenon

@@ -1,11 +1,14 @@
 #include <tenon/plants/model/cdpr_description.h>
 
 #include <fmt/format.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace tenon {
 namespace {
@@ -50,11 +53,33 @@ void CheckCables(const std::vector<CableDescription>& cables) {
 void CableProperties::Validate() const {
   CheckPositive("the axial stiffness", axial_stiffness, "N", "give EA, Young's modulus times cross-section");
   CheckNotNegative("the axial damping", axial_damping, "N s", "give EA times the material's damping time");
+  CheckNotNegative("the cable's mass per length", mass_per_length, "kg/m",
+                   "give 0 for cables without weight");
   CheckNotNegative("the lowest tension", tension_min, "N", "a cable cannot push, give 0 or more");
   if (!(std::isfinite(tension_max) && tension_min < tension_max))
     throw ParameterError(fmt::format(
         "the lowest tension {} N must be below the highest, {} N; raise tension_max_N or lower tension_min_N",
         tension_min, tension_max));
+}
+
+void DrumProperties::Validate() const {
+  CheckPositive("the drum's radius", radius, "m", "give that of the first layer, to the middle of the cable");
+  CheckPositive("the cable's diameter", cable_diameter, "m", "give that by which layers grow");
+  CheckPositive("the drum's turns per layer", turns_per_layer, "",
+                "give its width over the cable's diameter");
+  CheckPositive("the drum's cable length", cable_length, "m", "give all the cable that it has");
+}
+
+void DifferentialProperties::Validate() const {
+  CheckPositive("the differential's motor tension", motor_tension_max, "N",
+                "give the motor's largest torque over the drum's radius");
+  std::set<int> taken;
+  for (const auto& [i, j] : pairs)
+    for (const int cable : {i, j})
+      if (cable < 0 || !taken.insert(cable).second)
+        throw ParameterError(fmt::format(
+            "the differential's pair [{}, {}] names cable {}, which {}; give each cable from 0 once at most",
+            i, j, cable, cable < 0 ? "is none" : "is already in a pair"));
 }
 
 void WinchProperties::Validate() const {
@@ -68,6 +93,9 @@ void WinchProperties::Validate() const {
     CheckPositive("the winch's effective mass", effective_mass, "kg",
                   "mode 'torque' needs rotor inertia times gear ratio squared over drum radius squared");
   }
+  CheckNotNegative("the pulley's radius", pulley_radius, "m", "give 0 for a cable that leaves from a point");
+  if (drum) drum->Validate();
+  if (differential) differential->Validate();
 }
 
 void CdprDescription::Validate() const {
@@ -76,10 +104,20 @@ void CdprDescription::Validate() const {
   CheckCables(cables);
   cable.Validate();
   winch.Validate();
+  if (!winch.differential) return;
+  for (const auto& [i, j] : winch.differential->pairs)
+    if (std::max(i, j) >= num_cables())
+      throw ParameterError(
+          fmt::format("the differential's pair [{}, {}] names cable {}, but there are {}; give 0 to {}", i, j,
+                      std::max(i, j), num_cables(), num_cables() - 1));
 }
 
 CdprDescription LoadCdpr(const std::string& path) {
   return YamlDocument::Load(path).Read<CdprDescription>();
+}
+
+CdprDescription LoadCdpr(const YamlFile& what) {
+  return LoadResource("robots", what, "cables").Read<CdprDescription>();
 }
 
 }  // namespace tenon

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,7 @@ inline constexpr int kMinCables = 4;
 /// size does not allocate.
 using CableVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign>;
 
-/// The straight cable between a platform attachment and an anchor.
+/// The cable between a platform attachment and an anchor.
 struct CableDescription {
   Eigen::Vector3d anchor_W = Eigen::Vector3d::Zero();  ///< anchor point in the world [m]
   Eigen::Vector3d attachment_B =
@@ -35,12 +36,14 @@ struct CableProperties {
   double axial_damping = 0;    ///< EA times the material's damping time [N s]; damping is this over l0
   double tension_min = 0;      ///< lower bound of the commanded tension [N]
   double tension_max = 0;      ///< upper bound of the commanded tension [N]
+  double mass_per_length = 0;  ///< without strain [kg/m]; of the plant, controllers take cables as straight
 
   static FieldList Fields() {
     return {Required("axial_stiffness_N", &CableProperties::axial_stiffness),
             Required("axial_damping_N_s", &CableProperties::axial_damping),
             Required("tension_min_N", &CableProperties::tension_min),
-            Required("tension_max_N", &CableProperties::tension_max)};
+            Required("tension_max_N", &CableProperties::tension_max),
+            {"mass_kg_per_m", &CableProperties::mass_per_length}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -54,25 +57,66 @@ constexpr auto EnumNames(WinchMode) {
   return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
 }
 
-/// The winch of a cable, reduced to the drum.
+/// A drum that winds its cable up in layers, see plants/cdpr/layered_drum.h.
+struct DrumProperties {
+  double radius = 0;           ///< of the first layer, to the middle of the cable [m]
+  double cable_diameter = 0;   ///< [m]
+  double turns_per_layer = 0;  ///< the drum's width over the cable's diameter
+  double cable_length = 0;     ///< all that there is, on the drum and paid out [m]
+
+  static FieldList Fields() {
+    return {Required("radius_m", &DrumProperties::radius),
+            Required("cable_diameter_m", &DrumProperties::cable_diameter),
+            Required("turns_per_layer", &DrumProperties::turns_per_layer),
+            Required("cable_length_m", &DrumProperties::cable_length)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Two drums, i and j, on the outputs of a symmetric bevel gear differential, two motors at its inputs:
+///
+///     w_a = w_i + w_j,   w_b = w_i - w_j,   so by power   T_a = (T_i + T_j) / 2,   T_b = (T_i - T_j) / 2
+///
+/// with T_a, T_b the motors' torques over the drum's radius. Each motor is held to `motor_tension_max`, which
+/// couples what the two cables can have: any two tensions whose sum is at most twice that. Equal motors
+/// behind it lag, rub and weigh as if there were one per drum (1/2 J (w_a^2 + w_b^2) = J (w_i^2 + w_j^2)).
+/// That actuators are coupled in this way is from Morlando 2023, section 3.5.1, which gives no equations.
+struct DifferentialProperties {
+  std::vector<std::array<int, 2>> pairs = {};  ///< of cables, from 0; the others have a motor each
+  double motor_tension_max = 0;                ///< [N]
+
+  static FieldList Fields() {
+    return {Required("pairs", &DifferentialProperties::pairs),
+            Required("motor_tension_max_N", &DifferentialProperties::motor_tension_max)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The winch of a cable, reduced to the drum. What has a default is of the plant: controllers do not know it.
 struct WinchProperties {
   WinchMode mode = WinchMode::kTension;
   double time_constant = 0;  ///< first-order lag from the command to the motor [s]
   double reel_damping =
       0;  ///< tension error per reeling speed in tension mode, friction in torque mode [N s/m]
   double effective_mass =
-      0;  ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
+      0;                     ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
+  double pulley_radius = 0;  ///< of the pulley that leads the cable at its anchor; 0: a point [m]
+  std::optional<DrumProperties> drum = {};  ///< if not given, of one radius
+  std::optional<DifferentialProperties> differential = {};
 
   static FieldList Fields() {
     return {{"mode", &WinchProperties::mode},
             Required("time_constant_s", &WinchProperties::time_constant),
             Required("reel_damping_N_s_per_m", &WinchProperties::reel_damping),
-            {"effective_mass_kg", &WinchProperties::effective_mass}};
+            {"effective_mass_kg", &WinchProperties::effective_mass},
+            {"pulley_radius_m", &WinchProperties::pulley_radius},
+            {"drum", &WinchProperties::drum},
+            {"differential", &WinchProperties::differential}};
   }
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A cable-driven parallel robot: one rigid platform, 4 or more straight cables, one winch each.
+/// A cable-driven parallel robot: one rigid platform, 4 or more cables, one winch each.
 ///
 /// Frames: W is the world, z up; B has its origin at the platform's CoM, so that a file gives attachments
 /// from there. The file's keys are those of Fields(); the inertia is a list of three rows or of the diagonal

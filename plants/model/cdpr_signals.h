@@ -21,7 +21,7 @@ struct PlatformState {
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
   static FieldList Fields() {
     return {{"p_WB", &PlatformState::p_WB, "m"},
-            {"q_WB", &PlatformState::q_WB},
+            {"q_WB", &PlatformState::q_WB, "", "w,x,y,z"},
             {"v_W", &PlatformState::v_W, "m/s"},
             {"w_W", &PlatformState::w_W, "rad/s"}};
   }
@@ -66,11 +66,11 @@ struct LoadEstimate {
   static FieldList Fields() { return {{"payload", &LoadEstimate::payload}, {"rest", &LoadEstimate::rest}}; }
 };
 
-/// The cables, one entry each.
+/// The cables, one entry each, as ideal winches tell them.
 struct CableSignals {
-  CableVector length;       ///< from attachment to anchor [m]
-  CableVector length_rate;  ///< [m/s]
-  CableVector tension;      ///< not negative; 0 if slack [N]
+  CableVector length;       ///< along the cable from attachment to anchor, under strain [m]
+  CableVector length_rate;  ///< how fast the attachment draws cable [m/s]
+  CableVector tension;      ///< at the anchor, not negative; 0 if slack without weight [N]
   CableVector rest_length;  ///< what the winch has paid out, without strain [m]
 
   static CableSignals Zero(int num_cables) {
@@ -108,7 +108,7 @@ struct PoseMeasurement {
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
   static FieldList Fields() {
-    return {{"p_WB", &PoseMeasurement::p_WB, "m"}, {"q_WB", &PoseMeasurement::q_WB}};
+    return {{"p_WB", &PoseMeasurement::p_WB, "m"}, {"q_WB", &PoseMeasurement::q_WB, "", "w,x,y,z"}};
   }
 };
 

@@ -20,7 +20,7 @@ struct LegForceEstimate {
   FootForces foot_force;                   ///< in W [N]
 
   static FieldList Fields() {
-    return {{"joint_torque", &LegForceEstimate::joint_torque, "N m"},
+    return {{"joint_torque", &LegForceEstimate::joint_torque, "N m", kJointElements},
             {"foot_force", &LegForceEstimate::foot_force}};
   }
 };

@@ -1,6 +1,7 @@
 #include <tenon/plants/model/euler.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace tenon {
 
@@ -18,6 +19,13 @@ Eigen::Matrix3d RotationFromEuler(const Eigen::Vector3d& euler) {
 Eigen::Vector3d EulerFromRotation(const Eigen::Matrix3d& R_WB) {
   return {std::atan2(R_WB(2, 1), R_WB(2, 2)), std::atan2(-R_WB(2, 0), std::hypot(R_WB(0, 0), R_WB(1, 0))),
           std::atan2(R_WB(1, 0), R_WB(0, 0))};
+}
+
+Eigen::Vector3d EulerNear(const Eigen::Vector3d& euler, const Eigen::Vector3d& near) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  Eigen::Vector3d result;
+  for (int i = 0; i < 3; ++i) result[i] = euler[i] - kTurn * std::round((euler[i] - near[i]) / kTurn);
+  return result;
 }
 
 Eigen::Matrix3d EulerRateMatrix(const Eigen::Vector3d& euler) {

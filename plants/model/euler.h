@@ -17,6 +17,9 @@ Eigen::Matrix3d RotationFromEuler(const Eigen::Vector3d& euler);
 /// The angles of a rotation: roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2].
 Eigen::Vector3d EulerFromRotation(const Eigen::Matrix3d& R_WB);
 
+/// The same angles up to whole turns, each within half a turn of that of `near`.
+Eigen::Vector3d EulerNear(const Eigen::Vector3d& euler, const Eigen::Vector3d& near);
+
 /// E(Theta) with w_W = E(Theta) dTheta/dt: the axes of roll, pitch and yaw in W, as columns.
 Eigen::Matrix3d EulerRateMatrix(const Eigen::Vector3d& euler);
 

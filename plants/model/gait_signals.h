@@ -66,7 +66,7 @@ struct GaitTiming {
   }
   static FieldList Fields() {
     return {{"num_steps", &GaitTiming::num_steps},
-            {"step", &GaitTiming::step},
+            {"step", &GaitTiming::step, "", kLegElements},
             {"stance", &GaitTiming::stance, "s"},
             {"swing", &GaitTiming::swing, "s"}};
   }
@@ -87,7 +87,7 @@ struct ContactSchedule {
     return count;
   }
   static FieldList Fields() {
-    return {{"legs", &ContactSchedule::legs},
+    return {{"legs", &ContactSchedule::legs, "", kLegElements},
             {"gait", &ContactSchedule::gait},
             {"timing", &ContactSchedule::timing},
             {"step", &ContactSchedule::step},

@@ -24,9 +24,12 @@ struct LeggedState {
 
   Eigen::Matrix3d R_WB() const { return RotationFromQuaternion(q_WB); }
   static FieldList Fields() {
-    return {{"p_WB", &LeggedState::p_WB, "m"},   {"q_WB", &LeggedState::q_WB},
-            {"q", &LeggedState::q, "rad"},       {"v_W", &LeggedState::v_W, "m/s"},
-            {"w_W", &LeggedState::w_W, "rad/s"}, {"qd", &LeggedState::qd, "rad/s"}};
+    return {{"p_WB", &LeggedState::p_WB, "m"},
+            {"q_WB", &LeggedState::q_WB, "", "w,x,y,z"},
+            {"q", &LeggedState::q, "rad", kJointElements},
+            {"v_W", &LeggedState::v_W, "m/s"},
+            {"w_W", &LeggedState::w_W, "rad/s"},
+            {"qd", &LeggedState::qd, "rad/s", kJointElements}};
   }
 };
 
@@ -39,7 +42,7 @@ struct LeggedAcceleration {
   static FieldList Fields() {
     return {{"a_W", &LeggedAcceleration::a_W, "m/s^2"},
             {"alpha_W", &LeggedAcceleration::alpha_W, "rad/s^2"},
-            {"qdd", &LeggedAcceleration::qdd, "rad/s^2"}};
+            {"qdd", &LeggedAcceleration::qdd, "rad/s^2", kJointElements}};
   }
 };
 
@@ -48,7 +51,9 @@ struct JointMotion {
   Vec<12> q = Vec<12>::Zero();   ///< [rad]
   Vec<12> qd = Vec<12>::Zero();  ///< [rad/s]
 
-  static FieldList Fields() { return {{"q", &JointMotion::q, "rad"}, {"qd", &JointMotion::qd, "rad/s"}}; }
+  static FieldList Fields() {
+    return {{"q", &JointMotion::q, "rad", kJointElements}, {"qd", &JointMotion::qd, "rad/s", kJointElements}};
+  }
 };
 
 /// The force of the ground on each foot [N].
@@ -81,9 +86,9 @@ struct JointLocks {
   Vec<12> damping = Vec<12>::Zero();    ///< [N m s/rad]
 
   static FieldList Fields() {
-    return {{"angle", &JointLocks::angle, "rad"},
-            {"stiffness", &JointLocks::stiffness, "N m/rad"},
-            {"damping", &JointLocks::damping, "N m s/rad"}};
+    return {{"angle", &JointLocks::angle, "rad", kJointElements},
+            {"stiffness", &JointLocks::stiffness, "N m/rad", kJointElements},
+            {"damping", &JointLocks::damping, "N m s/rad", kJointElements}};
   }
 };
 

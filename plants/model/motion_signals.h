@@ -21,7 +21,7 @@ struct BodyReference {
     return {{"com_W", &BodyReference::com_W, "m"},
             {"com_velocity_W", &BodyReference::com_velocity_W, "m/s"},
             {"com_acceleration_W", &BodyReference::com_acceleration_W, "m/s^2"},
-            {"q_WB", &BodyReference::q_WB},
+            {"q_WB", &BodyReference::q_WB, "", "w,x,y,z"},
             {"w_W", &BodyReference::w_W, "rad/s"},
             {"alpha_W", &BodyReference::alpha_W, "rad/s^2"}};
   }
@@ -46,7 +46,7 @@ struct FeetReference {
 
   FootReference& operator[](int leg) { return feet[static_cast<std::size_t>(leg)]; }
   const FootReference& operator[](int leg) const { return feet[static_cast<std::size_t>(leg)]; }
-  static FieldList Fields() { return {{"feet", &FeetReference::feet}}; }
+  static FieldList Fields() { return {{"feet", &FeetReference::feet, "", kLegElements}}; }
 };
 
 /// The path over ground as it is planned: a pose in the plane at the present time and the twist with which it

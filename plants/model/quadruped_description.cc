@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 #include <tenon/plants/model/internal/quadruped_urdf.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace tenon {
 namespace {
@@ -24,22 +27,51 @@ struct PerLeg {
   }
 };
 
+/// A joint that is no leg's, or one too many in a leg.
+struct LockedJoint {
+  std::string joint;
+  double angle = 0;  ///< [rad]
+  static FieldList Fields() {
+    return {Required("joint", &LockedJoint::joint), Required("angle_rad", &LockedJoint::angle)};
+  }
+};
+
+/// Instead of what the URDF says of the joints, the same for all legs.
+struct LimitsOfJoints {
+  internal::JointLimits abduction, hip_pitch, knee;
+  static FieldList Fields() {
+    return {{"abduction", &LimitsOfJoints::abduction},
+            {"hip_pitch", &LimitsOfJoints::hip_pitch},
+            {"knee", &LimitsOfJoints::knee}};
+  }
+};
+
 /// The YAML file.
 struct RobotFile {
   std::string name;
   std::string urdf;
   PerLeg<std::string> feet;
+  std::optional<PerLeg<Eigen::Vector3d>> foot_centres;
   double foot_radius = 0;
+  LimitsOfJoints limits;
+  std::vector<LockedJoint> locked;
   Eigen::Vector3d imu = Eigen::Vector3d::Zero();
   PerLeg<Eigen::Vector3d> stance;
   DriveProperties drive;
   ContactProperties contact;
 
   static FieldList Fields() {
-    return {Required("name", &RobotFile::name),   Required("urdf", &RobotFile::urdf),
-            Required("feet", &RobotFile::feet),   Required("foot_radius_m", &RobotFile::foot_radius),
-            {"imu_position_m", &RobotFile::imu},  Required("nominal_stance", &RobotFile::stance),
-            Required("drive", &RobotFile::drive), Required("contact", &RobotFile::contact)};
+    return {Required("name", &RobotFile::name),
+            Required("urdf", &RobotFile::urdf),
+            Required("feet", &RobotFile::feet),
+            Required("foot_radius_m", &RobotFile::foot_radius),
+            {"foot_centres_m", &RobotFile::foot_centres},
+            {"joint_limits", &RobotFile::limits},
+            {"locked_joints", &RobotFile::locked},
+            {"imu_position_m", &RobotFile::imu},
+            Required("nominal_stance", &RobotFile::stance),
+            Required("drive", &RobotFile::drive),
+            Required("contact", &RobotFile::contact)};
   }
   void Validate() const {
     if (!(foot_radius > 0))
@@ -182,8 +214,9 @@ QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
   return robot;
 }
 
-QuadrupedDescription LoadQuadruped(const std::string& path) {
-  const YamlDocument document = YamlDocument::Load(path);
+namespace {
+
+QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::string>* warnings = nullptr) {
   const auto file = document.Read<RobotFile>();
   QuadrupedDescription robot;
   robot.name = file.name;
@@ -194,9 +227,31 @@ QuadrupedDescription LoadQuadruped(const std::string& path) {
   for (int leg = 0; leg < kNumLegs; ++leg)
     robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
         file.stance.InOrder()[static_cast<std::size_t>(leg)];
-  internal::ReadUrdf(std::filesystem::path(path).parent_path() / file.urdf, file.feet.InOrder(), &robot);
+  internal::UrdfReading reading;
+  reading.feet = file.feet.InOrder();
+  if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
+  for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;
+  reading.limits = {file.limits.abduction, file.limits.hip_pitch, file.limits.knee};
+  const std::vector<std::string> mended = internal::ReadUrdf(document.Path("urdf"), reading, &robot);
+  if (warnings != nullptr) *warnings = mended;
   CheckStance(robot, file.feet, document);
   return robot;
+}
+
+}  // namespace
+
+QuadrupedDescription LoadQuadruped(const std::string& path) {
+  return ReadRobot(YamlDocument::Load(path));
+}
+
+QuadrupedDescription LoadQuadruped(const YamlFile& what) {
+  return ReadRobot(LoadResource("robots", what, "urdf"));
+}
+
+std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {
+  std::vector<std::string> warnings;
+  ReadRobot(LoadResource("robots", what, "urdf"), &warnings);
+  return warnings;
 }
 
 }  // namespace tenon

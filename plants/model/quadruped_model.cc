@@ -1,5 +1,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 
+#include <tenon/plants/model/cross_matrix.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -9,12 +11,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Matrix3d Cross(const Vector3d& r) {
-  Matrix3d cross;
-  cross << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
-  return cross;
-}
 
 /// exp(angle axis x), by Rodrigues.
 Matrix3d Rotation(double angle, const Vector3d& axis) {
@@ -91,7 +87,7 @@ DynamicsMatrix<3, 18> QuadrupedDynamics::FootJacobian(int leg) const {
   const Foot& foot = feet[static_cast<std::size_t>(leg)];
   DynamicsMatrix<3, 18> J = DynamicsMatrix<3, 18>::Zero();
   J.leftCols<3>().setIdentity();
-  J.middleCols<3>(3) = -Cross(foot.p_W - base_W);
+  J.middleCols<3>(3) = -CrossMatrix(foot.p_W - base_W);
   J.middleCols<3>(6 + kJointsPerLeg * leg) = foot.J_leg;
   return J;
 }
@@ -202,8 +198,8 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
   }
 
   out->M.block<3, 3>(0, 0).diagonal().setConstant(robot.mass);
-  out->M.block<3, 3>(0, 3) = -Cross(robot.moment);
-  out->M.block<3, 3>(3, 0) = Cross(robot.moment);
+  out->M.block<3, 3>(0, 3) = -CrossMatrix(robot.moment);
+  out->M.block<3, 3>(3, 0) = CrossMatrix(robot.moment);
   out->M.block<3, 3>(3, 3) = robot.inertia;
   out->M.block<12, 6>(6, 0) = out->M.block<6, 12>(0, 6).transpose();
   out->coriolis.head<3>() = robot.force;

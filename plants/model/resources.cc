@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
@@ -43,21 +44,58 @@ std::vector<std::string> ListResources(const std::string& kind) {
   return names;
 }
 
-YamlDocument LoadResource(const std::string& kind, const YamlText& what) {
-  YamlDocument overlay = YamlDocument::Parse("of: " + what.text, kind);
-  if (overlay.Keys("of").empty()) return YamlDocument::Load(FindResource(kind, overlay.Text("of")));
-  overlay = YamlDocument::Parse(what.text, kind);
+std::vector<std::string> ListResources(const std::string& kind, const std::string& key) {
+  std::vector<std::string> names = ListResources(kind);
+  std::erase_if(names, [&](const std::string& name) {
+    const std::vector<std::string> keys = YamlDocument::Load(FindResource(kind, name)).Keys("");
+    return std::find(keys.begin(), keys.end(), key) == keys.end();
+  });
+  return names;
+}
+
+YamlDocument ResourceMap(const YamlFile& what) {
+  const bool is_map = what.text.starts_with('{');
+  return YamlDocument::Parse(is_map ? what.text : "file: " + what.text, "what differs");
+}
+
+std::string ResourceName(const YamlFile& what) {
+  const YamlDocument map = ResourceMap(what);
+  return map.Text("file") + (map.Keys("").size() > 1 ? ", changed" : "");
+}
+
+namespace {
+
+YamlDocument Load(const YamlFile& what, const std::function<fs::path(const std::string& name)>& find) {
+  YamlDocument overlay = ResourceMap(what);
   const std::string file = overlay.Text("file");
   if (file.empty())
     throw ParameterError("a map of what is different has to say in which file: {file: standard, …}");
+  const YamlDocument whole = YamlDocument::Load(find(file));
+  if (overlay.Keys("").size() == 1) return whole;
   overlay.Remove("file");
-  overlay.AddMissing(YamlDocument::Load(FindResource(kind, file)));
+  overlay.AddMissing(whole);
   return overlay;
 }
 
+}  // namespace
+
+YamlDocument LoadResource(const std::string& kind, const YamlFile& what) {
+  return Load(what, [&](const std::string& name) { return FindResource(kind, name); });
+}
+
+YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key) {
+  return Load(what,
+              [&](const std::string& name) { return FindResource(kind, name, ListResources(kind, key)); });
+}
+
 fs::path FindResource(const std::string& kind, const std::string& name) {
+  const bool is_path = name.ends_with(".yaml") || name.find('/') != std::string::npos;
+  return is_path ? fs::path(name) : FindResource(kind, name, ListResources(kind));
+}
+
+fs::path FindResource(const std::string& kind, const std::string& name,
+                      const std::vector<std::string>& names) {
   if (name.ends_with(".yaml") || name.find('/') != std::string::npos) return name;
-  const std::vector<std::string> names = ListResources(kind);
   if (std::find(names.begin(), names.end(), name) != names.end())
     return DataDirectory() / kind / (name + ".yaml");
   throw ParameterError(

@@ -6,20 +6,38 @@
 
 namespace tenon {
 
+struct CdprDescription;
+struct QuadrupedDescription;
 class YamlDocument;
-struct YamlText;
+struct YamlFile;
 
 /// The file of a robot or a scenario: `FindResource("robots", "cdpr_4")` is the file that ships with Tenon
 /// under that name; a name that ends in .yaml or holds a slash is a path and is returned as it is. Throws
 /// ParameterError with the names that there are, the nearest first.
 std::filesystem::path FindResource(const std::string& kind, const std::string& name);
+/// The same with the names that may be meant.
+std::filesystem::path FindResource(const std::string& kind, const std::string& name,
+                                   const std::vector<std::string>& names);
 
-/// What a scenario says for a resource: a name or a path as above, or a map that says which file, and what is
-/// different in it, `{file: standard, observer: {ndo_gain: 5}}`. Throws ParameterError.
-YamlDocument LoadResource(const std::string& kind, const YamlText& what);
+/// The file that a scenario names, with what it says to be different there. Throws ParameterError.
+YamlDocument LoadResource(const std::string& kind, const YamlFile& what);
+/// The same where only files with `key` at top level are meant: "urdf" of the robots that walk, say.
+YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key);
+/// The same as a map in any case, `{file: standard}`; nothing is read.
+YamlDocument ResourceMap(const YamlFile& what);
+/// The robot that a scenario names. Throw ParameterError, among others for one of the other kind.
+CdprDescription LoadCdpr(const YamlFile& what);
+QuadrupedDescription LoadQuadruped(const YamlFile& what);
+/// What of its URDF was not taken as it stands, each with file, line and what was taken instead: inertias
+/// that no body has, of frames on fixed joints.
+std::vector<std::string> QuadrupedWarnings(const YamlFile& what);
+/// What a run calls that file: its name, or its path; of one with differences, "cdpr_4, changed".
+std::string ResourceName(const YamlFile& what);
 
 /// Names of all shipped resources of a kind, sorted.
 std::vector<std::string> ListResources(const std::string& kind);
+/// Those whose files have `key` at top level.
+std::vector<std::string> ListResources(const std::string& kind, const std::string& key);
 
 /// Where robots and scenarios are installed: the directory in the environment variable TENON_DATA_DIR, else
 /// share/tenon beside the library, else the build tree's.

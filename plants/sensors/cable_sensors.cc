@@ -1,6 +1,7 @@
 #include <tenon/plants/sensors/cable_sensors.h>
 
 #include <fmt/format.h>
+#include <tenon/plants/sensors/sensor_noise.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +11,11 @@ namespace tenon {
 
 void CableSensorsParams::Validate() const {
   Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
-  const auto check = [](const char* name, double value, const char* unit) {
-    Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {}{} must be finite and not negative; 0 for none", name, value, unit));
-  };
-  check("resolution", resolution, " m");
-  check("length_offset", length_offset, " m");
-  check("rate_bandwidth", rate_bandwidth, " Hz");
-  check("tension_noise", tension_noise, "");
-  check("tension_offset", tension_offset, " N");
+  CheckNotNegative("resolution", resolution, " m");
+  CheckNotNegative("length_offset", length_offset, " m");
+  CheckNotNegative("rate_bandwidth", rate_bandwidth, " Hz");
+  CheckNotNegative("tension_noise", tension_noise, "");
+  CheckNotNegative("tension_offset", tension_offset, " N");
 }
 
 void CableSensors::Draw(RandomStream& random, Offsets* offsets) const {

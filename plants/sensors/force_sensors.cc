@@ -1,15 +1,10 @@
 #include <tenon/plants/sensors/force_sensors.h>
 
-#include <fmt/format.h>
-
-#include <cmath>
-
 namespace tenon {
 
 void FootForceSensorParams::Validate() const {
   error.Validate("the force sensor");
-  Demand(std::isfinite(threshold) && threshold >= 0,
-         fmt::format("threshold = {} N must be finite and not negative; 0 for none", threshold));
+  CheckNotNegative("threshold", threshold, " N");
 }
 
 Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, const SensorError& error,

@@ -38,7 +38,7 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
   Parameter<SensorError> error{this, {"error"}, params.error, "of each component; absolute and bias in N m"};
   Random noise{this, "noise"};
   OutputPort<Vec<12>> measured{this,
-                               {"measured", "N m"},
+                               {"measured", "N m", kJointElements},
                                Sampled{params.rate},
                                Uses(torque, error, noise),
                                &JointTorqueSensor::CalcMeasured};

@@ -1,7 +1,5 @@
 #include <tenon/plants/sensors/joint_encoders.h>
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numbers>
 
@@ -10,13 +8,9 @@ namespace tenon {
 void JointEncodersParams::Validate() const {
   angle.Validate("the joint angles");
   speed.Validate("the joint speeds");
-  const auto check = [](const char* name, double value, const char* unit) {
-    Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {} {} must be finite and not negative; 0 for none", name, value, unit));
-  };
-  check("resolution", resolution, "rad");
-  check("offset_deviation", offset_deviation, "rad");
-  check("speed_bandwidth", speed_bandwidth, "Hz");
+  CheckNotNegative("resolution", resolution, " rad");
+  CheckNotNegative("offset_deviation", offset_deviation, " rad");
+  CheckNotNegative("speed_bandwidth", speed_bandwidth, " Hz");
 }
 
 Vec<12> JointEncoders::DrawOffset(RandomStream& noise) const {

@@ -58,7 +58,7 @@ class JointEncoders final : public LeafSystem<JointEncodersParams> {
   Random angle_noise{this, "angle_noise"};
   Random speed_noise{this, "speed_noise"};
   Random offset_noise{this, "offset_noise"};
-  DiscreteState<Vec<12>> offset{this, {"offset", "rad"}};
+  DiscreteState<Vec<12>> offset{this, {"offset", "rad", kJointElements}};
   Update<Vec<12>> draw_offset{offset, AtStart{}, Uses(offset_noise), &JointEncoders::DrawOffset};
   Scratch<Memory> memory{this, "memory"};
   OutputPort<JointMotion> joints{this,

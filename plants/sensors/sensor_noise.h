@@ -46,6 +46,14 @@ struct SensorError {
   void Validate(const char* signal) const;
 };
 
+/// Throws ParameterError unless `value` is one of a sensor's flaws: finite and not negative.
+inline void CheckNotNegative(const char* name, double value, const char* unit) {
+  if (std::isfinite(value) && value >= 0) return;
+  std::ostringstream text;
+  text << name << " = " << value << unit << " must be finite and not negative; 0 for none";
+  throw ParameterError(text.str());
+}
+
 /// Throws ParameterError unless `deviation` can be one.
 inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
   if (deviation.allFinite() && deviation.minCoeff() >= 0) return;

@@ -13,7 +13,7 @@ namespace tenon {
 struct LeashParams {
   double nominal_length = 1.5;         ///< above it the leash pulls [m]
   double stiffness = 200;              ///< of leash and arm in series [N/m]
-  double dissipation = 0.33;           ///< [s/m]
+  double dissipation = 0.33;           ///< damping over tension [s/m]
   Vec<3> attachment_B{-0.25, 0, 0.1};  ///< to the trunk, in its frame [m]
 
   static FieldList Fields() {

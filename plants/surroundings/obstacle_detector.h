@@ -13,7 +13,7 @@ namespace tenon {
 /// A pillar.
 struct Obstacle {
   Vec<2> centre = Vec<2>::Zero();  ///< in W [m]
-  double radius = 0;               ///< [m]
+  double radius = 0;               ///< of the pillar [m]
 
   static FieldList Fields() {
     return {Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};

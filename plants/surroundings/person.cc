@@ -11,6 +11,7 @@ namespace {
 // What a person looks like [m].
 constexpr double kBodyRadius = 0.15, kBodyHeight = 1.5;
 constexpr double kHeadRadius = 0.12, kHeadHeight = 1.6;
+constexpr double kArrival = 1;  // time in which a person slows down [s]
 enum Index { kBody, kHead, kPath };
 
 void CheckPhase(std::size_t i, const PersonPhase& phase) {
@@ -50,7 +51,16 @@ void PersonParams::Validate() const {
   for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
 }
 
-PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases) const {
+PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
+                                const PersonMotion& motion) const {
+  if (goal.on) {
+    const Eigen::Vector2d way = goal.place - motion.wanted;
+    const double distance = way.norm();
+    PersonIntent intent;
+    intent.speed = std::min(goal.speed, distance / kArrival);
+    if (distance > 0) intent.direction_W = way / distance;
+    return intent;
+  }
   // Ticks are exact multiples of the period, sums of decimal numbers are not.
   double since = time + 1e-6 * params.rate.period();
   for (const PersonPhase& phase : phases) {
@@ -114,3 +124,4 @@ void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const 
 
 TENON_DEFINE_SIGNAL(tenon::PersonMotion);
 TENON_DEFINE_SIGNAL(tenon::PersonIntent);
+TENON_DEFINE_SIGNAL(tenon::PersonGoal);

@@ -26,13 +26,13 @@ constexpr auto EnumNames(Activity) {
 /// What a person does for a while. The speed is speed + speed_amplitude sin(angular_frequency t), t counting
 /// from the beginning of the phase.
 struct PersonPhase {
-  Activity activity = Activity::kWalk;
-  double duration = 0;           ///< [s]
-  double speed = 0;              ///< [m/s]
-  double speed_amplitude = 0;    ///< at most speed [m/s]
-  double angular_frequency = 0;  ///< [rad/s]
-  double direction = 0;          ///< in W, from x towards y; nothing to kFollow [rad]
-  double force = 0;              ///< of kPull [N]
+  Activity activity = Activity::kWalk;  ///< what the person does
+  double duration = 0;                  ///< how long [s]
+  double speed = 0;                     ///< of following and walking, its mean [m/s]
+  double speed_amplitude = 0;           ///< of a sine about that, at most as large [m/s]
+  double angular_frequency = 0;         ///< of that sine [rad/s]
+  double direction = 0;                 ///< of walking and pulling, in W, from x towards y [rad]
+  double force = 0;                     ///< of pulling [N]
 
   static FieldList Fields() {
     return {Required("activity", &PersonPhase::activity),
@@ -51,8 +51,8 @@ struct PersonParams {
   double damping = 420;             ///< C [N s/m]
   double stiffness = 630;           ///< K [N/m]
   double felt_tension = 5;          ///< of the leash, from which the person follows at full speed [N]
-  double hand_height = 0.75;        ///< [m]
-  Vec<2> start = Vec<2>::Zero();    ///< [m]
+  double hand_height = 0.75;        ///< where the hand holds the leash, over the ground [m]
+  Vec<2> start = Vec<2>::Zero();    ///< where the person stands at the start, in W [m]
   std::vector<PersonPhase> phases;  ///< one after the other, from t = 0 on; then stands
   Rate rate = Hz(100);              ///< at which the person changes intent
 
@@ -80,6 +80,18 @@ struct PersonIntent {
             {"speed", &PersonIntent::speed, "m/s"},
             {"direction_W", &PersonIntent::direction_W},
             {"force", &PersonIntent::force, "N"}};
+  }
+};
+
+/// A place to which the person goes, instead of what the phases say.
+struct PersonGoal {
+  bool on = false;
+  Vec<2> place = Vec<2>::Zero();  ///< [m]
+  double speed = 0.5;             ///< at most [m/s]
+
+  static FieldList Fields() {
+    return {
+        {"on", &PersonGoal::on}, {"place", &PersonGoal::place, "m"}, {"speed", &PersonGoal::speed, "m/s"}};
   }
 };
 
@@ -116,6 +128,7 @@ struct PersonMotion {
 ///                geometry  a body, its path over ground
 ///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N]
 ///                phases    list of PersonPhase
+///                goal      a place to go to instead: straight there, slower within the last 1 s
 ///
 /// The person has no width and walks through the robot.
 class Person final : public LeafSystem<PersonParams> {
@@ -133,16 +146,18 @@ class Person final : public LeafSystem<PersonParams> {
                                  "of the leash, from which the person follows at full speed"};
   Parameter<std::vector<PersonPhase>> phases{
       this, {"phases"}, params.phases, "what the person does from t = 0 on, one after the other"};
+  Parameter<PersonGoal> goal{this, {"goal"}, PersonGoal{}, "a place to go to, instead of the phases"};
   ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
   OutputPort<PersonIntent> intent{
-      this, {"intent"}, Sampled{params.rate}, Uses(time, phases), &Person::CalcIntent};
+      this, {"intent"}, Sampled{params.rate}, Uses(time, phases, goal, motion), &Person::CalcIntent};
   TimeDerivative<PersonMotion> dmotion{
       motion, Uses(motion, intent, leash, mass, damping, stiffness, felt_tension), &Person::CalcDerivative};
   OutputPort<PersonState> person{this, {"person"}, Uses(motion), &Person::CalcPerson};
   OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(), Uses(motion), &Person::CalcGeometry};
 
  private:
-  PersonIntent CalcIntent(double time, const std::vector<PersonPhase>& phases) const;
+  PersonIntent CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
+                          const PersonMotion& motion) const;
   PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent, const LeashState& leash,
                               double mass, double damping, double stiffness, double felt_tension) const;
   PersonState CalcPerson(const PersonMotion& motion) const;
@@ -154,3 +169,4 @@ class Person final : public LeafSystem<PersonParams> {
 
 TENON_DECLARE_SIGNAL(tenon::PersonMotion);
 TENON_DECLARE_SIGNAL(tenon::PersonIntent);
+TENON_DECLARE_SIGNAL(tenon::PersonGoal);

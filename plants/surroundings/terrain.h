@@ -26,7 +26,7 @@ struct TerrainBox {
 
 /// What a field of boxes is made of.
 struct BoxKind {
-  double height = 0;    ///< [m]
+  double height = 0;    ///< of its top above the plane [m]
   double friction = 0;  ///< coefficient, 0 to 10
 
   static FieldList Fields() {
@@ -39,10 +39,10 @@ struct BoxKind {
 struct BoxField {
   Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the area that is filled [m]
   Vec<2> size{0.3, 0.3};                                  ///< of a box [m]
-  double gap = 0.1;  ///< between neighbours [m]; narrower than a foot it is a trap
-  double coverage = 0.5;
+  double gap = 0.1;       ///< between neighbours [m]; narrower than a foot it is a trap
+  double coverage = 0.5;  ///< how likely a place has a box, 0 to 1
   std::vector<BoxKind> kinds;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  ///< of the layout; the run's seed is added
 
   static FieldList Fields() {
     return {Required("lower_m", &BoxField::lower),

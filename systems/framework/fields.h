@@ -24,7 +24,8 @@ std::size_t OffsetOf(Member Struct::*member) {
 
 }  // namespace internal
 
-/// One member of a struct that describes itself: its name, its units if it has any, and where it is.
+/// One member of a struct that describes itself: its name, its units and the names of its elements if it has
+/// any, and where it is.
 ///
 /// A struct says once what it holds; logs, state names, snapshots and YAML files are made from that:
 ///
@@ -40,11 +41,16 @@ std::size_t OffsetOf(Member Struct::*member) {
 class Field {
  public:
   template <class Struct, class Member>
-  Field(const char* name, Member Struct::*member, const char* units = "")
-      : name(name), units(units), offset(internal::OffsetOf(member)), type(&internal::TypeInfoOf<Member>) {}
+  Field(const char* name, Member Struct::*member, const char* units = "", const char* elements = "")
+      : name(name),
+        units(units),
+        elements(elements),
+        offset(internal::OffsetOf(member)),
+        type(&internal::TypeInfoOf<Member>) {}
 
   const char* name;
   const char* units;
+  const char* elements;                 ///< names of a vector's elements or of an array's items, as in a Spec
   std::size_t offset;                   ///< of the member in the struct [bytes]
   const internal::TypeInfo& (*type)();  ///< of the member
   bool required = false;

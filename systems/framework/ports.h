@@ -106,15 +106,22 @@ class OutputPort : public Calculated<T> {
     this->SetHasInitialValue();
   }
   /// A state, as it is.
-  OutputPort(Leaf* owner, const ContinuousState<T>& state) : OutputPort(owner, state, 0) {}
-  OutputPort(Leaf* owner, const DiscreteState<T>& state) : OutputPort(owner, state, 0) {}
+  OutputPort(Leaf* owner, const ContinuousState<T>& state) : OutputPort(owner, state, Spec("")) {}
+  OutputPort(Leaf* owner, const DiscreteState<T>& state) : OutputPort(owner, state, Spec("")) {}
+  /// A state by a name of the port's own; units and names of elements that `spec` leaves out are the state's.
+  OutputPort(Leaf* owner, Spec spec, const ContinuousState<T>& state)
+      : OutputPort(owner, state, std::move(spec)) {}
+  OutputPort(Leaf* owner, Spec spec, const DiscreteState<T>& state)
+      : OutputPort(owner, state, std::move(spec)) {}
   /// Of a nested diagram: connect an inner output to it.
   OutputPort(Subdiagram* owner, Spec spec);
 
  private:
-  OutputPort(Leaf* owner, const Source& state, int)
-      : Calculated<T>(owner, SourceKind::kOutput,
-                      internal::CheckDeclared(state, "an OutputPort{this, state}").spec()) {
+  OutputPort(Leaf* owner, const Source& state, Spec spec)
+      : Calculated<T>(
+            owner, SourceKind::kOutput,
+            internal::Completed(std::move(spec),
+                                internal::CheckDeclared(state, "an OutputPort that shows a state").spec())) {
     this->SetDriver(state);
   }
 };

@@ -58,8 +58,13 @@ class ElementLister final : public ValueVisitor {
       }
     }
   }
-  void EnterMember(const Field& field) override { Enter(Spec(field.name, field.units), field.name); }
-  void EnterItem(std::size_t index) override { Enter(Spec(specs_.back()), std::to_string(index)); }
+  void EnterMember(const Field& field) override {
+    Enter(Spec(field.name, field.units, field.elements), field.name);
+  }
+  void EnterItem(std::size_t index) override {
+    const std::string name = ListEntry(specs_.back().elements, index);
+    Enter(Spec(specs_.back().name, specs_.back().units), name.empty() ? std::to_string(index) : name);
+  }
   void Leave() override {
     specs_.pop_back();
     path_.resize(lengths_.back());
@@ -169,6 +174,13 @@ class Loader final : public ValueVisitor {
 std::size_t ListLength(const std::string& list) {
   if (list.empty()) return 0;
   return 1 + static_cast<std::size_t>(std::count(list.begin(), list.end(), ','));
+}
+
+Spec Completed(Spec spec, const Spec& other) {
+  if (spec.name.empty()) spec.name = other.name;
+  if (spec.units.empty()) spec.units = other.units;
+  if (spec.elements.empty()) spec.elements = other.elements;
+  return spec;
 }
 
 std::string ElementUnit(const Spec& spec, std::size_t index) {

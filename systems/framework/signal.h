@@ -16,8 +16,9 @@ using Vec = Eigen::Matrix<double, N, 1, (N > 0 && N % 2 == 0) ? Eigen::DontAlign
 
 /// The name of a port or a state, and the units and names of its elements.
 ///
-/// `units` and `elements` are comma-separated, one entry per element; a single unit serves all elements.
-/// Structs with Fields() bring their own and leave both empty.
+/// `units` and `elements` are comma-separated, one entry per element; a single unit serves all elements. Of
+/// an array, `elements` names the items, and `units` are those of each item. Structs with Fields() bring
+/// their own and leave both empty.
 struct Spec {
   Spec(const char* name);  // NOLINT(google-explicit-constructor): a name alone is a spec
   Spec(std::string name, std::string units = "", std::string elements = "");
@@ -37,6 +38,8 @@ namespace internal {
 
 /// How many entries a comma-separated list has; 0 if it is empty.
 std::size_t ListLength(const std::string& list);
+/// `spec` with what it leaves empty taken from another.
+Spec Completed(Spec spec, const Spec& other);
 /// The unit of the `index`-th element.
 std::string ElementUnit(const Spec& spec, std::size_t index);
 

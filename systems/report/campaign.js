@@ -4,13 +4,8 @@
 
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
-  const GOOD = '#1b7f4b', BAD = '#b3261e', ACCENT = '#1668b8';
   const find = (selector) => document.querySelector(selector);
   const percent = (share) => `${Number((100 * share).toPrecision(4))} %`;
-  const label = (key) => {
-    const [name, unit] = splitUnit(key);
-    return unit ? `${name} [${unit}]` : name;
-  };
 
   function svg(parent, width, height) {
     const node = shape(parent, 'svg', { viewBox: `0 0 ${width} ${height}`, width, height });
@@ -26,19 +21,6 @@
   function hint(node, text) {
     shape(node, 'title', {}, text);
     return node;
-  }
-  function chooser(parent, caption, names, chosen, change) {
-    const box = element('label', 'chooser', caption + ' ');
-    const select = element('select');
-    names.forEach((name, i) => {
-      const option = element('option', '', name);
-      option.value = i;
-      option.selected = i === chosen;
-      select.append(option);
-    });
-    select.addEventListener('change', () => change(Number(select.value)));
-    box.append(select);
-    parent.append(box);
   }
 
   // From white by way of the accent's light tones to dark; 0 to 1.
@@ -120,7 +102,7 @@
       const low = what === 0 ? 0 : Math.min(...values), high = what === 0 ? 1 : Math.max(...values);
       const left = 20 + 7 * Math.max(...up.map((text) => Math.min(text.length, 16))), width = 560;
       const w = Math.min(90, (width - left) / across.length), h = Math.min(34, Math.max(14, 360 / up.length));
-      const drawing = svg(area, width, h * up.length + 50);
+      const drawing = svg(area, width, h * up.length + 54);
       up.forEach((text, j) => {
         const y = h * (up.length - 1 - j);
         shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, text.slice(0, 16));
@@ -130,7 +112,7 @@
           const value = cell.sum / cell.weight, share = high > low ? (value - low) / (high - low) : 1;
           const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 1, height: h - 1, fill: what === 0 ? traffic(share) : tone(share) });
           hint(box, `${names[xAxis]} = ${across[i]}, ${names[yAxis]} = ${text}: ${what === 0 ? percent(value) : formatNumber(value)}`);
-          if (w > 38) shape(drawing, 'text', { x: left + w * (i + 0.5), y: y + h / 2 + 4, 'text-anchor': 'middle', class: what === 0 ? (share < 0.25 || share > 0.75 ? 'light' : '') : share > 0.5 ? 'light' : '' }, what === 0 ? `${Math.round(100 * value)} %` : formatNumber(value));
+          if (w > 38) shape(drawing, 'text', { x: left + w * (i + 0.5), y: y + h / 2 + 4, 'text-anchor': 'middle', class: (what === 0 ? share < 0.25 || share > 0.75 : share > 0.5) ? 'white' : 'dark' }, what === 0 ? `${Math.round(100 * value)} %` : formatNumber(value));
         });
       });
       across.forEach((text, i) => {
@@ -138,7 +120,7 @@
           shape(drawing, 'text', { x: left + w * (i + 0.5), y: h * up.length + 14, 'text-anchor': 'middle' }, text.slice(0, 12));
       });
       shape(drawing, 'text', { x: left + w * across.length / 2, y: h * up.length + 34, 'text-anchor': 'middle', class: 'soft' }, label(names[xAxis]));
-      shape(drawing, 'text', { x: 2, y: h * up.length + 34, class: 'soft' }, `up: ${label(names[yAxis])}`);
+      shape(drawing, 'text', { x: 2, y: h * up.length + 48, class: 'soft' }, `up: ${label(names[yAxis])}`);
     }
     draw();
   }
@@ -203,7 +185,7 @@
     const drawing = svg(parent, left + w * columns.length + 70, top + h * data.correlations.length + 6);
     columns.forEach((f, i) => {
       const x = left + w * (i + 0.5);
-      shape(drawing, 'text', { x, y: top - 8, transform: `rotate(-40 ${x} ${top - 8})` }, f === data.figures.length ? 'survival' : splitUnit(data.figures[f])[0].slice(0, 26));
+      shape(drawing, 'text', { x, y: top - 8, transform: `rotate(-40 ${x} ${top - 8})` }, f === data.figures.length ? 'survival' : nameOfKey(data.figures[f]).name.slice(0, 26));
     });
     data.correlations.forEach((row, j) => {
       const y = top + h * j;
@@ -211,7 +193,7 @@
       columns.forEach((f, i) => {
         const value = row.values[f];
         if (value === null) return;
-        const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 2, height: h - 2, fill: value < 0 ? BAD : ACCENT, opacity: 0.08 + 0.8 * Math.abs(value) });
+        const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 2, height: h - 2, class: value < 0 ? 'bad' : 'good', opacity: 0.08 + 0.8 * Math.abs(value) });
         hint(box, `${row.name} with ${f === data.figures.length ? 'survival' : data.figures[f]}: ${value.toFixed(3)}`);
         shape(drawing, 'text', { x: left + w * (i + 0.5) - 1, y: y + 15, 'text-anchor': 'middle', class: Math.abs(value) > 0.6 ? 'light' : '' }, value.toFixed(2));
       });
@@ -244,7 +226,7 @@
         const value = key.of(line);
         if (value !== null) path += `${path && keys[i - 1].of(line) !== null ? 'L' : 'M'}${(60 + step * i).toFixed(1)},${y(key, value).toFixed(1)}`;
       });
-      hint(shape(drawing, 'path', { d: path, class: 'run', stroke: line.survived ? ACCENT : BAD, opacity: line.survived ? opacity : Math.min(1, 4 * opacity) }), `run ${line.run}`);
+      hint(shape(drawing, 'path', { d: path, class: line.survived ? 'run' : 'run bad', opacity: line.survived ? opacity : Math.min(1, 4 * opacity) }), `run ${line.run}`);
     }
     keys.forEach((key, i) => {
       const x = 60 + step * i;
@@ -272,8 +254,8 @@
       const most = Math.max(...survived.map((count, i) => count + failed[i]));
       survived.forEach((count, i) => {
         const a = (height * count) / most, b = (height * failed[i]) / most;
-        if (a) shape(drawing, 'rect', { x: w * i, y: height - a, width: w - 0.5, height: a, fill: ACCENT });
-        if (b) shape(drawing, 'rect', { x: w * i, y: height - a - b, width: w - 0.5, height: b, fill: BAD });
+        if (a) shape(drawing, 'rect', { x: w * i, y: height - a, width: w - 0.5, height: a, class: 'good' });
+        if (b) shape(drawing, 'rect', { x: w * i, y: height - a - b, width: w - 0.5, height: b, class: 'bad' });
       });
       shape(drawing, 'text', { x: 0, y: height + 13 }, formatNumber(low));
       shape(drawing, 'text', { x: width / 2, y: height + 13, 'text-anchor': 'middle', class: 'soft' }, `median ${formatNumber(median)}`);
@@ -293,5 +275,6 @@
   showPicks();
   showLines();
   showDistributions();
+  find('#theme').onclick = Theme.toggle;
   window.tenonCampaign = { ready: true, data };
 })();

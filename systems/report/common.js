@@ -1,4 +1,4 @@
-// What all pages share: numbers, units, elements.
+// What all pages share: numbers, units, elements, arrays.
 
 'use strict';
 
@@ -15,22 +15,73 @@ function element(tag, className, text) {
   return node;
 }
 
-const UNITS = {
-  m: 'm', N: 'N', s: 's', rad: 'rad', us: 'µs', ms: 'ms', kg: 'kg', deg: '°', hz: 'Hz', m_per_s: 'm/s', m_per_s2: 'm/s²',
-  N_per_s: 'N/s', N_per_m: 'N/m', rad_per_s: 'rad/s', N_m: 'N m', W: 'W', J: 'J',
-};
+// Text whose lines may end after "_".
+const breakable = (text) => text.split(/(?<=_)/).flatMap((part, i) => i ? [element('wbr'), part] : [part]);
 
-// "tracking_error_rms_m" -> ["tracking error rms", "m"], "foot_error_max_m.rear_left" -> ["foot error max, rear left", "m"]
-function splitUnit(key) {
-  const dot = key.indexOf('.');
-  if (dot > 0) {
-    const [name, unit] = splitUnit(key.slice(0, dot));
-    if (unit) return [`${name}, ${key.slice(dot + 1).split('_').join(' ')}`, unit];
-  }
-  const words = key.split('_');
-  for (let n = Math.min(4, words.length - 1); n > 0; --n) {
-    const unit = UNITS[words.slice(-n).join('_')];
-    if (unit) return [words.slice(0, -n).join(' '), unit];
-  }
-  return [words.join(' '), ''];
+// A button that says what it does to eyes and to screen readers.
+function button(text, label, click) {
+  const node = element('button', '', text);
+  node.type = 'button';
+  node.title = label;
+  if (!/[a-z]{3}/.test(text)) node.setAttribute('aria-label', label);
+  node.onclick = click;
+  return node;
+}
+
+// "m/s^2", "kg m2" -> "m/s²", "kg m²"
+const prettyUnit = (unit) => unit.replace(/\^?2\b/g, '²').replace(/\^?3\b/g, '³');
+
+// The end of a key that is a unit: _m, _N_m, _m_per_s2, _per_s.
+const ATOMS = '(?:rad|deg|[Hh]z|kg|us|ms|mm|m|N|s|W|J)[23]?';
+const UNIT_OF_KEY = new RegExp(`_((?:${ATOMS}(?:_${ATOMS})*)(?:_per_${ATOMS}(?:_${ATOMS})*)?|per_${ATOMS}(?:_${ATOMS})*)$`);
+function unitOfKey(text) {
+  const [over, under] = text.split(/_?per_/);
+  const words = (part) => part.split('_').join(' ').replace(/\bus\b/, 'µs').replace('deg', '°').replace('hz', 'Hz');
+  return prettyUnit(under === undefined ? words(over) : `${words(over) || '1'}/${words(under)}`);
+}
+
+// "foot_error_max_m.rear_left" -> {names: ["foot error max", "rear left"], unit: "m"}: the unit stands in any part.
+function parseKey(key) {
+  let unit = '';
+  const names = key.split('.').map((part) => {
+    const found = UNIT_OF_KEY.exec(part);
+    if (found) unit = unitOfKey(found[1]);
+    return (found ? part.slice(0, found.index) : part).split('_').join(' ');
+  });
+  return {names, unit};
+}
+
+// The same in one line: "foot error max, rear left", "hardware.link.delay".
+function nameOfKey(key) {
+  const {names, unit} = parseKey(key);
+  return {name: names.join(UNIT_OF_KEY.test(key.split('.')[0]) ? ', ' : '.'), unit};
+}
+
+// What people say for an SI unit: degrees, and mm and ms for what is small. SI value * factor = value in `unit`.
+function humanUnit(unit, magnitude) {
+  const [, base, per] = /^([^/]*)(.*)$/.exec(unit);
+  if (base === 'rad') return {unit: `°${per}`, factor: 180 / Math.PI};
+  if (magnitude > 0 && magnitude < 0.1 && (base === 'm' || unit === 's')) return {unit: `m${base}${per}`, factor: 1000};
+  return {unit, factor: 1};
+}
+
+// "error_max_m" -> "error max [m]"
+function label(key) {
+  const {name, unit} = nameOfKey(key);
+  return unit ? `${name} [${unit}]` : name;
+}
+
+// A list to choose from, with a caption; `change` gets the index.
+function chooser(parent, caption, names, chosen, change) {
+  const box = element('label', 'chooser', caption + ' ');
+  const select = element('select');
+  names.forEach((name, i) => {
+    const option = element('option', '', name);
+    option.value = i;
+    option.selected = i === chosen;
+    select.append(option);
+  });
+  select.addEventListener('change', () => change(Number(select.value)));
+  box.append(select);
+  parent.append(box);
 }

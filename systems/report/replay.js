@@ -1,8 +1,8 @@
 // The 3-D replay: all shapes of all runs in their surroundings, seen by a camera.
 
 class Replay {
-  // Throws if there is no WebGL.
-  constructor(stage, runs) {
+  // `live`: more frames will come; {travels: whether the bodies will leave where they start}. Throws if there is no WebGL.
+  constructor(stage, runs, live = null) {
     const canvas = document.createElement('canvas');
     const attributes = {antialias: true, alpha: false, preserveDrawingBuffer: true};
     const context = canvas.getContext('webgl2', attributes) || canvas.getContext('webgl', attributes);
@@ -10,19 +10,23 @@ class Replay {
     Actor.scratch = new THREE.Vector3();
     Actor.y = new THREE.Vector3(0, 1, 0);
     this.stage = stage;
+    this.live = live;
     this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
-    this.renderer.setClearColor(0xfbfcfd);
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    canvas.setAttribute('aria-label', '3-D replay: drag to orbit, wheel to zoom');
     stage.prepend(canvas);
 
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(38, 1, 0.01, 1000);
     this.camera.up.set(0, 0, 1);
-    this.ranges = this.valueRanges(runs);
+    this.ranges = {};
+    this.measured = new Map();  // frames of each run, of which the values are in the ranges
+    this.measureValues(runs);
     this.runs = runs.map((run) => this.makeRun(run));
     this.inset = {camera: new THREE.PerspectiveCamera(38, 1, 0.01, 1000), frame: stage.querySelector('#inset'), size: 0};
+    this.afterRender = [];
     this.shown = 0;
     this.ghosts = false;
     this.hiddenRoles = new Set();
@@ -38,35 +42,44 @@ class Replay {
   }
 
   get roles() {
-    return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => a.everSeen()).map((a) => a.shape.role)))];
+    return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => this.live || a.everSeen()).map((a) => a.shape.role)))];
   }
 
-  // Of each unit, over all runs: one colour bar serves them all.
-  valueRanges(runs) {
-    const ranges = {};
+  // What the values of each unit span, over all runs: one colour bar serves them all.
+  measureValues(runs) {
     for (const {frames} of runs) {
+      const known = Math.min(this.measured.get(frames) || 0, frames.length);
+      this.measured.set(frames, frames.length);
       frames.shapes.forEach((shape, i) => {
         if (!shape.unit) return;
-        const range = ranges[shape.unit] || (ranges[shape.unit] = [Infinity, -Infinity]);
-        for (let frame = 0; frame < frames.time.length; ++frame) {
+        const range = this.ranges[shape.unit] || (this.ranges[shape.unit] = [Infinity, -Infinity]);
+        for (let frame = known; frame < frames.length; ++frame) {
           const value = frames.at(i * WIDTH + VALUE, frame);
           range[0] = Math.min(range[0], value);
           range[1] = Math.max(range[1], value);
         }
       });
     }
-    return ranges;
   }
 
   makeRun({frames}) {
     const group = new THREE.Group();
-    const actors = frames.shapes.map((shape, i) => new Actor(shape, i, frames, this.ranges[shape.unit]));
+    const cursor = new FrameCursor(frames);
+    const actors = frames.shapes.map((shape, i) => new Actor(shape, i, cursor, this.ranges[shape.unit]));
     for (const actor of actors) {
       group.add(actor.object);
       if (actor.line) group.add(actor.line);
     }
     this.scene.add(group);
-    return {frames, group, actors};
+    return {frames, cursor, group, actors};
+  }
+
+  // There are new frames.
+  refresh() {
+    this.measureValues(this.runs);
+    for (const {actors} of this.runs) {
+      for (const actor of actors) if (actor.line) actor.extendTrace();
+    }
   }
 
   // The box that everything stays in, and the box that is there at the start: a body that moves out of this is
@@ -92,7 +105,8 @@ class Replay {
     }
     this.extent = this.box.getSize(new THREE.Vector3()).length();
     const homeExtent = this.home.getSize(new THREE.Vector3()).length();
-    this.travels = this.extent > 2 * homeExtent;
+    this.travels = this.live ? this.live.travels : this.extent > 2 * homeExtent;
+    if (this.live && this.travels) this.box.expandByVector(new THREE.Vector3(homeExtent, homeExtent, 0));
     if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
 
     // Of the bodies' parts about their mean place.
@@ -114,16 +128,25 @@ class Replay {
     const center = this.box.getCenter(new THREE.Vector3());
     const cell = Math.pow(10, Math.floor(Math.log10(Math.max(size.x, size.y, 0.5)) - 0.3));
     const cells = 2 * Math.ceil(0.75 * Math.max(size.x, size.y, 4 * cell) / cell);
-    const grid = new THREE.GridHelper(cells * cell, cells, 0xc3c9d1, 0xe3e7ec);
-    grid.rotation.x = Math.PI / 2;
-    grid.position.set(Math.round(center.x / cell) * cell, Math.round(center.y / cell) * cell, 0);
+    const place = new THREE.Vector3(Math.round(center.x / cell) * cell, Math.round(center.y / cell) * cell, 0);
+    const paint = () => {
+      this.renderer.setClearColor(Theme.color('--stage'));
+      this.scene.remove(this.grid);
+      this.grid = new THREE.GridHelper(cells * cell, cells, Theme.color('--axis'), Theme.color('--grid'));
+      this.grid.rotation.x = Math.PI / 2;
+      this.grid.position.copy(place);
+      this.scene.add(this.grid);
+      this.requestRender();
+    };
+    Theme.onChange(paint);
+    paint();
     const floor = new THREE.Mesh(new THREE.PlaneBufferGeometry(cells * cell, cells * cell),
                                  new THREE.ShadowMaterial({opacity: 0.16}));
-    floor.position.set(grid.position.x, grid.position.y, -0.001);
+    floor.position.set(place.x, place.y, -0.001);
     floor.receiveShadow = true;
     const axes = new THREE.AxesHelper(cell / 2);
     axes.position.z = 0.002;
-    this.scene.add(grid, floor, axes);
+    this.scene.add(floor, axes);
 
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0xb8bec8, 0.75));
     const sun = new THREE.DirectionalLight(0xffffff, 0.55);
@@ -134,6 +157,16 @@ class Replay {
     const half = 0.6 * this.extent;
     Object.assign(sun.shadow.camera, {left: -half, right: half, top: half, bottom: -half, near: 0.01, far: 3 * this.extent});
     this.scene.add(sun, sun.target);
+    this.sun = sun;
+    this.surroundings = {cell, place, moved: [floor, sun, sun.target], reach: cells * cell / 4};
+  }
+
+  // Ground and light go along with bodies that leave them, by whole cells.
+  moveSurroundings() {
+    const body = this.bodyPlace(), {cell, place, moved, reach} = this.surroundings;
+    if (!body || Math.hypot(body.x - place.x, body.y - place.y) < reach) return;
+    const step = new THREE.Vector3(Math.round((body.x - place.x) / cell) * cell, Math.round((body.y - place.y) / cell) * cell, 0);
+    for (const {position} of [{position: place}, this.grid, ...moved]) position.add(step);
   }
 
   // So far away, in a fixed direction, that the box fits in the picture.
@@ -231,8 +264,8 @@ class Replay {
     this.runs.forEach((run, r) => {
       const ghost = r !== this.shown;
       run.group.visible = !ghost || this.ghosts;
-      if (!run.group.visible) return;
-      run.frames.setTime(t);
+      if (!run.group.visible || run.frames.length === 0) return;
+      run.cursor.setTime(t);
       for (const actor of run.actors) {
         actor.update();
         actor.setOpacity(ghost ? 0.25 : 1);
@@ -251,7 +284,18 @@ class Replay {
       this.followed = place;
       this.controls.update();
     }
+    if (this.live && this.surroundings) this.moveSurroundings();
     this.requestRender();
+  }
+
+  // Less to draw: no shadows, then fewer pixels. False if there is nothing left to leave out.
+  simplify() {
+    if (this.coarse) return false;
+    this.coarse = !this.sun.castShadow;
+    this.sun.castShadow = false;
+    if (this.coarse) this.renderer.setPixelRatio(0.6);
+    this.requestRender();
+    return true;
   }
 
   static direction() {
@@ -270,6 +314,7 @@ class Replay {
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, this.stage.clientWidth, this.stage.clientHeight);
     renderer.render(scene, this.camera);
+    for (const listener of this.afterRender) listener();
     const place = inset.size > 0 && this.bodyPlace();
     if (!place) return;
     // What is a speck in its room gets a close-up.

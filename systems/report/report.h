@@ -13,17 +13,31 @@ namespace tenon {
 
 /// One diagram of signals over time.
 struct Plot {
-  std::string title{};
+  std::string title{};  ///< above the plot
   /// Names as in logs, "cart.x.position"; a name without its elements, "cart.x", stands for all of them.
   std::vector<std::string> signals{};
   /// What the signals should be, drawn dashed: one for each signal, in the same order, or in fewer.
   std::vector<std::string> references{};
+  /// Plots that follow one another and have the same group stand under its name, and fold together.
+  std::string group{};
 
   static FieldList Fields() {
     return {Required("title", &Plot::title),
             Required("signals", &Plot::signals),
-            {"references", &Plot::references}};
+            {"references", &Plot::references},
+            {"group", &Plot::group}};
   }
+};
+
+/// What a value should stay within; empty: it has no bound on that side.
+struct Limits {
+  std::optional<double> low{}, high{};
+};
+
+/// Limits of a signal, in its unit: lines in every plot that shows it.
+struct SignalLimits {
+  std::string signal;  ///< as in Plot::signals
+  Limits limits;
 };
 
 /// A signal with few values, a mode, that is shown as a band along the time of every plot.
@@ -40,8 +54,9 @@ struct ReportParams {
   std::vector<Plot> plots{};          ///< none: one for each logged signal and unit
   std::vector<std::string> events{};  ///< names of signals of which every change is marked
   std::vector<Band> bands{};          ///< under one another, the first at the top
-  Rate signal_rate = Hz(200);         ///< of what is plotted
-  Rate frame_rate = Hz(50);           ///< of the replay; it interpolates between frames
+  std::vector<SignalLimits> limits{};
+  Rate signal_rate = Hz(200);  ///< of what is plotted
+  Rate frame_rate = Hz(50);    ///< of the replay; it interpolates between frames
 
   void Validate() const;  ///< throws ParameterError
 };
@@ -54,6 +69,8 @@ struct ReportParams {
 ///     simulator.RunTo(10);
 ///     report.Write("report.html");
 ///
+/// All signals that are logged can be chosen in the page; those of `plots` are shown at once and kept finer.
+///
 /// Several runs in one page, over each other in the plots and side by side in the table: a Report for each,
 /// and one more to which they are added.
 ///
@@ -63,14 +80,19 @@ struct ReportParams {
 ///     comparison.Write("comparison.html");
 ///
 /// Plots keep the first, the smallest and the largest sample of every short interval, so that no peak is
-/// lost; columns of the replay that never change are stored once. The page draws with three.js and Dygraphs,
-/// which are read from where Debian installs them (libjs-three, libjs-dygraphs; another directory than
-/// /usr/share/javascript can be given in the environment variable TENON_JAVASCRIPT_DIR) and copied into it.
+/// lost; columns of the replay that never change are stored once; a page stays below 10 MB. The page draws
+/// with three.js and Dygraphs, which are read from where Debian installs them (libjs-three, libjs-dygraphs;
+/// another directory than /usr/share/javascript can be given in the environment variable
+/// TENON_JAVASCRIPT_DIR) and copied into it.
 class Report {
  public:
   /// Throws RunError that names the package to install if three.js or Dygraphs is not there, and
   /// ParameterError for a plot without signals: now, not after a long run.
   explicit Report(ReportParams params);
+  /// The report of a run that has ended, from the directory that it wrote report.html and signals.csv into:
+  /// with all its samples, so that it can be added to others. Throws ParameterError that names the directory
+  /// and what is missing or wrong there.
+  static Report Read(const std::filesystem::path& directory);
   ~Report();
   Report(Report&&) noexcept;
 
@@ -79,8 +101,9 @@ class Report {
   void Log(Simulator& simulator, const std::vector<const Source*>& signals,
            const std::vector<const OutputPort<Geometry>*>& geometry = {});
 
-  /// A row of the table; an empty value is shown as a dash. Units belong into the name: "error_max_m".
-  void AddFigure(const std::string& name, std::optional<double> value);
+  /// A row of the table; an empty value is shown as a dash, one beyond its limits in red. Units belong into
+  /// the name: "error_max_m", "foot_error_max_m.rear_left"; small lengths are shown in mm, angles in degrees.
+  void AddFigure(const std::string& name, std::optional<double> value, const Limits& limits = {});
   void AddFigure(const std::string& name, const std::string& text);
   /// A mark in all plots.
   void AddEvent(double time, const std::string& label);
@@ -95,6 +118,8 @@ class Report {
   /// As a whole, see WriteFile. Throws OutputError if the file cannot be written, RunError if there is
   /// nothing to show.
   void Write(const std::filesystem::path& file) const;
+
+  const ReportParams& params() const { return params_; }
 
  private:
   struct Run;

@@ -1,11 +1,14 @@
-// The page: table of figures, transport, and the one time that plots and replay share.
+// The page of runs: header, transport, and the one time that plots and replay share.
 //
-// window.tenonReport lets a program drive the page: ready (everything is drawn), duration [s], time(), seek(t),
-// play(), pause(), playing(), show(index of a drawn variant), webgl (whether there is a replay), replay (a Replay, or null).
+// window.tenonReport lets a program drive the page: ready (everything is drawn), duration(), time(), seek(t) [s],
+// play(), pause(), playing(), show(index of a drawn run), webgl (whether there is a replay), replay (a Replay, or
+// null), plots (the Plots), runs (the Recordings), append(run, samples): see Recording.append; draws what is new; live
+// (a Live, or null), follower (of a live run).
 
-(() => {
-  const report = JSON.parse(document.getElementById('data').textContent);
-  const runs = report.runs;
+'use strict';
+
+// live: the Live of a run that goes on, or null; bar: its RunBar.
+function showReport(report, runs, live, bar) {
   const find = (selector) => document.querySelector(selector);
 
   function showHeader() {
@@ -15,100 +18,88 @@
     for (const run of runs) {
       if (!run.verdict && runs.length === 1) continue;
       const text = (runs.length > 1 ? run.name + (run.verdict ? ': ' : '') : '') + run.verdict;
-      find('#verdicts').append(element('span', `verdict ${run.good === null ? '' : run.good ? 'good' : 'bad'}`, text));
-    }
-  }
-
-  function showFigures() {
-    const keys = [...new Set(runs.flatMap((run) => run.figures.map(([key]) => key)))];
-    const parent = find('#figures');
-    parent.hidden = keys.length === 0;
-    const tables = Math.max(1, Math.min(keys.length, runs.length === 1 ? 4 : runs.length < 4 ? 2 : 1));
-    const length = Math.ceil(keys.length / tables);
-    for (let begin = 0; begin < keys.length; begin += length) {
-      const table = element('table');
-      if (runs.length > 1) {
-        const head = table.createTHead().insertRow();
-        head.append(element('th'));
-        runs.forEach((run, r) => {
-          const cell = element('th');
-          const swatch = element('span', 'swatch');
-          swatch.style.background = RUN_COLORS[r % RUN_COLORS.length];
-          cell.append(swatch, document.createTextNode(run.name));
-          head.append(cell);
-        });
-        head.append(element('th'));
-      }
-      const body = table.createTBody();
-      for (const key of keys.slice(begin, begin + length)) {
-        const row = body.insertRow();
-        const [label, unit] = splitUnit(key);
-        const head = element('th', '', label);
-        head.title = key;
-        row.append(head);
-        for (const run of runs) {
-          const figure = run.figures.find(([name]) => name === key);
-          const value = figure ? figure[1] : null;
-          const text = value === null ? '–' : typeof value === 'number' ? formatNumber(value) : String(value);
-          row.append(element('td', typeof value === 'string' ? 'text' : '', text));
-        }
-        row.append(element('td', 'unit', unit));
-      }
-      parent.append(table);
+      const kind = run.good === null ? '' : run.good ? 'good' : 'bad';
+      find('#verdicts').append(element(runs.length > 1 ? 'label' : 'span', `verdict ${kind}`, text));
     }
   }
 
   showHeader();
-  showFigures();
+  showFigures(find('#figures'), runs);
   // The replay and its controls fill what the header leaves of the window.
-  document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
-
-  for (const run of runs) {
-    run.frames = run.frames && run.frames.shapes.length > 0 ? new Frames(run.frames) : null;
-  }
-  const drawn = runs.filter((run) => run.frames);
-  const ends = runs.flatMap((run) => [
-    ...(run.events || []).map((event) => event.time),
-    ...(run.frames ? [run.frames.time[run.frames.time.length - 1]] : []),
-    ...run.plots.map((plot) => decode(plot.time, Float64Array)).map((time) => time[time.length - 1] || 0),
-  ]);
-  const duration = Math.max(1e-6, ...ends);
+  const fit = () => document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
+  fit();
+  new ResizeObserver(fit).observe(find('header'));
 
   let time = 0, playing = false, last = 0;
-  const api = window.tenonReport = {
-    ready: false, duration, webgl: false, replay: null,
-    time: () => time, playing: () => playing, seek, play: () => setPlaying(true), pause: () => setPlaying(false),
-    show,
-  };
-
-  const plots = new Plots(find('#plots'), runs, duration, seek);
+  const drawn = runs.filter((run) => run.frames.shapes.length > 0 && run.frames.length > 0);
+  const plots = new Plots(find('#plots'), runs, report.plots, {seek, edit: (plot) => picker.open(plot)});
+  const picker = new Picker(find('#picker'), runs, plots, (names, target) => {
+    if (target instanceof Plot) return plots.extend(target, names);
+    const specs = target === 'apart' ? names.map((name) => [name]) : [names];
+    let plot = null;
+    for (const signals of specs) {
+      const title = signals.length > 2 ? `${signals[0]} and ${signals.length - 1} more` : signals.join(', ');
+      plot = plots.add({title, signals, group: 'chosen signals'});
+    }
+    plot.box.scrollIntoView({block: 'nearest'});
+    layOut();
+  });
   let replay = null;
   if (drawn.length > 0) {
     try {
-      replay = new Replay(find('#stage'), drawn);
-      api.webgl = true;
-      api.replay = replay;
+      replay = new Replay(find('#stage'), drawn, live && {travels: !!live.controls.drive || /person/.test((live.controls.goal || {}).name)});
     } catch (error) {
       if (error.message !== 'no WebGL') throw error;
       find('#no-webgl').hidden = false;
     }
   }
-  find('#stage').hidden = drawn.length === 0;
-  find('main').classList.toggle('no-plots', plots.plots.length === 0);
+  const api = window.tenonReport = {
+    ready: false, webgl: !!replay, replay, plots, runs, duration: () => plots.duration,
+    time: () => time, playing: () => playing, seek, play: () => setPlaying(true), pause: () => setPlaying(false),
+    show, append, live, follower: null,
+  };
 
-  function seek(t) {
-    time = Math.min(Math.max(t, 0), duration);
+  // Full width where nothing is drawn.
+  let hideReplay = false;
+  function layOut() {
+    const main = find('main');
+    main.classList.toggle('wide', !replay || hideReplay);
+    main.classList.toggle('figures-only', !replay && plots.plots.length === 0);
+    find('#stage').hidden = !replay || hideReplay;
+    find('#hide-replay').hidden = !replay;
+    find('#hide-replay').setAttribute('aria-pressed', String(hideReplay));
+    find('#tools').hidden = runs.every((run) => run.signals.size === 0);
+  }
+
+  function append(run, samples) {
+    runs[run].append(samples);
+    plots.refresh();
+    if (replay) replay.refresh();
+    find('#scrub').max = plots.duration;
+    place(time);
+  }
+
+  function clock(t) {
+    time = t;
     find('#scrub').value = time;
-    find('#clock').textContent = `${time.toFixed(duration < 10 ? 3 : 2)} s`;
+    find('#clock').textContent = find('#now').textContent = `${time.toFixed(plots.duration < 10 ? 3 : 2)} s`;
+  }
+  function place(t) {
+    clock(Math.min(Math.max(t, live ? live.run.start : 0), plots.duration));
     plots.setTime(time);
     if (replay) replay.setTime(time);
+  }
+  // Who looks for another time of a live run no longer follows it.
+  function seek(t) {
+    if (api.follower) api.follower.leave();
+    place(t);
   }
 
   function setPlaying(on) {
     playing = on;
     find('#play').textContent = on ? '❚❚' : '▶';
     if (!on) return;
-    if (time >= duration) seek(0);
+    if (time >= plots.duration) seek(0);
     last = performance.now();
     requestAnimationFrame(step);
   }
@@ -117,7 +108,11 @@
     if (!playing) return;
     seek(time + Math.max(0, now - last) / 1000 * Number(find('#speed').value));
     last = now;
-    if (time >= duration) return setPlaying(false);
+    if (time >= plots.duration) {
+      setPlaying(false);
+      if (api.follower) api.follower.join();
+      return;
+    }
     requestAnimationFrame(step);
   }
 
@@ -126,25 +121,26 @@
     replay.shown = index;
     replay.followed = null;
     find('#variant').value = index;
-    seek(time);
+    place(time);
   }
 
   function addLegend() {
     if (!replay) return;
     for (const role of replay.roles) {
-      const button = element('button');
+      const entry = button('', 'show or hide', () => {
+        if (!replay.hiddenRoles.delete(role)) replay.hiddenRoles.add(role);
+        entry.classList.toggle('off', replay.hiddenRoles.has(role));
+        entry.setAttribute('aria-pressed', String(!replay.hiddenRoles.has(role)));
+        place(time);
+      });
       const swatch = element('span', 'swatch');
       const colored = replay.runs.some((run) => run.actors.some((a) => a.shape.role === role && a.range));
       swatch.style.background = colored ? 'linear-gradient(90deg, #3b528b, #21918c, #fdc825)' :
           '#' + new THREE.Color(ROLE_COLORS[role] || 0x888888).getHexString();
-      button.append(swatch, document.createTextNode(role));
-      button.title = 'show or hide';
-      button.onclick = () => {
-        if (!replay.hiddenRoles.delete(role)) replay.hiddenRoles.add(role);
-        button.classList.toggle('off', replay.hiddenRoles.has(role));
-        seek(time);
-      };
-      find('#legend').append(button);
+      entry.append(swatch, document.createTextNode(role));
+      entry.setAttribute('aria-label', `show ${role}`);
+      entry.setAttribute('aria-pressed', 'true');
+      find('#legend').append(entry);
     }
     const [unit, range] = Object.entries(replay.ranges)[0] || [];
     if (!unit) return;
@@ -157,7 +153,7 @@
   }
 
   function addTransport() {
-    find('#scrub').max = duration;
+    find('#scrub').max = plots.duration;
     find('#scrub').oninput = (event) => seek(Number(event.target.value));
     find('#play').onclick = () => setPlaying(!playing);
     for (const speed of [0.1, 0.25, 0.5, 1, 2, 5, 10]) {
@@ -166,7 +162,7 @@
       option.selected = speed === 1;
       find('#speed').append(option);
     }
-    for (const selector of ['#follow', '#reset-view']) find(selector).disabled = !replay;
+    find('#follow-label').hidden = find('#reset-view').hidden = !replay;
     find('#follow').onchange = (event) => replay.setFollow(event.target.checked);
     find('#reset-view').onclick = () => {
       find('#follow').checked = replay.travels;
@@ -174,14 +170,6 @@
       replay.resetView();
     };
     if (replay) find('#reset-view').onclick();
-    document.addEventListener('keydown', (event) => {
-      if (/^(INPUT|SELECT|BUTTON)$/.test(event.target.tagName) && event.target.id !== 'scrub') return;
-      if (event.key === ' ') setPlaying(!playing);
-      else if (event.key === 'ArrowRight' || event.key === 'ArrowLeft') {
-        seek(time + (event.key === 'ArrowRight' ? 1 : -1) * (event.shiftKey ? 1 : 0.05));
-      } else return;
-      event.preventDefault();
-    });
     if (runs.length < 2) return;
 
     find('#variant').hidden = find('#ghosts-label').hidden = drawn.length < 2 || !replay;
@@ -193,9 +181,9 @@
     find('#variant').onchange = (event) => show(Number(event.target.value));
     find('#ghosts').onchange = (event) => {
       replay.ghosts = event.target.checked;
-      seek(time);
+      place(time);
     };
-    [...document.querySelectorAll('.verdict')].forEach((chip, r) => {
+    document.querySelectorAll('.verdict').forEach((chip, r) => {
       const box = element('input');
       box.type = 'checkbox';
       box.checked = true;
@@ -205,8 +193,127 @@
     });
   }
 
+  function addTools() {
+    let folded = false;
+    find('#pick').onclick = () => picker.open(null);
+    find('#fold-all').onclick = () => {
+      folded = !folded;
+      plots.foldAll(folded);
+      find('#fold-all').textContent = folded ? 'unfold all' : 'fold all';
+    };
+    find('#zoom-out').onclick = () => api.follower ? api.follower.leave(true) : plots.zoomOut();
+    find('#columns').onchange = (event) => plots.setColumns(event.target.value);
+    find('#hide-replay').onclick = () => {
+      hideReplay = !hideReplay;
+      layOut();
+    };
+    find('#theme').onclick = Theme.toggle;
+    find('#help-button').onclick = () => find('#help').showModal();
+
+    const splitter = find('#splitter');
+    let share = 54;
+    const set = (percent) => {
+      share = Math.min(Math.max(percent, 20), 80);
+      find('main').style.setProperty('--split', `${share}fr`);
+      find('main').style.setProperty('--rest', `${100 - share}fr`);
+      splitter.setAttribute('aria-valuenow', String(Math.round(share)));
+    };
+    set(share);
+    splitter.onpointerdown = (down) => {
+      splitter.setPointerCapture(down.pointerId);
+      splitter.onpointermove = (move) => {
+        const box = find('main').getBoundingClientRect();
+        set(100 * (move.clientX - box.left) / box.width);
+      };
+    };
+    splitter.onpointerup = () => splitter.onpointermove = null;
+    splitter.onkeydown = (event) => {
+      const step = {ArrowRight: 3, ArrowLeft: -3}[event.key];
+      if (!step) return;
+      set(share + step);
+      event.preventDefault();
+      event.stopPropagation();
+    };
+  }
+
+  // The next mark in time after or before now.
+  function toEvent(direction) {
+    const times = plots.events().map((event) => event.time).filter((t) => direction * (t - time) > 1e-9);
+    if (times.length) seek(direction > 0 ? Math.min(...times) : Math.max(...times));
+  }
+  function changeSpeed(step) {
+    const select = find('#speed');
+    select.selectedIndex = Math.min(Math.max(select.selectedIndex + step, 0), select.options.length - 1);
+  }
+  const click = (selector) => () => {
+    const node = find(selector);
+    if (!node.hidden && !node.closest('[hidden]')) node.click();
+  };
+  const move = (step) => () => seek(time + step);
+
+  // What a live run has beside: panels, hands in the replay, and keys that come before those of a report.
+  function goLive() {
+    const follower = api.follower = bar.follower = new Follower(live, {plots, replay, clock, stop: () => setPlaying(false)});
+    const drives = (act) => () => live.drives && act();
+    new Tune(live, find('#side'));
+    const drive = api.drive = new Drive(live, find('#side'));
+    if (replay) api.grab = new Grab(live, replay, follower, drive.goal);
+    const keys = drive.velocity ? [
+      ...['w', '↑', 's', '↓'].map((label) => ({label, help: 'drive forward, back; with shift, faster'})),
+      ...['a', '←', 'd', '→'].map((label) => ({label, help: 'drive to the left, to the right'})),
+      ...['q', 'e'].map((label) => ({label, help: 'turn to the left, to the right'})),
+    ] : [];
+    return [
+      ...keys,
+      {key: ' ', label: 'space', help: 'pause or resume the run; of the past, play', act: () => follower.on ? drives(() => bar.togglePause())() : setPlaying(!playing)},
+      {key: '.', label: '.', help: 'one tick of the paused run', act: drives(() => bar.tick.click())},
+      {key: 'b', label: 'b', help: 'set the run back by 5 s', act: drives(() => bar.back.click())},
+      {key: '[', label: '[', help: 'the run slower or faster', act: drives(() => bar.changeRate(-1))},
+      {key: ']', label: ']', help: 'the run slower or faster', act: drives(() => bar.changeRate(1))},
+      {key: 'l', label: 'l', help: 'the newest samples again', act: () => follower.join()},
+      {key: 'End', label: 'end', help: 'the newest samples again', act: () => follower.join()},
+      {key: '+', label: '+', help: 'add signals', act: click('#pick')},
+    ];
+  }
+
+  layOut();
   addLegend();
   addTransport();
-  seek(0);
+  addTools();
+  place(live ? plots.duration : 0);
+  const liveKeys = live ? goLive() : [];
+  // Keys that drive, or that a live run has for something else, are not what they are in a report.
+  const taken = (key) => liveKeys.some((own) => own.key === key) || (api.drive && api.drive.velocity && DRIVE_KEYS[key]);
+  addKeys(find('#help'), [...liveKeys, ...[
+    {key: ' ', label: 'space', help: 'play or pause', act: () => setPlaying(!playing)},
+    {key: 'ArrowLeft', shift: false, label: '←', help: 'a frame back or on (20 ms)', act: move(-0.02)},
+    {key: 'ArrowRight', shift: false, label: '→', help: 'a frame back or on (20 ms)', act: move(0.02)},
+    {key: 'ArrowLeft', shift: true, label: 'shift ←', help: 'a second back or on', act: move(-1)},
+    {key: 'ArrowRight', shift: true, label: 'shift →', help: 'a second back or on', act: move(1)},
+    {key: 'Home', label: 'home', help: 'to the start or the end', act: () => seek(0)},
+    {key: 'End', label: 'end', help: 'to the start or the end', act: () => seek(plots.duration)},
+    {key: 'p', label: 'p', help: 'to the previous or the next event', act: () => toEvent(-1)},
+    {key: 'n', label: 'n', help: 'to the previous or the next event', act: () => toEvent(1)},
+    {key: '[', label: '[', help: 'slower or faster', act: () => changeSpeed(-1)},
+    {key: ']', label: ']', help: 'slower or faster', act: () => changeSpeed(1)},
+    {key: 'f', label: 'f', help: 'follow the body', act: click('#follow')},
+    {key: 'r', label: 'r', help: 'show everything in the replay again', act: click('#reset-view')},
+    {key: 'v', label: 'v', help: 'the next run in the replay', act: () => replay && show((replay.shown + 1) % drawn.length)},
+    {key: 'g', label: 'g', help: 'the other runs as ghosts', act: click('#ghosts')},
+    {key: 'h', label: 'h', help: 'hide or show the replay', act: click('#hide-replay')},
+    {key: 'a', label: 'a', help: 'add signals', act: click('#pick')},
+    {key: 'z', label: 'z', help: 'the whole run in the plots', act: click('#zoom-out')},
+    {key: 't', label: 't', help: 'light or dark', act: Theme.toggle},
+    {key: '?', label: '?', help: 'this page', act: () => find('#help').showModal()},
+  ].filter(({key}) => !taken(key))]);
   api.ready = true;
+}
+
+(() => {
+  const report = JSON.parse(document.getElementById('data').textContent);
+  if (!report.live) return showReport(report, report.runs.map(Recording.read), null);
+  document.title = document.querySelector('h1').textContent = report.title;
+  const live = new Live(report, (shown, runs) => showReport(shown, runs, live, bar));
+  const bar = new RunBar(live);
+  document.querySelector('header').after(bar.box);
 })();

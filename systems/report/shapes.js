@@ -16,29 +16,27 @@ function scaleColor(fraction) {
   return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
 }
 
-// The frames of one run: value(column, t) between them, and whole columns.
-class Frames {
-  constructor(json) {
-    this.shapes = json.shapes;
-    this.time = decode(json.time, Float64Array);
-    this.first = decode(json.first, Float32Array);
-    this.data = decode(json.data, Float32Array);
-    this.row = new Map(json.moving.map((column, i) => [column, i]));
+// The frames of a run at one time, between two of them.
+class FrameCursor {
+  constructor(frames) {
+    this.frames = frames;
+  }
+  get time() {
+    return this.frames.time;
   }
   setTime(t) {
-    const n = this.time.length;
-    this.a = indexAt(this.time, t);
-    this.b = Math.min(this.a + 1, n - 1);
-    const span = this.time[this.b] - this.time[this.a];
-    this.fraction = span > 0 ? Math.min(Math.max((t - this.time[this.a]) / span, 0), 1) : 0;
+    const time = this.time;
+    this.a = indexAt(time, t);
+    this.b = Math.min(this.a + 1, time.length - 1);
+    const span = time[this.b] - time[this.a];
+    this.fraction = span > 0 ? Math.min(Math.max((t - time[this.a]) / span, 0), 1) : 0;
   }
   at(column, frame) {
-    const row = this.row.get(column);
-    return row === undefined ? this.first[column] : this.data[row * this.time.length + frame];
+    return this.frames.at(column, frame);
   }
   value(column) {
     const a = this.at(column, this.a);
-    return this.row.has(column) ? a + this.fraction * (this.at(column, this.b) - a) : a;
+    return a + this.fraction * (this.at(column, this.b) - a);
   }
   vector(column, out) {
     return out.set(this.value(column), this.value(column + 1), this.value(column + 2));
@@ -93,20 +91,37 @@ class Actor {
   }
 
   makeTrace(radius, color, add) {
-    const n = this.frames.time.length;
-    const points = new Float32Array(3 * n);
-    for (let i = 0; i < n; ++i) {
-      for (let k = 0; k < 3; ++k) points[3 * i + k] = this.frames.at(this.base + P + k, i);
-    }
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
     this.edges = this.shape.role === 'reference' ?
         new THREE.LineDashedMaterial({color, dashSize: 0.06, gapSize: 0.04}) :
         new THREE.LineBasicMaterial({color});
-    this.line = new THREE.Line(geometry, this.edges);
-    this.line.computeLineDistances();
+    this.line = new THREE.Line(new THREE.BufferGeometry(), this.edges);
     this.line.frustumCulled = false;
+    this.extendTrace();
     if (radius > 0) this.ball = add(new THREE.SphereBufferGeometry(radius, 20, 14));
+  }
+
+  // Through all frames that there are. Adds those that are new, or all if old ones were taken away.
+  extendTrace() {
+    const {frames} = this.frames, n = frames.length, {geometry} = this.line;
+    if (this.cuts !== frames.cuts) this.traced = 0;
+    this.cuts = frames.cuts;
+    if (!geometry.attributes.position || n > geometry.attributes.position.count) {
+      const room = this.traced ? 2 * n : n;
+      geometry.dispose();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * room), 3));
+      geometry.setAttribute('lineDistance', new THREE.BufferAttribute(new Float32Array(room), 1));
+      this.traced = 0;
+    }
+    const {position, lineDistance} = geometry.attributes;  // dashes go by the distance along the line
+    for (let i = this.traced; i < n; ++i) {
+      const p = [0, 1, 2].map((k) => frames.at(this.base + P + k, i));
+      position.setXYZ(i, ...p);
+      const step = i && Math.hypot(p[0] - position.getX(i - 1), p[1] - position.getY(i - 1), p[2] - position.getZ(i - 1));
+      lineDistance.setX(i, i && lineDistance.getX(i - 1) + step);
+    }
+    this.traced = n;
+    position.needsUpdate = lineDistance.needsUpdate = true;
+    geometry.setDrawRange(0, n);
   }
 
   // How far the solid goes from its middle.

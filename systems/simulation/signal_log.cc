@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include <tenon/systems/framework/diagram.h>
@@ -86,7 +87,15 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
       signals_(std::move(signals)),
       sinks_(std::move(sinks)),
       ops_(context.diagram().program().Evaluation(signals_)) {
-  for (const Source* signal : signals_) context_.CheckReadable(*signal);
+  for (const Source* signal : signals_) {
+    context_.CheckReadable(*signal);
+    using enum internal::TypeInfo::Kind;
+    if (const auto kind = signal->type_->kind; kind != kText && kind != kOpaque) continue;
+    throw ParameterError(
+        fmt::format("'{}' is of type {}, of which a log has no numbers: log another signal, give a struct a "
+                    "Fields(), or read it by a Publish",
+                    signal->path(), signal->type_name()));
+  }
 }
 
 SignalLog::~SignalLog() = default;
@@ -122,10 +131,40 @@ void SignalLog::Sample() {
     }
     out = internal::ToDoubles(*signals_[i]->type_, value, out);
   }
+  if (hold_ > 0) {
+    held_.insert(held_.end(), row_.begin(), row_.end());
+    HandOver(row_[0] - hold_);
+    return;
+  }
   for (const auto& sink : sinks_) sink->Row(row_);
 }
 
+void SignalLog::HandOver(double until) {
+  const auto size = static_cast<std::ptrdiff_t>(row_.size());
+  std::vector<double> row(row_.size());
+  while (!held_.empty() && held_.front() <= until) {
+    std::copy(held_.begin(), held_.begin() + size, row.begin());
+    held_.erase(held_.begin(), held_.begin() + size);
+    for (const auto& sink : sinks_) sink->Row(row);
+  }
+}
+
+void SignalLog::DropFrom(double time, bool after) {
+  const auto size = static_cast<std::ptrdiff_t>(row_.size());
+  while (!held_.empty()) {
+    const double last = *(held_.end() - size);
+    if (last < time || (after && last == time)) return;
+    held_.erase(held_.end() - size, held_.end());
+  }
+}
+
+void SignalLog::Release() {
+  HandOver(std::numeric_limits<double>::infinity());
+  hold_ = 0;
+}
+
 void SignalLog::Flush() {
+  if (hold_ > 0) return;
   for (const auto& sink : sinks_) sink->Flush();
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -80,14 +81,24 @@ class SignalLog {
   void Sample();
   void Flush();
 
+  /// From now on rows reach the sinks this much later [s] of the run's time, and Flush waits for Release.
+  void Hold(double seconds) { hold_ = seconds; }
+  /// Forgets the rows that are held and lie at `time` [s] or, with `after`, behind it.
+  void DropFrom(double time, bool after);
+  /// Hands over all rows that are held, and holds none any more.
+  void Release();
+
  private:
   void Begin();
+  void HandOver(double until);
   Context& context_;
   std::vector<const Source*> signals_;
   std::vector<std::shared_ptr<LogSink>> sinks_;
   std::vector<internal::Op> ops_;
   std::vector<double> row_;
   std::vector<std::size_t> sizes_;  ///< of each signal
+  double hold_ = 0;                 ///< [s]
+  std::deque<double> held_;         ///< rows
 };
 
 }  // namespace tenon

@@ -135,6 +135,19 @@ std::shared_ptr<MemoryLog> Simulator::AddLog(Rate rate, std::vector<const Source
   return log;
 }
 
+void Simulator::HoldLogs(double seconds) {
+  for (const RatedLog& log : logs_) {
+    for (const auto& each : log.logs) each->Hold(seconds);
+  }
+}
+
+void Simulator::ReleaseLogs() {
+  for (const RatedLog& log : logs_) {
+    for (const auto& each : log.logs) each->Release();
+  }
+  if (const std::exception_ptr error = FlushLogs()) std::rethrow_exception(error);
+}
+
 void Simulator::RebuildSchedule() {
   std::vector<internal::SampleGroup> entries = program_.groups;
   for (const RatedLog& log : logs_) {
@@ -154,8 +167,13 @@ void Simulator::Synchronize() {
   if (known_edition_ == context_->edition_ && context_->progress_ != Context::Progress::kNew) return;
   known_edition_ = context_->edition_;
   MoveSchedule();
+  const bool tick_done = context_->progress_ == Context::Progress::kTickDone;
+  for (const RatedLog& log : logs_) {
+    for (const auto& each : log.logs) each->DropFrom(context_->time(), tick_done);
+  }
   step_ends_ = false;
   end_reason_.reset();
+  ended_by_ = nullptr;
   pace_start_.reset();
 }
 
@@ -223,7 +241,7 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
     throw;
   }
   if (const std::exception_ptr error = FlushLogs()) std::rethrow_exception(error);
-  return {context_->time(), end_reason_.has_value(), end_reason_.value_or("")};
+  return {context_->time(), end_reason_.has_value(), end_reason_.value_or(""), ended_by_};
 }
 
 void Simulator::RunTo(double time) {
@@ -239,6 +257,7 @@ void Simulator::FirstTick() {
     if (info.sampled && output) context_->CheckSample(info);  // or the run starts between their ticks
   }
   context_->RunStale(program_.published_at_start);
+  if (!end_reason_) Judge(program_.each_step_monitors, program_.each_step_verdicts);
   AskMonitors();
 }
 
@@ -374,7 +393,9 @@ void Simulator::Judge(const internal::OpList& ops, const std::vector<const Sourc
   context_->RunStale(ops);
   for (const Source* source : verdicts) {
     const auto& verdict = *reinterpret_cast<const Verdict*>(context_->Address(*source));
-    if (verdict && !end_reason_) end_reason_ = source->path() + ": " + *verdict;
+    if (!verdict || end_reason_) continue;
+    end_reason_ = source->path() + ": " + *verdict;
+    ended_by_ = source;
   }
 }
 

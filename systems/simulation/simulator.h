@@ -26,9 +26,10 @@ struct UpdatePlan;
 
 /// How an advance ended.
 struct RunStatus {
-  double time = 0;     ///< [s]
-  bool ended = false;  ///< a monitor ended the run
-  std::string reason;  ///< what the monitor said, with its path in front
+  double time = 0;                  ///< [s]
+  bool ended = false;               ///< a monitor ended the run
+  std::string reason;               ///< what the monitor said, with its path in front
+  const Source* monitor = nullptr;  ///< which, if it belongs to a block
 };
 
 /// Runs a diagram: integrates from tick to tick of what reaches a derivative, and at each tick computes all
@@ -57,6 +58,12 @@ class Simulator {
   void AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
   /// The same into memory.
   std::shared_ptr<MemoryLog> AddLog(Rate rate, std::vector<const Source*> signals);
+  /// From now on the rows of all logs that there are reach their sinks `seconds` of the run's time later. A
+  /// run that is set back by no more, by Context::Restore, leaves no trace in them of what then did not
+  /// happen.
+  void HoldLogs(double seconds);
+  /// Hands over all rows that are held, flushes, and holds none any more.
+  void ReleaseLogs();
 
   /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
   RunStatus Initialize();
@@ -140,6 +147,7 @@ class Simulator {
   std::vector<Events> events_;  ///< of each witness
 
   std::optional<std::string> end_reason_;
+  const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor
   std::optional<std::int64_t> pace_start_;  ///< on the clock [ns]
   double pace_start_time_ = 0;
   RealTimeStatistics real_time_;

@@ -22,6 +22,12 @@ namespace tenon {
 
 using internal::YamlTree;
 
+namespace {
+
+constexpr std::string_view kFormatKey = "format";
+
+}  // namespace
+
 void CheckUtf8(std::string_view text, const std::string& place) {
   internal::CheckUtf8(text,
                       [&](int line, int column) { return fmt::format("{}:{}:{}", place, line, column); });
@@ -32,11 +38,12 @@ YamlDocument YamlDocument::Load(const std::string& file_name) {
   std::error_code ignored;
   std::ifstream file(path);
   if (!file || std::filesystem::is_directory(path, ignored))
-    throw ParameterError(
-        fmt::format("cannot read '{}': {}; check the path, which starts from '{}' unless it is absolute",
-                    internal::Excerpt(file_name),
-                    std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
-                    std::filesystem::current_path().string()));
+    throw ParameterError(fmt::format(
+        "cannot read '{}': {}; check the path: {}", internal::Excerpt(file_name),
+        std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
+        path.is_absolute()
+            ? "a path in a file starts from the directory of that file"
+            : fmt::format("'{}' starts from '{}'", file_name, std::filesystem::current_path().string())));
   std::string text;
   std::array<char, 1 << 16> part;
   while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may have no end
@@ -51,10 +58,26 @@ YamlDocument YamlDocument::Load(const std::string& file_name) {
 
 YamlDocument YamlDocument::Parse(std::string text, std::string name) {
   const auto place_of = [&](int line, int column) { return fmt::format("{}:{}:{}", name, line, column); };
-  return {std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false)), name};
+  const std::filesystem::path directory = std::filesystem::path(name).parent_path();
+  return {std::make_shared<const YamlTree>(internal::ParseYamlTree(text, place_of, false, directory)), name};
+}
+
+void YamlDocument::CheckFormat() const {
+  const auto found = YamlTree::FindKey(*tree_, kFormatKey);
+  if (found == tree_->children.end()) return;
+  int format = 0;
+  internal::YamlNode(*found, "format").Read(internal::TypeInfoOf<int>(), &format);
+  if (format < 1 || format > kYamlFormat)
+    internal::FailAt(found->place,
+                     fmt::format("format: {} is not known, this Tenon reads formats up to {}: "
+                                 "{}",
+                                 format, kYamlFormat,
+                                 format < 1 ? "count from 1" : "take a newer Tenon, or write the file anew"));
 }
 
 void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
+  if (std::ranges::none_of(type.fields, [](const Field& field) { return field.name == kFormatKey; }))
+    CheckFormat();
   internal::YamlNode(*tree_, "").Read(type, value);
 }
 
@@ -90,6 +113,40 @@ std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
   return fmt::format("{}: {}", Find(*tree_, dotted_key).first->place, dotted_key);
 }
 
+void YamlDocument::RefuseRenamed(const std::vector<RenamedKey>& renamed) const {
+  for (const auto& [key, successor] : renamed)
+    if (const auto [tree, found] = Find(*tree_, key); found)
+      internal::FailAt(tree->key_place, fmt::format("{} is called {} now; rename it", key, successor));
+}
+
+std::string YamlDocument::Path(std::string_view key) const {
+  const auto found = YamlTree::FindKey(*tree_, key);
+  return found == tree_->children.end() ? "" : internal::PathOf(*found);
+}
+
+namespace {
+
+void ListPaths(const YamlTree& tree, const std::string& key,
+               std::vector<std::pair<std::string, std::string>>& paths) {
+  if (internal::IsPath(tree)) paths.emplace_back(key, internal::PathOf(tree));
+  for (std::size_t i = 0; i < tree.children.size(); ++i) {
+    const std::string name = tree.kind == YamlTree::Kind::kList ? std::to_string(i) : tree.children[i].key;
+    ListPaths(tree.children[i], key.empty() ? name : key + "." + name, paths);
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> YamlDocument::Paths() const {
+  std::vector<std::pair<std::string, std::string>> paths;
+  ListPaths(*tree_, "", paths);
+  return paths;
+}
+
+YamlDocument YamlDocument::WithAbsolutePaths() const {
+  return {std::make_shared<const YamlTree>(internal::WithAbsolutePaths(*tree_, false)), name_};
+}
+
 std::string YamlDocument::Flow() const {
   return internal::FlowText(*tree_);
 }
@@ -109,6 +166,13 @@ std::string YamlDocument::Text(std::string_view key) const {
 
 namespace {
 
+/// Lets a map of what differs say in which file.
+void SayFile(YamlTree& map, YamlTree name) {
+  if (YamlTree::FindKey(map, "file") != map.children.end()) return;
+  name.key = "file";
+  map.children.insert(map.children.begin(), std::move(name));
+}
+
 void AddMissingTo(YamlTree& tree, const YamlTree& base) {
   std::map<std::string, std::size_t> places;
   for (const YamlTree& child : tree.children) places.emplace(child.key, places.size());
@@ -116,9 +180,11 @@ void AddMissingTo(YamlTree& tree, const YamlTree& base) {
     const auto own = places.find(entry.key);
     if (own == places.end()) {
       tree.children.push_back(entry);
-    } else if (YamlTree& child = tree.children[own->second];
-               child.kind == YamlTree::Kind::kMap && entry.kind == YamlTree::Kind::kMap) {
-      AddMissingTo(child, entry);
+    } else if (YamlTree& child = tree.children[own->second]; child.kind == YamlTree::Kind::kMap) {
+      if (entry.kind == YamlTree::Kind::kMap)
+        AddMissingTo(child, entry);
+      else if (internal::IsName(entry))
+        SayFile(child, entry);
     }
   }
 }
@@ -126,6 +192,8 @@ void AddMissingTo(YamlTree& tree, const YamlTree& base) {
 }  // namespace
 
 void YamlDocument::AddMissing(const YamlDocument& base) {
+  CheckFormat();
+  base.CheckFormat();
   YamlTree root = *tree_;
   AddMissingTo(root, *base.tree_);
   tree_ = std::make_shared<const YamlTree>(std::move(root));
@@ -149,6 +217,11 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
     begin = end + 1;
     if (key.empty()) internal::FailAt(place, "a key is empty; write the path as in a.b or a.2");
     if (node->kind == YamlTree::Kind::kNull) node->kind = YamlTree::Kind::kMap;
+    if (internal::IsName(*node)) {
+      YamlTree name = *node;
+      node->kind = YamlTree::Kind::kMap;
+      SayFile(*node, std::move(name));
+    }
     if (node->kind == YamlTree::Kind::kMap) {
       auto it = YamlTree::FindKey(*node, key);
       if (it == node->children.end()) {
@@ -172,7 +245,12 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
     }
   }
   const auto place_of = [&](int, int) { return place; };
-  YamlTree value = internal::ParseYamlTree(std::string(value_text), place_of, true);
+  YamlTree value = internal::ParseYamlTree(std::string(value_text), place_of, true, {});
+  if (value.kind == YamlTree::Kind::kMap) {  // of what differs in the same file
+    const auto file = YamlTree::FindKey(*node, "file");
+    if (file != node->children.end() || internal::IsName(*node))
+      SayFile(value, file != node->children.end() ? *file : *node);
+  }
   value.key = std::move(node->key);
   value.key_place = std::move(node->key_place);
   *node = std::move(value);

@@ -84,11 +84,13 @@ TEST_F(ReportPageTest, ShowsVerdictAndFigures) {
   EXPECT_EQ(browser.Evaluate("document.querySelector('.verdict.good').textContent"), "finished after 2 s");
   const Json shown = browser.Evaluate(
       "Object.fromEntries([...document.querySelectorAll('#figures tr')].map((row) => "
-      "[row.cells[0].title, row.cells[1].textContent]))");
+      "[row.cells[0].title, [row.cells[1].textContent, row.cells[2].textContent]]))");
   ASSERT_TRUE(shown.contains("tracking_error_rms_m"));
   const double error = summary.at("tracking_error_rms_m");
-  EXPECT_NEAR(std::stod(shown["tracking_error_rms_m"].get<std::string>()), error, 1e-3 * error);
-  EXPECT_EQ(shown.size(), summary.size() - 3) << "finished, fell and end_reason are the verdict";
+  EXPECT_NEAR(std::stod(shown["tracking_error_rms_m"][0].get<std::string>()), 1e3 * error, error);
+  EXPECT_EQ(shown["tracking_error_rms_m"][1], "mm") << "small lengths as people say them";
+  EXPECT_EQ(shown.size(), summary.size() - 4)
+      << "finished, fell and end_reason are the verdict, limits stand beside their figures";
 }
 
 TEST_F(ReportPageTest, ReplayShowsSomethingElseAtAnotherTime) {

@@ -7,6 +7,9 @@
 //   model/decoupled             the decoupled form on top of it
 //   model/simbody               the same quantities as model/eigen from Simbody's operators
 //
+// and one cable of the cable robot by CalcCableStatics, cable/straight, pulley, sag, sag_pulley, over random
+// places of the platform, taut.
+//
 // Work against precision: DogBot trots on the spot for a second by joint PD at 1 kHz, in Tenon and in MuJoCo,
 // a row for each setting (trot/ENGINE/SETTING), with
 //
@@ -33,10 +36,12 @@
 #include <vector>
 
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -86,6 +91,25 @@ void Accelerations(benchmark::State& state) {
   });
 }
 BENCHMARK(Accelerations)->Name("accelerations/simbody");
+
+void Cable(benchmark::State& state, double mass_per_length, double pulley_radius) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.cable.mass_per_length = mass_per_length;
+  robot.winch.pulley_radius = pulley_radius;
+  RandomStream random(42);
+  std::vector<Vec<3>> spans;
+  for (int i = 0; i < 1000; ++i)
+    spans.emplace_back(random.Uniform(1, 5), random.Uniform(1, 5), random.Uniform(0.5, 3));
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const Vec<3>& span = spans[next++ % spans.size()];
+    benchmark::DoNotOptimize(CalcCableStatics(robot, 0, span, 0.997 * span.norm(), 9.81));
+  }
+}
+BENCHMARK_CAPTURE(Cable, straight, 0, 0)->Name("cable/straight");
+BENCHMARK_CAPTURE(Cable, pulley, 0, 0.04)->Name("cable/pulley");
+BENCHMARK_CAPTURE(Cable, sag, 0.05, 0)->Name("cable/sag");
+BENCHMARK_CAPTURE(Cable, sag_pulley, 0.05, 0.04)->Name("cable/sag_pulley");
 
 void BareAccelerations(benchmark::State& state) {
   test::QuadrupedSimbody simbody(test::DogBot());

@@ -11,6 +11,7 @@
 
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/headers.h>
+#include <tenon/docs/catalogue/scenario_page.h>
 
 namespace tenon::docs {
 namespace {
@@ -64,6 +65,11 @@ TEST(BlocksTest, ParametersSayWhatTheyAre) {
                                       "forbid_slack",
                                       "max_tension_ratio",
                                       "on_trunk",
+                                      "active",
+                                      "gait",
+                                      "stands",
+                                      "grip",
+                                      "goal",
                                       "gain"};
   int count = 0;
   for (const Shelf& shelf : MakeCatalogue()) {
@@ -85,14 +91,46 @@ TEST(BlocksTest, ParametersSayWhatTheyAre) {
   EXPECT_GT(count, 60);
 }
 
-TEST(BlocksTest, ThePageIsUpToDate) {
-  const auto found = ReadLines(std::ifstream(kSource / "docs/blocks.md"));
-  const auto wanted = ReadLines(std::istringstream(WriteBlocks(kSource)));
+/// That a file of the source tree is what it would be if it were written now.
+void ExpectUpToDate(const char* file, const std::string& text) {
+  const auto found = ReadLines(std::ifstream(kSource / file));
+  const auto wanted = ReadLines(std::istringstream(text));
   const auto [ours, theirs] = std::mismatch(found.begin(), found.end(), wanted.begin(), wanted.end());
   EXPECT_TRUE(ours == found.end() && theirs == wanted.end())
-      << "docs/blocks.md, line " << ours - found.begin() + 1 << ", is\n  "
+      << file << ", line " << ours - found.begin() + 1 << ", is\n  "
       << (ours == found.end() ? "missing" : *ours) << "\nand should be\n  "
       << (theirs == wanted.end() ? "missing" : *theirs) << kRenew;
+}
+
+TEST(BlocksTest, ThePageIsUpToDate) {
+  ExpectUpToDate("docs/blocks.md", WriteBlocks(kSource));
+}
+
+TEST(ScenarioPageTest, KeysAndMeaningsAreUpToDate) {
+  ExpectUpToDate("docs/keys/meanings.yaml", WriteMeanings(kSource));
+  ExpectUpToDate("docs/scenarios.md", WriteScenarioKeys());
+}
+
+TEST(ScenarioPageTest, DocstringsAreFoundWhereverTheyStand) {
+  const std::string meanings = WriteMeanings(kSource);
+  for (const char* line : {"  PathScenario:\n",
+                           "    ramp_s: \"time in which the circle's speed is reached\"\n",  // behind it
+                           "    attitude_rad: \"Roll, pitch, yaw all along the path",        // above
+                           "    desired_tension_N: \"f_d\"\n",  // another member's name; without its unit
+                           "    about: \"When a robot counts as fallen.\"\n"})
+    EXPECT_NE(meanings.find(line), meanings.npos) << line;
+}
+
+// A key without a docstring is one that nobody understands.
+TEST(ScenarioPageTest, EveryKeyIsTold) {
+  std::istringstream page(WriteScenarioKeys());
+  int keys = 0;
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| `")) continue;
+    ++keys;
+    EXPECT_FALSE(line.ends_with("|  |")) << line << " needs a docstring at its member" << kRenew;
+  }
+  EXPECT_GT(keys, 300);
 }
 
 TEST(BlocksTest, ThePicturesAreUpToDate) {

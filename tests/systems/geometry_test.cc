@@ -27,7 +27,7 @@ TEST(GeometryTest, OnlyWhatMovesHasElements) {
   for (const Element& element : ball.geometry.elements()) names.push_back(element.name);
   ASSERT_EQ(names.size(), 24);
   names.resize(12);
-  EXPECT_THAT(names, ElementsAre("0.p_W.x", "0.p_W.y", "0.p_W.z", "0.q_W.0", "0.q_W.1", "0.q_W.2", "0.q_W.3",
+  EXPECT_THAT(names, ElementsAre("0.p_W.x", "0.p_W.y", "0.p_W.z", "0.q_W.w", "0.q_W.x", "0.q_W.y", "0.q_W.z",
                                  "0.vector_W.x", "0.vector_W.y", "0.vector_W.z", "0.value", "0.visible"));
 }
 

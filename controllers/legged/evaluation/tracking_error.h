@@ -27,8 +27,8 @@ struct WalkingErrors {
 
   static FieldList Fields() {
     return {{"com", &WalkingErrors::com, "m"},
-            {"foot", &WalkingErrors::foot, "m"},
-            {"ground_force", &WalkingErrors::ground_force, "N"},
+            {"foot", &WalkingErrors::foot, "m", kLegElements},
+            {"ground_force", &WalkingErrors::ground_force, "N", kLegElements},
             {"com_position", &WalkingErrors::com_position, "m"}};
   }
 };
@@ -48,7 +48,7 @@ struct PathErrors {
 
   static FieldList Fields() {
     return {{"com", &PathErrors::com, "m"},
-            {"foot", &PathErrors::foot, "m"},
+            {"foot", &PathErrors::foot, "m", kLegElements},
             {"drift", &PathErrors::drift, "m"},
             {"yaw_drift", &PathErrors::yaw_drift, "rad"}};
   }

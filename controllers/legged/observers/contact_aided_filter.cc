@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <tenon/controllers/optimization/small_product.h>
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/systems/framework/system.h>
 
 namespace tenon {
@@ -14,12 +15,6 @@ namespace {
 
 using Filter = ContactAidedFilter;
 using Eigen::Matrix3d;
-
-Matrix3d Skew(const Vec<3>& a) {
-  Matrix3d cross;
-  cross << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return cross;
-}
 
 constexpr std::size_t At(int leg) {
   return static_cast<std::size_t>(leg);
@@ -96,7 +91,7 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
                                        double gravity) {
   const ContactAidedMean next = Propagate(mean, input, anchored, T, radius, gravity);
   const Unbiased imu(mean, input.inertial);
-  const Matrix3d R = mean.R_WB(), up = Skew(Vec<3>::UnitZ()), normal = Skew(input.normal_W);
+  const Matrix3d R = mean.R_WB(), up = CrossMatrix(Vec<3>::UnitZ()), normal = CrossMatrix(input.normal_W);
   // How an error of the rate turns everything in the interval.
   const Matrix3d turned = -T * RotationFromQuaternion(QuaternionProduct(
                                    mean.q_WB, QuaternionFromRotationVector(T / 2 * imu.w_B)));
@@ -104,18 +99,18 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
   F.block<3, 3>(Filter::kPosition, Filter::kVelocity).diagonal().setConstant(T);
   F.block<3, 3>(Filter::kPosition, Filter::kAttitude) = -T * T / 2 * gravity * up;
   F.block<3, 3>(Filter::kPosition, Filter::kForceBias) = -T * T / 2 * R;
-  F.block<3, 3>(Filter::kPosition, Filter::kRateBias) = Skew(next.p_WI) * turned;
+  F.block<3, 3>(Filter::kPosition, Filter::kRateBias) = CrossMatrix(next.p_WI) * turned;
   F.block<3, 3>(Filter::kVelocity, Filter::kAttitude) = -T * gravity * up;
   F.block<3, 3>(Filter::kVelocity, Filter::kForceBias) = -T * R;
-  F.block<3, 3>(Filter::kVelocity, Filter::kRateBias) = Skew(next.v_WI) * turned;
+  F.block<3, 3>(Filter::kVelocity, Filter::kRateBias) = CrossMatrix(next.v_WI) * turned;
   F.block<3, 3>(Filter::kAttitude, Filter::kRateBias) = turned;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     if (!anchored[At(leg)]) continue;
     const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[At(leg)]);
     // The normal is the ground's, and does not turn with the error of the attitude.
-    F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * Skew(turn_W) * normal;
+    F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * CrossMatrix(turn_W) * normal;
     F.block<3, 3>(Rows(leg), Filter::kRateBias) =
-        Skew(next.feet_W[At(leg)]) * turned + radius * T * normal * R;
+        CrossMatrix(next.feet_W[At(leg)]) * turned + radius * T * normal * R;
   }
   return F;
 }
@@ -131,7 +126,7 @@ void ContactAidedFilter::Start(const ContactAidedMean& start, const Eigen::Matri
   for (int i = 0; i < 5; ++i) covariance.diagonal().segment<3>(3 * i).setConstant(std::pow(deviation[i], 2));
   // xi = (p - p_hat) + p_hat x theta
   const double turn = std::pow(deviation[kAttitude / 3], 2);
-  const Matrix3d p = Skew(mean.p_WI), v = Skew(mean.v_WI);
+  const Matrix3d p = CrossMatrix(mean.p_WI), v = CrossMatrix(mean.v_WI);
   covariance.block<3, 3>(kPosition, kPosition) += turn * p * p.transpose();
   covariance.block<3, 3>(kPosition, kVelocity) = turn * p * v.transpose();
   covariance.block<3, 3>(kVelocity, kPosition) = turn * v * p.transpose();
@@ -143,7 +138,7 @@ void ContactAidedFilter::Start(const ContactAidedMean& start, const Eigen::Matri
 }
 
 Matrix3d ContactAidedFilter::PlainCovariance(int rows, const Vec<3>& value) const {
-  const Matrix3d cross = Skew(value);
+  const Matrix3d cross = CrossMatrix(value);
   const Matrix3d mixed = cross * covariance.block<3, 3>(kAttitude, rows);
   return covariance.block<3, 3>(rows, rows) - mixed - mixed.transpose() +
          cross * covariance.block<3, 3>(kAttitude, kAttitude) * cross.transpose();

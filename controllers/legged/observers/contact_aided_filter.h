@@ -49,10 +49,10 @@ struct ContactAidedMean {
   static FieldList Fields() {
     return {{"p_WI", &ContactAidedMean::p_WI, "m"},
             {"v_WI", &ContactAidedMean::v_WI, "m/s"},
-            {"q_WB", &ContactAidedMean::q_WB},
+            {"q_WB", &ContactAidedMean::q_WB, "", "w,x,y,z"},
             {"specific_force_bias_B", &ContactAidedMean::specific_force_bias_B, "m/s^2"},
             {"angular_velocity_bias_B", &ContactAidedMean::angular_velocity_bias_B, "rad/s"},
-            {"feet_W", &ContactAidedMean::feet_W, "m"}};
+            {"feet_W", &ContactAidedMean::feet_W, "m", kLegElements}};
   }
 };
 
@@ -123,7 +123,7 @@ struct ContactAidedFilter {
   static FieldList Fields() {
     return {{"mean", &ContactAidedFilter::mean},
             {"covariance", &ContactAidedFilter::covariance},
-            {"anchored", &ContactAidedFilter::anchored}};
+            {"anchored", &ContactAidedFilter::anchored, "", kLegElements}};
   }
 
  private:

@@ -32,8 +32,8 @@ std::vector<double> ButterworthGains(int order, double bandwidth);
 
 /// An estimator by its order and bandwidth, see ButterworthGains.
 struct ButterworthDesign {
-  int order = 1;
-  double bandwidth = 100;  ///< [rad/s]
+  int order = 1;           ///< of the estimator
+  double bandwidth = 100;  ///< where its gain has fallen by 3 dB [rad/s]
 
   static FieldList Fields() {
     return {Required("order", &ButterworthDesign::order),

@@ -30,7 +30,7 @@ class FootForceEstimate final : public LeafSystem<FootForceEstimateParams> {
   InputPort<LeggedState> state{this, {"state"}};
 
  private:
-  DiscreteState<Vec<4>> q_WB_{this, {"q_WB"}, params.initial_q_WB};
+  DiscreteState<Vec<4>> q_WB_{this, {"q_WB", "", "w,x,y,z"}, params.initial_q_WB};
   Update<Vec<4>> next_{q_WB_, Sampled{params.rate}, Uses(state),
                        [](const LeggedState& state) -> const Vec<4>& { return state.q_WB; }};
 

@@ -68,7 +68,7 @@ class GroundEstimator final : public LeafSystem<GroundEstimatorParams> {
 
     static FieldList Fields() {
       return {{"started", &Memory::started},
-              {"stood", &Memory::stood},
+              {"stood", &Memory::stood, "", kLegElements},
               {"plane", &Memory::plane},
               {"covariance", &Memory::covariance},
               {"told", &Memory::told}};

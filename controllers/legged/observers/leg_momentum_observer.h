@@ -115,7 +115,8 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
       this, {"gains"}, params.gains, "of the estimator, and the dynamics that it takes"};
   Shared<DisturbanceFilter> filter{this, "filter", Uses(gains), &LegMomentumObserver::CalcFilter};
 
-  DiscreteState<Vec<12>> held_torque{this, {"held_torque", "N m"}};  ///< of the interval that ends
+  DiscreteState<Vec<12>> held_torque{this,
+                                     {"held_torque", "N m", kJointElements}};  ///< of the interval that ends
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory{.estimator = CalcFilter(params.gains).Start<12>()}};

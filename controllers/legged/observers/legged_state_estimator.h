@@ -111,8 +111,8 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
     static FieldList Fields() {
       return {{"started", &Memory::started},
               {"filter", &Memory::filter},
-              {"q", &Memory::q},
-              {"stance_time", &Memory::stance_time},
+              {"q", &Memory::q, "rad", kJointElements},
+              {"stance_time", &Memory::stance_time, "s", kLegElements},
               {"moved_feet", &Memory::moved_feet}};
     }
   };

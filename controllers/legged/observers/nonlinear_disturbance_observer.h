@@ -89,7 +89,8 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
                                        params.min_singular_value,
                                        "of a leg's Jacobian; below, its foot force is damped"};
 
-  DiscreteState<Vec<12>> held_torque{this, {"held_torque", "N m"}};  ///< of the interval that ends
+  DiscreteState<Vec<12>> held_torque{this,
+                                     {"held_torque", "N m", kJointElements}};  ///< of the interval that ends
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory()};

@@ -29,7 +29,7 @@ constexpr auto EnumNames(ComReference) {
 struct ZmpPlanParams {
   int horizon = 2;           ///< steps that are planned ahead, at most 4
   double half_width = 0.03;  ///< of the line between two feet [m]
-  double margin = 0.01;      ///< [m]
+  double margin = 0.01;      ///< of the ZMP to the edges of the support [m]
   ZmpSplineParams spline;
 
   static FieldList Fields() {

@@ -126,6 +126,23 @@ void FootSchedulerParams::Validate() const {
   Demand(search_after > 0, fmt::format("search_after_s is {} s: it must be positive", search_after));
 }
 
+void GaitFile::Validate() const {
+  Demand(
+      touchdown_force > 0 && touchdown_force < 0.25,
+      fmt::format(
+          "touchdown_force_mg is {}: it is a part of the weight, above 0 and below what a foot carries, 0.25",
+          touchdown_force));
+  For(1).Validate();
+}
+
+FootSchedulerParams GaitFile::For(double weight) const {
+  return {.gaits = gaits,
+          .touchdown_force = touchdown_force * weight,
+          .early_touchdown_phase = early_touchdown_phase,
+          .late_wait = late_wait,
+          .search_after = search_after};
+}
+
 ContactState NextContactState(ContactState state, const ContactEvents& events) {
   if (events.lift_off) return ContactState::kSwing;
   switch (state) {

@@ -41,7 +41,6 @@ struct GaitTable {
   }
 };
 
-/// Read from a file such as controllers/gaits/standard.yaml, which tells where its numbers come from.
 struct FootSchedulerParams {
   GaitTable gaits;
   double touchdown_force = 0;        ///< a foot with more touches the ground [N]
@@ -49,15 +48,26 @@ struct FootSchedulerParams {
   double late_wait = 0;              ///< how long the clock waits for a late or searching foot [s]
   double search_after = 0;           ///< time without force after which a stance foot searches [s]
   Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A file such as controllers/gaits/standard.yaml, for robots of any weight; it tells where its numbers come
+/// from.
+struct GaitFile {
+  GaitTable gaits;
+  double touchdown_force = 0;        ///< over the robot's weight m g
+  double early_touchdown_phase = 0;  ///< as in FootSchedulerParams, and those that follow
+  double late_wait = 0;              ///< [s]
+  double search_after = 0;           ///< [s]
 
   static FieldList Fields() {
-    return {Required("gaits", &FootSchedulerParams::gaits),
-            Required("touchdown_force_N", &FootSchedulerParams::touchdown_force),
-            Required("early_touchdown_phase", &FootSchedulerParams::early_touchdown_phase),
-            Required("late_wait_s", &FootSchedulerParams::late_wait),
-            Required("search_after_s", &FootSchedulerParams::search_after)};
+    return {Required("gaits", &GaitFile::gaits), Required("touchdown_force_mg", &GaitFile::touchdown_force),
+            Required("early_touchdown_phase", &GaitFile::early_touchdown_phase),
+            Required("late_wait_s", &GaitFile::late_wait),
+            Required("search_after_s", &GaitFile::search_after)};
   }
   void Validate() const;  ///< throws ParameterError
+  FootSchedulerParams For(double weight /* [N] */) const;
 };
 
 /// What decides about a leg's contact at a tick.
@@ -114,7 +124,7 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
       return {{"started", &Memory::started},
               {"lifted", &Memory::lifted},
               {"waited", &Memory::waited, "s"},
-              {"unloaded", &Memory::unloaded, "s"},
+              {"unloaded", &Memory::unloaded, "s", kLegElements},
               {"schedule", &Memory::schedule}};
     }
   };

@@ -27,7 +27,7 @@ struct StepProperties {
   double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
   double free_offset = 0.03;        ///< a CoM that is farther off takes its feet along [m]
   double free_turn = 0.1;           ///< and so does a trunk that is turned more [rad]
-  double largest_shift = 0.1;       ///< [m]
+  double largest_shift = 0.1;       ///< of a foothold by the wrench, at most [m]
 
   static FieldList Fields() {
     return {{"height_m", &StepProperties::height},
@@ -127,7 +127,9 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     std::array<LegMemory, kNumLegs> legs;
 
     static FieldList Fields() {
-      return {{"started", &Memory::started}, {"shift", &Memory::shift, "m"}, {"legs", &Memory::legs}};
+      return {{"started", &Memory::started},
+              {"shift", &Memory::shift, "m"},
+              {"legs", &Memory::legs, "", kLegElements}};
     }
   };
 
@@ -147,7 +149,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
   OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
-      this, {"footholds", "m"}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
+      this, {"footholds", "m", kLegElements}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
 
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,

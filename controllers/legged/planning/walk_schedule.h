@@ -11,14 +11,14 @@ namespace tenon {
 
 /// A part of a walk with one gait and constant velocities: a straight line, an arc, a turn on the spot.
 struct WalkSegment {
-  Gait gait = Gait::kStand;
-  double forward = 0;                   ///< [m/s]
-  double left = 0;                      ///< [m/s]
-  double yaw_rate = 0;                  ///< [rad/s]
-  std::optional<double> duration = {};  ///< [s]
+  Gait gait = Gait::kStand;             ///< how it walks, if it does
+  double forward = 0;                   ///< speed along its own x axis [m/s]
+  double left = 0;                      ///< speed along its own y axis [m/s]
+  double yaw_rate = 0;                  ///< turning to the left [rad/s]
+  std::optional<double> duration = {};  ///< how long it lasts, without `length` [s]
   std::optional<double> length = {};    ///< of path, instead of the duration [m]
   double squat_amplitude = 0;           ///< of the CoM's height about the nominal one [m]
-  double squat_frequency = 0.5;         ///< [Hz]
+  double squat_frequency = 0.5;         ///< of that [Hz]
 
   static FieldList Fields() {
     return {Required("gait", &WalkSegment::gait),
@@ -35,7 +35,7 @@ struct WalkSegment {
 struct WalkScheduleParams {
   std::vector<WalkSegment> segments;  ///< one after the other
   double acceleration = 0.5;          ///< between segments, a choice [m/s^2]
-  double yaw_acceleration = 1;        ///< [rad/s^2]
+  double yaw_acceleration = 1;        ///< the same of turning [rad/s^2]
   Rate rate = Hz(100);
 
   static FieldList Fields() {

@@ -20,9 +20,9 @@ constexpr auto EnumNames(SplineOrder) {
 
 /// Weights are relative to that of the squared acceleration, which is one.
 struct ZmpSplineParams {
-  SplineOrder order = SplineOrder::kCubic;
-  double path_weight = 10;  ///< of the squared deviation from the path [1/s^4]
-  double end_weight = 0.1;  ///< of the squared error of the acceleration at the end [s]
+  SplineOrder order = SplineOrder::kCubic;  ///< of the polynomials
+  double path_weight = 10;                  ///< of the squared deviation from the path [1/s^4]
+  double end_weight = 0.1;                  ///< of the squared error of the acceleration at the end [s]
 
   static FieldList Fields() {
     return {{"order", &ZmpSplineParams::order},

@@ -12,10 +12,11 @@
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/plants/model/robot_scale.h>
 
 namespace tenon {
 
-struct YamlText;
+struct YamlFile;
 
 /// Which estimates a controller is given.
 enum class ObserverKind {
@@ -69,36 +70,34 @@ struct ObserverProfile {
   }
 };
 
-/// How a walking controller is tuned; read from a file such as controllers/profiles/standard.yaml.
+/// How the walking controller of one robot is tuned. Files such as controllers/profiles/standard.yaml give it
+/// for robots of all sizes, in the units of RobotScale: m, l, g, t = sqrt(l / g) in a key stand for them, say
+/// `com_stiffness_mg_per_l`. In the optimisation's weights force counts in m g, torque in m g l and
+/// acceleration in g. Angles, rates and accelerations over errors have no size and are as they are.
 struct LocomotionProfile {
   WholeBodyGains whole_body;
   double sway_limit = 80;  ///< of the TrunkPlanner [rad/s^2]
   GroundBelief ground;
   double qp_rate_hz = 1000;
   ObserverProfile observer;
-
-  static FieldList Fields() {
-    return {Required("whole_body", &LocomotionProfile::whole_body),
-            Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit),
-            Required("ground", &LocomotionProfile::ground),
-            Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz),
-            Required("observer", &LocomotionProfile::observer)};
-  }
 };
 
-/// The profile that ships with Tenon under a name, or a file. Throws ParameterError.
-LocomotionProfile LoadLocomotionProfile(const std::string& name);
+/// The profile that ships with Tenon under a name, or a file, for a robot. Throws ParameterError.
+LocomotionProfile LoadLocomotionProfile(const std::string& name, const RobotScale& scale);
 /// The same, or one with what differs, see LoadResource.
-LocomotionProfile LoadLocomotionProfile(const YamlText& what);
+LocomotionProfile LoadLocomotionProfile(const YamlFile& what, const RobotScale& scale);
 
 /// Parameters of a LeggedLocomotion for a robot as its controller knows it, with gaits that ship under a name
-/// or stand in a file. Throws ParameterError.
-LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot,
-                                      const LocomotionProfile& profile = LoadLocomotionProfile("standard"),
+/// or stand in a file. The profile may be that of the robot as it is. Throws ParameterError.
+LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const LocomotionProfile& profile,
                                       const std::string& gaits = "standard");
+/// With the standard profile for this robot.
+LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot);
+/// The table of gaits that a scenario names, see LoadResource, for a robot.
+FootSchedulerParams LoadGaits(const YamlFile& what, const RobotScale& scale);
 
 /// Parameters of the observers beside it, for the same robot.
-DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot,
-                                       const LocomotionProfile& profile = LoadLocomotionProfile("standard"));
+DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const LocomotionProfile& profile);
+DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot);
 
 }  // namespace tenon

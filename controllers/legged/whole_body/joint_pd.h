@@ -47,7 +47,7 @@ class JointPd final : public LeafSystem<JointPdParams> {
       this, {"stiffness", "N m/rad"}, params.stiffness, "torque per error of the angle"};
   Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "torque against the speed"};
   OutputPort<Vec<12>> torque{this,
-                             {"torque", "N m"},
+                             {"torque", "N m", kJointElements},
                              Sampled{params.rate},
                              Uses(joints, reference, stiffness, damping),
                              &JointPd::CalcTorque};

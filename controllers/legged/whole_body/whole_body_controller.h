@@ -190,7 +190,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
       Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, ground, gains, last_plan_, qp_),
       &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
-                             {"torque", "N m"},
+                             {"torque", "N m", kJointElements},
                              Sampled{params.rate},
                              Uses(dynamics_, plan, leg_forces, gains, last_torque_),
                              &WholeBodyController::CalcTorque};

@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/systems/framework/system.h>
 
 namespace tenon {
@@ -22,12 +23,6 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 // J_leg counts as singular if its determinant is less than this part of |J_leg|^3.
 constexpr double kStraight = 1e-4;
 
-Eigen::Matrix3d Cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return m;
-}
-
 const QuadrupedDynamics::Foot& FootOf(const QuadrupedDynamics& dynamics, int leg) {
   return dynamics.feet[static_cast<std::size_t>(leg)];
 }
@@ -35,7 +30,7 @@ const QuadrupedDynamics::Foot& FootOf(const QuadrupedDynamics& dynamics, int leg
 // The trunk's columns of the foot's Jacobian.
 Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int leg) {
   Eigen::Matrix<double, 3, 6> J;
-  J << Eigen::Matrix3d::Identity(), -Cross(FootOf(dynamics, leg).p_W - dynamics.base_W);
+  J << Eigen::Matrix3d::Identity(), -CrossMatrix(FootOf(dynamics, leg).p_W - dynamics.base_W);
   return J;
 }
 
@@ -91,7 +86,7 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
     qp->b_in.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) continue;
     G.block<3, 3>(0, 3 * leg).setIdentity();
-    G.block<3, 3>(3, 3 * leg) = Cross(FootOf(dynamics, leg).p_W - dynamics.com_W);
+    G.block<3, 3>(3, 3 * leg) = CrossMatrix(FootOf(dynamics, leg).p_W - dynamics.com_W);
     const double mu = params.friction;
     auto pyramid = qp->A_in.block<4, 3>(row, column);
     pyramid.row(0) = (mu * n + t_1).transpose();

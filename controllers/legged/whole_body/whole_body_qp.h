@@ -67,10 +67,12 @@ struct WholeBodySolution {
   std::array<int, kMaxActive> active{};    ///< which begin the next solve
 
   static FieldList Fields() {
-    return {
-        {"valid", &WholeBodySolution::valid},           {"acceleration", &WholeBodySolution::acceleration},
-        {"force", &WholeBodySolution::force},           {"stance", &WholeBodySolution::stance},
-        {"num_active", &WholeBodySolution::num_active}, {"active", &WholeBodySolution::active}};
+    return {{"valid", &WholeBodySolution::valid},
+            {"acceleration", &WholeBodySolution::acceleration},
+            {"force", &WholeBodySolution::force},
+            {"stance", &WholeBodySolution::stance, "", kLegElements},
+            {"num_active", &WholeBodySolution::num_active},
+            {"active", &WholeBodySolution::active}};
   }
 };
 

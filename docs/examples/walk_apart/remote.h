@@ -43,6 +43,7 @@ class RemoteWorld final : public tenon::Subdiagram {
           auto& input = Add<tenon::UdpInput<T>>("from_" + name, {.name = name,
                                                                  .rate = kRate,
                                                                  .unit = output.spec().units,
+                                                                 .elements = output.spec().elements,
                                                                  .address = link.controller,
                                                                  .port = port++,
                                                                  .lock_step = true});
@@ -53,8 +54,8 @@ class RemoteWorld final : public tenon::Subdiagram {
   tenon::InputPort<tenon::Vec<12>> torque{this, {"torque", "N m"}};
   tenon::OutputPort<tenon::LeggedState> state{this, {"state"}};
   tenon::OutputPort<tenon::FootForces> ground_forces{this, {"ground_forces"}};
-  tenon::OutputPort<tenon::Vec<12>> external_torque{this, {"external_torque", "N m"}};
-  tenon::OutputPort<tenon::Vec<12>> measured_torque{this, {"measured_torque", "N m"}};
+  tenon::OutputPort<tenon::Vec<12>> external_torque{this, {"external_torque", "N m", tenon::kJointElements}};
+  tenon::OutputPort<tenon::Vec<12>> measured_torque{this, {"measured_torque", "N m", tenon::kJointElements}};
   tenon::OutputPort<tenon::FootForces> foot_forces{this, {"foot_forces"}};
   tenon::OutputPort<tenon::ImuMeasurement> inertial{this, {"inertial"}};
 };
@@ -85,12 +86,14 @@ class RobotOnly final : public tenon::Subdiagram {
  public:
   RobotOnly(const tenon::QuadrupedWorldParams& params, const Link& link)
       : world(Add<tenon::QuadrupedWorld>("world", params)),
-        from_controller(Add<tenon::UdpInput<tenon::Vec<12>>>("from_controller", {.name = "torque",
-                                                                                 .rate = kRate,
-                                                                                 .unit = "N m",
-                                                                                 .address = link.plant,
-                                                                                 .port = link.plant_port,
-                                                                                 .lock_step = true})),
+        from_controller(
+            Add<tenon::UdpInput<tenon::Vec<12>>>("from_controller", {.name = "torque",
+                                                                     .rate = kRate,
+                                                                     .unit = "N m",
+                                                                     .elements = tenon::kJointElements,
+                                                                     .address = link.plant,
+                                                                     .port = link.plant_port,
+                                                                     .lock_step = true})),
         stopwatch(Add<Stopwatch>("stopwatch")) {
     int port = link.controller_port;
     ForEachSignal(

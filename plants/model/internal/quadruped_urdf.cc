@@ -1,106 +1,86 @@
 #include <tenon/plants/model/internal/quadruped_urdf.h>
 
-#include <console_bridge/console.h>
 #include <fmt/format.h>
-#include <tenon/plants/model/internal/urdf_check.h>
+#include <tenon/plants/model/internal/urdf_file.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
-#include <urdf_parser/urdf_parser.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <cctype>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <map>
-#include <mutex>
-#include <regex>
-#include <sstream>
 #include <utility>
-#include <vector>
 
 namespace tenon::internal {
 namespace {
 
-/// What the parser has to say; it would write to stderr otherwise.
-class ParserLog : public console_bridge::OutputHandler {
- public:
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
-    if (!text_.empty()) text_ += "; ";
-    text_ += text;
-  }
-  const std::string& text() const { return text_; }
+/// A mended inertia may differ by this, to its largest entry, in the link that makes up most of its body.
+constexpr double kMostMended = 0.05;
+constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pitch", "knee"};
 
- private:
-  std::string text_;
-};
-
-Eigen::Isometry3d ToEigen(const urdf::Pose& pose) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  const urdf::Rotation& q = pose.rotation;
-  T.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  T.translation() << pose.position.x, pose.position.y, pose.position.z;
-  return T;
-}
-
-RigidInertia ToRigidInertia(const urdf::Inertial& in) {
-  Eigen::Matrix3d inertia;
-  inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-  const Eigen::Isometry3d T = ToEigen(in.origin);
-  return RigidInertia{in.mass, Eigen::Vector3d::Zero(), inertia}.In(T.linear(), T.translation());
-}
-
-bool Turns(const urdf::Joint& joint) {
-  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+/// The nearest inertia that a rigid body can have: the second moments of mass along its principal axes,
+/// J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
+Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+  const Eigen::Vector3d I = solver.eigenvalues();
+  const Eigen::Vector3d J = (Eigen::Vector3d::Constant(I.sum() / 2) - I).cwiseMax(0.0);
+  const Eigen::Vector3d moments = Eigen::Vector3d::Constant(J.sum()) - J;
+  return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 /// Reads one URDF; bodies are numbered 0 for the trunk and 1 + joint for the others.
 class Reader {
  public:
-  Reader(std::string file, QuadrupedDescription* robot) : file_(std::move(file)), robot_(*robot) {}
+  Reader(const std::filesystem::path& path, const UrdfReading& reading, QuadrupedDescription* robot)
+      : file_(ParseUrdf(path)), reading_(reading), robot_(*robot) {}
 
-  void Read(const std::array<std::string, kNumLegs>& feet) {
-    Parse();
-    for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, feet[static_cast<std::size_t>(leg)]);
+  std::vector<std::string> Read() {
+    CheckLocked();
+    for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
     Add(*model_->getRoot(), 0, Eigen::Isometry3d::Identity());
-    for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg, feet[static_cast<std::size_t>(leg)]);
+    for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
     robot_.trunk = Finished(0, Eigen::Vector3d::Zero());
+    return std::move(warnings_);
   }
 
  private:
+  /// A link's part of a body, in B with all joints at 0.
+  struct Part {
+    std::string link;
+    RigidInertia inertia;
+  };
+
   template <class... Args>
   [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
+    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
+  }
+  template <class... Args>
+  void Warn(fmt::format_string<Args...> format, Args&&... args) {
     const std::string what = fmt::format(format, std::forward<Args>(args)...);
-    throw ParameterError(fmt::format("{}: {}", PlaceOf(what), what));
+    warnings_.push_back(fmt::format("{}: {}", file_.PlaceOf(what), what));
   }
 
-  /// The file, with the line of the first link or joint that a message names: link 'this', or Joint [this].
-  std::string PlaceOf(const std::string& what) const {
-    static const std::regex kName(R"((link|joint) ['\[](.*?)['\]])", std::regex::icase);
-    for (auto at = std::sregex_iterator(what.begin(), what.end(), kName); at != std::sregex_iterator();
-         ++at) {
-      const bool is_link = std::tolower(at->str(1).front()) == 'l';
-      const auto line = lines_.find(fmt::format("{} {}", is_link ? "link" : "joint", at->str(2)));
-      if (line != lines_.end()) return fmt::format("{}:{}", file_, line->second);
+  void CheckLocked() const {
+    for (const auto& [name, angle] : reading_.locked) {
+      const urdf::JointConstSharedPtr joint = model_->getJoint(name);
+      if (joint != nullptr && Turns(*joint)) continue;
+      std::vector<std::string> names;
+      for (const auto& entry : model_->joints_)
+        if (Turns(*entry.second)) names.push_back(entry.first);
+      const std::string nearest = NearestName(name, names);
+      Fail("there is no joint '{}' that turns, to be locked{}; correct it under 'locked_joints'", name,
+           nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
-    return file_;
   }
 
-  void Parse() {
-    std::ifstream in(file_);
-    if (!in) Fail("the file cannot be read; name a URDF file beside the robot's YAML file");
-    std::stringstream text;
-    text << in.rdbuf();
-    lines_ = CheckUrdf(text.str(), file_);
-    static std::mutex mutex;  // the parser's log is the process's
-    const std::lock_guard lock(mutex);
-    ParserLog log;
-    console_bridge::useOutputHandler(&log);
-    model_ = urdf::parseURDF(text.str());
-    console_bridge::restorePreviousOutputHandler();
-    if (model_ == nullptr || model_->getRoot() == nullptr)
-      Fail("this is no URDF: {}; correct the XML", log.text().empty() ? "it has no links" : log.text());
+  /// The angle at which a joint is locked: by the YAML, or because it follows one that is.
+  std::optional<double> LockedAt(const urdf::Joint& joint) const {
+    const auto at = reading_.locked.find(joint.name);
+    if (at != reading_.locked.end()) return at->second;
+    if (joint.mimic == nullptr || joint.mimic->joint_name == joint.name) return {};
+    const auto leader = reading_.locked.find(joint.mimic->joint_name);
+    if (leader == reading_.locked.end()) return {};
+    return joint.mimic->multiplier * leader->second + joint.mimic->offset;
   }
 
   /// Notes which joints are the leg's: the three that turn between its foot and the root.
@@ -116,7 +96,7 @@ class Reader {
     }
     std::vector<urdf::JointConstSharedPtr> chain;
     for (; link->parent_joint != nullptr; link = link->getParent()) {
-      if (Turns(*link->parent_joint)) chain.push_back(link->parent_joint);
+      if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint)) chain.push_back(link->parent_joint);
     }
     if (chain.size() != kJointsPerLeg) {
       std::string names;
@@ -124,12 +104,19 @@ class Reader {
         names += (names.empty() ? "'" : ", '") + (*joint)->name + "'";
       Fail(
           "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
-          "abduction, hip pitch and knee pitch; add what is missing, make fixed what is too much",
+          "abduction, hip pitch and knee pitch; add what is missing, give what is too much an angle under "
+          "'locked_joints'",
           leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names,
           kJointsPerLeg);
     }
     for (int i = 0; i < kJointsPerLeg; ++i) {
-      const std::string& name = chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)]->name;
+      const urdf::Joint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
+      const std::string& name = joint.name;
+      if (joint.mimic != nullptr)
+        Fail(
+            "joint '{}' of leg {} moves with '{}' (<mimic>), but a leg's joints have a drive each; lock it "
+            "under 'locked_joints', or take <mimic> out",
+            name, leg_name, joint.mimic->joint_name);
       const auto [at, is_new] = joints_.emplace(name, kJointsPerLeg * leg + i);
       if (!is_new)
         Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'", name,
@@ -142,25 +129,15 @@ class Reader {
     poses_[link.name] = T_BL;
     std::string& names = names_[static_cast<std::size_t>(body)];
     names += (names.empty() ? "'" : ", '") + link.name + "'";
-    if (link.inertial != nullptr) {
-      const RigidInertia inertia = ToRigidInertia(*link.inertial);
-      if (inertia.mass < 0)
-        Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", link.name,
-             inertia.mass);
-      if (inertia.mass > 0) {
-        try {
-          CheckInertia(inertia.inertia);
-        } catch (const ParameterError& error) {
-          Fail("link '{}': {}", link.name, error.what());
-        }
-      }
-      RigidInertia& sum = bodies_[static_cast<std::size_t>(body)];
-      sum = sum + inertia.In(T_BL.linear(), T_BL.translation());
-    }
+    if (link.inertial != nullptr)
+      parts_[static_cast<std::size_t>(body)].push_back(
+          {link.name, ToRigidInertia(*link.inertial).In(T_BL.linear(), T_BL.translation())});
     for (const auto& joint : link.child_joints) {
-      const Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
+      Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
       int child = body;
-      if (Turns(*joint)) {
+      if (const std::optional<double> angle = LockedAt(*joint)) {
+        T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
+      } else if (Turns(*joint)) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != urdf::Joint::FIXED) {
         Fail("joint '{}' is neither revolute nor fixed; a quadruped has no others, make it fixed",
@@ -170,34 +147,51 @@ class Reader {
     }
   }
 
+  Eigen::Vector3d AxisOf(const urdf::Joint& joint) const {
+    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+    if (!(axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
+    return axis.normalized();
+  }
+
   /// Returns its number.
   int NoteJoint(const urdf::Joint& joint, const Eigen::Isometry3d& T_BJ) {
     const auto at = joints_.find(joint.name);
-    if (at == joints_.end()) Fail("joint '{}' turns but belongs to no leg; make it fixed", joint.name);
-    if (joint.limits == nullptr || !(joint.limits->effort > 0 && joint.limits->velocity > 0))
-      Fail(
-          "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
-          "with positive values",
-          joint.name);
-    const bool bounded = joint.type == urdf::Joint::REVOLUTE;
-    if (bounded && !(joint.limits->lower < joint.limits->upper))
-      Fail("joint '{}' has the range {} to {} rad; the lower limit must be below the upper", joint.name,
-           joint.limits->lower, joint.limits->upper);
+    if (at == joints_.end())
+      Fail("joint '{}' turns but belongs to no leg; give it an angle under 'locked_joints', or make it fixed",
+           joint.name);
     JointDescription& out = JointOf(at->second);
     out.name = joint.name;
     out.p_PJ = T_BJ.translation();  // in B so far
-    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
-    if (!(axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
-    out.axis = T_BJ.linear() * axis.normalized();
-    out.lower = bounded ? joint.limits->lower : -std::numeric_limits<double>::infinity();
-    out.upper = bounded ? joint.limits->upper : std::numeric_limits<double>::infinity();
-    out.torque_limit = joint.limits->effort;
-    out.speed_limit = joint.limits->velocity;
+    out.axis = T_BJ.linear() * AxisOf(joint);
+    const auto kind = static_cast<std::size_t>(at->second % kJointsPerLeg);
+    const JointLimits& own = reading_.limits[kind];
+    const urdf::JointLimitsSharedPtr& limits = joint.limits;
+    out.torque_limit = own.torque.value_or(limits == nullptr ? 0 : limits->effort);
+    out.speed_limit = own.speed.value_or(limits == nullptr ? 0 : limits->velocity);
+    if (!(out.torque_limit > 0 && out.speed_limit > 0))
+      Fail(
+          "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
+          "with positive values, or torque_N_m and speed_rad_per_s under 'joint_limits.{}' in the YAML",
+          joint.name, kLimitKeys[kind]);
+    out.lower = -std::numeric_limits<double>::infinity();
+    out.upper = std::numeric_limits<double>::infinity();
+    if (own.range) {
+      out.lower = (*own.range)[0];
+      out.upper = (*own.range)[1];
+    } else if (joint.type == urdf::Joint::REVOLUTE) {
+      out.lower = limits->lower;
+      out.upper = limits->upper;
+    }
+    if (!(out.lower < out.upper))
+      Fail(
+          "joint '{}' has the range {} to {} rad; the lower limit must be below the upper: correct it, or "
+          "give range_rad under 'joint_limits.{}' in the YAML",
+          joint.name, out.lower, out.upper, kLimitKeys[kind]);
     return at->second;
   }
 
   /// Moves what is so far in B to the joints' frames.
-  void FinishLeg(int leg, const std::string& foot) {
+  void FinishLeg(int leg) {
     LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
     Eigen::Vector3d parent = Eigen::Vector3d::Zero();
     for (int i = 0; i < kJointsPerLeg; ++i) {
@@ -207,14 +201,50 @@ class Reader {
       joint.p_PJ = p_BJ - parent;
       parent = p_BJ;
     }
-    out.foot_J = poses_.at(foot).translation() - parent;
+    const auto at = static_cast<std::size_t>(leg);
+    out.foot_J = poses_.at(reading_.feet[at]) * reading_.foot_centres[at] - parent;
   }
 
-  RigidInertia Finished(int body, const Eigen::Vector3d& origin) const {
-    const RigidInertia& sum = bodies_[static_cast<std::size_t>(body)];
+  /// What a link adds to a body of this mass. Frames that only name a place often have made-up inertias.
+  RigidInertia Believed(const Part& part, double body_mass) {
+    const RigidInertia& given = part.inertia;
+    if (given.mass < 0)
+      Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
+           given.mass);
+    if (given.mass == 0) {
+      if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass: it is left out", part.link);
+      return {};
+    }
+    try {
+      CheckInertia(given.inertia);
+      return given;
+    } catch (const ParameterError& error) {
+      const Eigen::Matrix3d mended = Mended(given.inertia);
+      const double change = (mended - given.inertia).cwiseAbs().maxCoeff();
+      const bool is_small = change < kMostMended * given.inertia.cwiseAbs().maxCoeff();
+      if (given.mass > body_mass / 2 && !is_small) Fail("link '{}': {}", part.link, error.what());
+      const Eigen::Vector3d taken = mended.selfadjointView<Eigen::Lower>().eigenvalues();
+      Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
+           taken[1], taken[2]);
+      return {given.mass, given.com, mended};
+    }
+  }
+
+  RigidInertia Finished(int body, const Eigen::Vector3d& origin) {
+    const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
+    const std::string& names = names_[static_cast<std::size_t>(body)];
+    double mass = 0;
+    for (const Part& part : parts) mass += std::max(part.inertia.mass, 0.0);
+    RigidInertia sum;
+    for (const Part& part : parts) sum = sum + Believed(part, mass);
     if (!(sum.mass > 0))
       Fail("the body of the link(s) {} has no mass; give one of them an <inertial> with a positive mass",
-           names_[static_cast<std::size_t>(body)]);
+           names);
+    try {
+      CheckInertia(sum.inertia);
+    } catch (const ParameterError& error) {
+      Fail("the body of the link(s) {}: {}", names, error.what());
+    }
     return sum.In(Eigen::Matrix3d::Identity(), -origin);
   }
 
@@ -223,21 +253,35 @@ class Reader {
         .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
   }
 
-  const std::string file_;
-  UrdfLines lines_;
+  const UrdfFile file_;
+  const urdf::ModelInterfaceSharedPtr& model_ = file_.model;
+  const UrdfReading& reading_;
   QuadrupedDescription& robot_;
-  urdf::ModelInterfaceSharedPtr model_;
-  std::map<std::string, int> joints_;                // of the legs, by name
-  std::map<std::string, Eigen::Isometry3d> poses_;   // of the links in B
-  std::array<RigidInertia, 1 + kNumJoints> bodies_;  // in B, with all joints at 0
-  std::array<std::string, 1 + kNumJoints> names_;    // of the links that make them up
+  std::map<std::string, int> joints_;                    // of the legs, by name
+  std::map<std::string, Eigen::Isometry3d> poses_;       // of the links in B
+  std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // of the bodies
+  std::array<std::string, 1 + kNumJoints> names_;        // of the links that make them up
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
-void ReadUrdf(const std::filesystem::path& path, const std::array<std::string, kNumLegs>& feet,
-              QuadrupedDescription* robot) {
-  Reader(path.string(), robot).Read(feet);
+void JointLimits::Validate() const {
+  for (const auto& [key, value] : {std::pair("torque_N_m", torque), std::pair("speed_rad_per_s", speed)}) {
+    if (value && !(*value > 0))
+      throw ParameterError(
+          fmt::format("{} is {} but must be positive; leave it out for the URDF's", key, *value));
+  }
+  if (range && !((*range)[0] < (*range)[1]))
+    throw ParameterError(
+        fmt::format("range_rad is {} to {}, but the first must be below the second; leave it "
+                    "out for the URDF's",
+                    (*range)[0], (*range)[1]));
+}
+
+std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
+                                  QuadrupedDescription* robot) {
+  return Reader(path, reading, robot).Read();
 }
 
 }  // namespace tenon::internal

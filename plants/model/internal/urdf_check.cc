@@ -70,12 +70,16 @@ class Check {
     RefuseRings();
   }
 
-  UrdfLines TakeLines() { return std::move(lines_); }
+  CheckedUrdf Take(std::string text) {
+    for (auto at = missing_.rbegin(); at != missing_.rend(); ++at) text.insert(at->first, at->second);
+    return {std::move(lines_), std::move(text)};
+  }
 
  private:
   struct Joint {
-    std::string name, parent, child;
+    std::string name, parent, child, type;
     std::size_t line;
+    bool has_limit = false;
   };
 
   template <class... Args>
@@ -98,7 +102,18 @@ class Check {
   }
   static void OnEnd(void* self, const char*) {
     auto* check = static_cast<Check*>(self);
-    if (!check->failure_) check->open_.pop_back();  // it is called once more after a failure
+    if (check->failure_) return;  // it is called once more after a failure
+    check->open_.pop_back();
+    if (check->open_.size() == 1) check->EndOfOwner();
+  }
+
+  std::size_t Byte() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())); }
+
+  void EndOfOwner() {
+    if (!in_joint_ || joints_.back().has_limit) return;
+    const std::string& type = joints_.back().type;
+    if (type == "revolute" || type == "prismatic")
+      missing_.emplace_back(Byte(), R"(<limit effort="0" velocity="0"/>)");
   }
 
   void Start(std::string_view element, const char** attributes) {
@@ -110,14 +125,26 @@ class Check {
       }
       return "";
     };
+    if (element.starts_with("xacro:"))
+      Fail(Line(),
+           "this is a xacro file, whose macros stand for the robot; expand it first: xacro {} > {}.urdf",
+           file_, StemOf(file_));
     if (open_.size() == 1) {
+      in_joint_ = element == "joint";
       owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
       if (element == "link" || element == "joint")
         lines_.emplace(fmt::format("{} {}", element, attribute("name")), Line());
-      if (element == "joint") joints_.push_back({attribute("name"), "", "", Line()});
+      if (element == "joint") joints_.push_back({attribute("name"), "", "", attribute("type"), Line()});
     } else if (open_.size() == 2 && open_.back() == "joint") {
       if (element == "parent") joints_.back().parent = attribute("link");
       if (element == "child") joints_.back().child = attribute("link");
+      if (element == "limit") {
+        joints_.back().has_limit = true;
+        for (const char* name : {"effort", "velocity"}) {
+          if (attribute(name).empty())
+            missing_.emplace_back(Byte() + std::string_view("<limit").size(), fmt::format(" {}=\"0\"", name));
+        }
+      }
     }
     for (const char** at = attributes; *at != nullptr; at += 2) CheckNumbers(element, at[0], at[1]);
     open_.emplace_back(element);
@@ -171,20 +198,27 @@ class Check {
     Fail(joints_[start].line, "the joints {} form a loop; the links must form a tree, take one out", names);
   }
 
+  static std::string StemOf(const std::string& file) {
+    const std::string name = file.substr(file.find_last_of('/') + 1);
+    return name.substr(0, name.find('.'));
+  }
+
   const std::string& file_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
       XML_ParserCreate(nullptr), &XML_ParserFree};
   std::vector<std::string> open_;  ///< elements
   std::string owner_;              ///< the link or joint that these are in
+  bool in_joint_ = false;          ///< that is one
   std::vector<Joint> joints_;
+  std::vector<std::pair<std::size_t, std::string>> missing_;  ///< what urdfdom must find, by the byte before
   UrdfLines lines_;
   std::exception_ptr failure_;
 };
 
 }  // namespace
 
-UrdfLines CheckUrdf(const std::string& text, const std::string& file) {
-  return Check(text, file).TakeLines();
+CheckedUrdf CheckUrdf(const std::string& text, const std::string& file) {
+  return Check(text, file).Take(text);
 }
 
 }  // namespace tenon::internal

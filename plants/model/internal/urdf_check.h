@@ -10,9 +10,14 @@ namespace tenon::internal {
 /// The lines in which links and joints begin, by "link NAME" and "joint NAME".
 using UrdfLines = std::map<std::string, std::size_t, std::less<>>;
 
+struct CheckedUrdf {
+  UrdfLines lines;
+  std::string text;  ///< with a <limit> of zeros where a joint has none, for urdfdom refuses it
+};
+
 /// Refuses what urdfdom takes without a word: numbers that it drops, links in a ring, on which it never ends,
-/// and elements nested so deep, or files so large, that they are no robot. Throws ParameterError with `file`,
-/// line, and the link or joint.
-UrdfLines CheckUrdf(const std::string& text, const std::string& file);
+/// elements nested so deep, or files so large, that they are no robot, and macros that nobody expanded.
+/// Throws ParameterError with `file`, line, and the link or joint.
+CheckedUrdf CheckUrdf(const std::string& text, const std::string& file);
 
 }  // namespace tenon::internal

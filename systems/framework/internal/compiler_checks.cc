@@ -57,9 +57,9 @@ void Compiler::CheckMembers(const System& block) {
   for (const Source* source : block.sources()) {
     if (!HasOwnName(*source)) continue;
     CheckSpec(*source);
-    // An output that shows a state shares its name.
+    // An output that shows a state may share its name.
     const bool shown = source->kind() == SourceKind::kOutput && source->driver() != nullptr &&
-                       &source->driver()->owner() == &block &&
+                       &source->driver()->owner() == &block && source->name() == source->driver()->name() &&
                        source->driver()->kind() != SourceKind::kInput &&
                        source->driver()->kind() != SourceKind::kOutput;
     if (!shown) members.push_back(source);
@@ -104,14 +104,16 @@ void Compiler::CheckSpec(const Source& source) {
     default:
       return;
   }
-  const std::size_t units = ListLength(spec.units), names = ListLength(spec.elements), size = rows * cols;
+  const bool is_array = source.type_->kind == TypeInfo::Kind::kArray;
+  const std::size_t units = ListLength(spec.units), names = ListLength(spec.elements), size = rows * cols,
+                    named = is_array ? source.type_->count : size;
   if (units > 1 && units != size) {
     Fault(fmt::format("'{}' has {} elements but {} units ({}): give one for all, or one for each",
                       source.path(), size, units, spec.units));
   }
-  if (names > 0 && names != size) {
-    Fault(fmt::format("'{}' has {} elements but {} names ({}): give one for each", source.path(), size, names,
-                      spec.elements));
+  if (names > 0 && names != named) {
+    Fault(fmt::format("'{}' has {} {} but {} names ({}): give one for each", source.path(), named,
+                      is_array ? "items" : "elements", names, spec.elements));
   }
 }
 

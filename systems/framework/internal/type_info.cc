@@ -176,6 +176,22 @@ class Made {
   void* memory_;
 };
 
+/// Elements of a vector, items of an array; 0 of what has no such number, or one known at run time only.
+std::size_t NumNamed(const TypeInfo& type) {
+  if (type.kind == Kind::kArray) return type.count;
+  if (type.kind != Kind::kMatrix || type.shape != nullptr) return 0;
+  return static_cast<std::size_t>(type.rows) * static_cast<std::size_t>(type.cols);
+}
+
+void CheckElementNames(const TypeInfo& type) {
+  for (const Field& field : type.fields) {
+    const std::size_t names = ListLength(field.elements), named = NumNamed(field.type());
+    if (names == 0 || named == 0 || names == named) continue;
+    throw BuildError(fmt::format("member '{}' of {} has {} elements but {} names ({}): give one for each",
+                                 field.name, TypeName(type), named, names, field.elements));
+  }
+}
+
 /// What a constructor leaves unwritten differs where the memory differed.
 void CheckMembersAreWritten(const TypeInfo& type) {
   if (type.kind != Kind::kStruct || type.construct == nullptr) return;
@@ -200,6 +216,7 @@ TypeInfo WithRuns(TypeInfo info) {
   info.fixed = AppendRuns(info, 0, info.runs);
   if (!info.fixed) info.runs.clear();
   for (const ScalarRun& run : info.runs) info.num_scalars += run.count;
+  CheckElementNames(info);
   CheckMembersAreWritten(info);
   return info;
 }

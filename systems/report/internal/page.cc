@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -32,7 +33,7 @@ fs::path FindPart(const Part& part) {
   const char* own = std::getenv("TENON_JAVASCRIPT_DIR");
   const fs::path file = fs::path(own != nullptr ? own : TENON_JAVASCRIPT_DIR) / part.file;
   if (!fs::exists(file)) {
-    throw RunError(
+    throw OutputError(
         fmt::format("a report needs '{}', which is not there: apt-get install {}, or set "
                     "TENON_JAVASCRIPT_DIR to where it is",
                     file.string(), part.package));
@@ -57,11 +58,19 @@ void ReplaceAll(std::string& text, std::string_view from, std::string_view to) {
 
 }  // namespace
 
+std::string_view DataOf(std::string_view page) {
+  constexpr std::string_view kOpen = R"(<script type="application/json" id="data">)";
+  const std::size_t open = page.find(kOpen);
+  if (open == page.npos) throw std::out_of_range("no page of ours");
+  page.remove_prefix(open + kOpen.size());
+  return page.substr(0, page.find("</script>"));
+}
+
 void CheckPageParts() {
   for (const Part& part : kParts) FindPart(part);
 }
 
-void WritePage(const fs::path& file, const std::string& title, std::string data_json, PageKind kind) {
+std::string MakePage(const std::string& title, std::string data_json, PageKind kind) {
   ReplaceAll(data_json, "</", "<\\/");  // nothing in the data ends the script that holds it
   ReplaceAll(data_json, "<!--", "<\\u0021--");
   std::string escaped_title = title;
@@ -70,7 +79,9 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
 
   std::string out;
   // The template's slots are written as {{name}}.
-  std::string_view rest = kind == PageKind::kRun ? kPageHtml : kCampaignHtml;
+  std::string_view rest = kPageHtml, scripts = kRunJs;
+  if (kind == PageKind::kCampaign) rest = kCampaignHtml, scripts = kCampaignJs;
+  if (kind == PageKind::kVolume) rest = kVolumeHtml, scripts = kVolumeJs;
   for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
     out += rest.substr(0, open);
     const std::size_t close = rest.find("}}", open);
@@ -78,16 +89,18 @@ void WritePage(const fs::path& file, const std::string& title, std::string data_
     rest.remove_prefix(close + 2);
     if (slot == "title") out += escaped_title;
     if (slot == "report.css") out += kPageCss;
-    if (slot == "common.js") out += kCommonJs;
-    if (slot == "campaign.js") out += kCampaignJs;
-    if (slot == "report.js") out.append(kPlotsJs).append(kShapesJs).append(kReplayJs).append(kReportJs);
+    if (slot == "scripts") out += scripts;
     if (slot == "data") out += data_json;
     for (const Part& part : kParts) {
       if (slot == part.slot) out += ReadPart(part);
     }
   }
   out += rest;
-  WriteFile(file, out);
+  return out;
+}
+
+void WritePage(const fs::path& file, const std::string& title, std::string data_json, PageKind kind) {
+  WriteFile(file, MakePage(title, std::move(data_json), kind));
 }
 
 }  // namespace tenon::internal

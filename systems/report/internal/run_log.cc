@@ -1,8 +1,11 @@
 #include <tenon/systems/report/internal/run_log.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <stdexcept>
+#include <string_view>
 
 namespace tenon::internal {
 
@@ -10,12 +13,8 @@ static_assert(std::endian::native == std::endian::little, "Base64 writes the byt
 
 void ColumnLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   if (begin_) begin_();
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    if (wanted_ && !wanted_(names[i])) continue;
-    kept_.push_back(i);
-    names_.push_back(names[i]);
-    units_.push_back(units[i]);
-  }
+  names_.assign(names.begin() + 1, names.end());  // without the time
+  units_.assign(units.begin() + 1, units.end());
   time_.reserve(max_rows_ + 1);
   data_.reserve((max_rows_ + 1) * columns());
 }
@@ -52,7 +51,7 @@ void ColumnLog::Row(std::span<const double> row) {
 
 void ColumnLog::Append(std::span<const double> row) {
   time_.push_back(row[0]);
-  for (const std::size_t i : kept_) data_.push_back(static_cast<float>(row[i]));
+  for (const double value : row.subspan(1)) data_.push_back(static_cast<float>(value));
 }
 
 void ColumnLog::Truncate(std::size_t rows) {
@@ -65,7 +64,7 @@ void ColumnLog::Widen(std::span<const double> row) {
   const std::size_t last = rows() - 1;
   time_[last] = row[0];
   for (std::size_t column = 0; column < columns(); ++column) {
-    const auto value = static_cast<float>(row[kept_[column]]);
+    const auto value = static_cast<float>(row[1 + column]);
     float &first = cell(last - 1, column), &second = cell(last, column);
     const float low = std::min(first, second), high = std::max(first, second);
     if (value >= low && value <= high) continue;
@@ -136,9 +135,10 @@ std::vector<std::size_t> DecimatePeaks(const ColumnLog& log, const std::vector<s
 }
 
 namespace {
+constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+}
 
-std::string Encode(const void* data, std::size_t size) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+std::string EncodeBase64(const void* data, std::size_t size) {
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   std::string text;
   text.reserve((size + 2) / 3 * 4);
@@ -151,13 +151,25 @@ std::string Encode(const void* data, std::size_t size) {
   return text;
 }
 
-}  // namespace
-
-std::string Base64(const std::vector<double>& values) {
-  return Encode(values.data(), values.size() * sizeof(double));
-}
-std::string Base64(const std::vector<float>& values) {
-  return Encode(values.data(), values.size() * sizeof(float));
+std::string DecodeBase64(const std::string& text) {
+  std::array<int, 256> digit;
+  digit.fill(-1);
+  for (std::size_t i = 0; i < kDigits.size(); ++i)
+    digit[static_cast<unsigned char>(kDigits[i])] = static_cast<int>(i);
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    const int value = digit[static_cast<unsigned char>(c)];
+    if (value < 0) throw std::out_of_range("no base64");
+    bits = bits << 6 | static_cast<unsigned>(value);
+    if ((count += 6) < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255);
+  }
+  return bytes;
 }
 
 }  // namespace tenon::internal

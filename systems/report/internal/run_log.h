@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,11 +19,12 @@ class ColumnLog final : public LogSink {
     kPeaks,   ///< every two rows stand for an interval: in each column its lowest and highest, as they came
     kSample,  ///< every second, fourth, ... row as it was, and the last
   };
-  /// Keeps the columns that `wanted` says yes to, and up to `max_rows`, a multiple of 4. `begin` runs before
-  /// the first row.
-  ColumnLog(Thinning thinning, std::size_t max_rows, std::function<bool(const std::string&)> wanted,
-            std::function<void()> begin)
-      : thinning_(thinning), max_rows_(max_rows), wanted_(std::move(wanted)), begin_(std::move(begin)) {}
+  /// What a report keeps of signals and of frames: at the usual rates all of some 80 s.
+  static constexpr std::size_t kRows = 16384, kFrames = 4096;
+
+  /// Keeps up to `max_rows`, a multiple of 4. `begin` runs before the first row.
+  ColumnLog(Thinning thinning, std::size_t max_rows, std::function<void()> begin)
+      : thinning_(thinning), max_rows_(max_rows), begin_(std::move(begin)) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -43,9 +45,7 @@ class ColumnLog final : public LogSink {
 
   Thinning thinning_;
   std::size_t max_rows_;
-  std::function<bool(const std::string&)> wanted_;
   std::function<void()> begin_;
-  std::vector<std::size_t> kept_;
   std::vector<std::string> names_, units_;
   std::size_t stride_ = 1;   ///< rows of the run that one row here stands for
   std::size_t pending_ = 0;  ///< rows of the run since the last one kept, or since the last interval began
@@ -62,8 +62,24 @@ std::vector<std::size_t> FindColumns(const std::vector<std::string>& names, cons
 std::vector<std::size_t> DecimatePeaks(const ColumnLog& log, const std::vector<std::size_t>& columns,
                                        std::size_t limit);
 
+std::string EncodeBase64(const void* data, std::size_t size);
+std::string DecodeBase64(const std::string& text);
+
 /// Numbers as base64 of their little-endian bytes.
-std::string Base64(const std::vector<double>& values);
-std::string Base64(const std::vector<float>& values);
+template <class T>
+std::string Base64(const std::vector<T>& values) {
+  return EncodeBase64(values.data(), values.size() * sizeof(T));
+}
+/// What Base64 made; throws std::out_of_range if that it is not.
+template <class T>
+std::vector<T> FromBase64(const std::string& text) {
+  const std::string bytes = DecodeBase64(text);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  // memcpy wants a place even for nothing, which an empty vector does not have.
+  if (!values.empty()) {
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  }
+  return values;
+}
 
 }  // namespace tenon::internal

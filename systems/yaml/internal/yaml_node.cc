@@ -13,32 +13,13 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {
 namespace {
 
 using Kind = YamlTree::Kind;
-
-bool IsUnit(std::string_view word) {
-  constexpr std::string_view kUnits[] = {
-      "m", "mm", "cm",  "km",  "um",  "g",    "kg",  "t",   "lb",  "s",   "ms",      "us", "ns",
-      "h", "Hz", "kHz", "rpm", "rad", "mrad", "deg", "N",   "mN",  "kN",  "Nm",      "J",  "kJ",
-      "W", "kW", "V",   "mV",  "A",   "mA",   "Pa",  "kPa", "MPa", "GPa", "percent", "per"};
-  while (word.size() > 1 && word.back() >= '2' && word.back() <= '4') word.remove_suffix(1);
-  return std::ranges::count(kUnits, word) > 0;
-}
-
-/// `inertia_kg_m2` is "inertia" in "kg_m2".
-std::pair<std::string_view, std::string_view> SplitUnit(std::string_view key) {
-  std::size_t end = key.size();
-  while (true) {
-    const std::size_t bar = key.substr(0, end).rfind('_');
-    if (bar == std::string_view::npos || bar == 0 || !IsUnit(key.substr(bar + 1, end - bar - 1))) break;
-    end = bar;
-  }
-  return {key.substr(0, end), end == key.size() ? "" : key.substr(end + 1)};
-}
 
 /// What the writer of an unknown key should have written.
 std::string SuggestKey(std::string_view unknown, const FieldList& keys) {
@@ -125,9 +106,10 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
       return ReadMap(type, value);
     case TypeInfo::Kind::kOpaque:
       if (*type.id == typeid(YamlText)) {
-        static_cast<YamlText*>(value)->text = FlowText(*tree_);
+        static_cast<YamlText*>(value)->text = FlowText(WithAbsolutePaths(*tree_, false));
         return;
       }
+      if (*type.id == typeid(YamlFile)) return ReadFile(static_cast<YamlFile*>(value));
       Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
   }
 }
@@ -243,6 +225,23 @@ void YamlNode::ReadItems(const TypeInfo& item, void* first, const std::vector<Ya
   }
 }
 
+void YamlNode::ReadFile(YamlFile* value) const {
+  YamlTree tree = WithAbsolutePaths(*tree_, true);
+  if (tree.kind == Kind::kMap && YamlTree::FindKey(tree, "file") == tree.children.end()) {
+    if (value->text.empty() || value->text.front() == '{')
+      Fail("a map of what is different has to say in which file: {file: standard, …}");
+    YamlTree file;
+    file.kind = Kind::kScalar;
+    file.key = "file";
+    file.text = value->text;
+    tree.children.insert(tree.children.begin(), std::move(file));
+  }
+  if (tree.kind != Kind::kMap && (tree.kind != Kind::kScalar || tree.text.empty()))
+    Fail(fmt::format("expected a name, a path, or a map such as {{file: standard, …}}; found {}",
+                     Describe(*tree_)));
+  value->text = FlowText(tree);
+}
+
 void YamlNode::ReadMap(const TypeInfo& type, void* value) const {
   if (tree_->kind != Kind::kMap)
     Fail(fmt::format("expected a map of keys and values, found {}; write 'key: value' lines",
@@ -290,6 +289,7 @@ void YamlNode::CheckKeys(const FieldList& keys) const {
     if (std::ranges::find(keys, child.key, [](const Field& key) { return std::string_view(key.name); }) !=
         keys.end())
       continue;
+    if (path_.empty() && child.key == "format") continue;  // of the document, see YamlDocument::CheckFormat
     FailAt(child.key_place, fmt::format("{}: unknown key; {}. Valid keys: {}", Below(child.key),
                                         SuggestKey(child.key, keys), JoinKeys(keys)));
   }

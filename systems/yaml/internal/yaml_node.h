@@ -9,6 +9,10 @@
 #include <tenon/systems/framework/internal/type_info.h>
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 
+namespace tenon {
+struct YamlFile;
+}
+
 namespace tenon::internal {
 
 /// One value of a document and the dotted path to it; what it throws names the place and the path.
@@ -30,6 +34,7 @@ class YamlNode {
   void ReadMatrix(const TypeInfo& type, void* value) const;
   void ReadStruct(const TypeInfo& type, void* value) const;
   void ReadItems(const TypeInfo& item, void* first, const std::vector<YamlNode>& items) const;
+  void ReadFile(YamlFile* value) const;
   void ReadMap(const TypeInfo& type, void* value) const;
 
   bool IsNull() const { return tree_->kind == YamlTree::Kind::kNull; }

@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <optional>
 #include <utility>
@@ -21,8 +22,11 @@ using Kind = YamlTree::Kind;
 /// Makes the tree from the parser's events. YAML::Node would hide keys that are given twice.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  TreeBuilder(const YamlPlaceOf& place_of, bool overridden)
-      : place_of_(place_of), overridden_(overridden), root_(Make({}, Kind::kNull)) {}
+  TreeBuilder(const YamlPlaceOf& place_of, bool overridden, const std::filesystem::path& directory)
+      : place_of_(place_of),
+        overridden_(overridden),
+        directory_(std::make_shared<const std::filesystem::path>(directory)),
+        root_(Make({}, Kind::kNull)) {}
 
   YamlTree Take() {
     if (!bad_key_.empty()) FailAt(bad_key_, "a key must be a word; quote it if it is meant so");
@@ -77,6 +81,7 @@ class TreeBuilder final : public YAML::EventHandler {
     tree.kind = kind;
     tree.place = PlaceOf(mark);
     tree.overridden = overridden_;
+    tree.directory = directory_;
     Count(tree, tree.place);
     return tree;
   }
@@ -147,6 +152,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   const YamlPlaceOf& place_of_;
   bool overridden_;
+  std::shared_ptr<const std::filesystem::path> directory_;
   std::size_t values_ = 0;  // so far
   YamlTree root_;
   std::string bad_key_;  // place of the first key that is no word
@@ -168,12 +174,13 @@ void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of) {
                      static_cast<unsigned char>(*bad)));
 }
 
-YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden) {
+YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden,
+                       const std::filesystem::path& directory) {
   if (text.size() > kMaxYamlBytes)
     FailAt(place_of(1, 1),
            fmt::format("the text has more than {} bytes; is it the right file?", kMaxYamlBytes));
   CheckUtf8(text, place_of);
-  TreeBuilder builder(place_of, overridden);
+  TreeBuilder builder(place_of, overridden, directory);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
@@ -219,6 +226,35 @@ std::string FlowText(const YamlTree& tree) {
     text += FlowText(child);
   }
   return tree.kind == Kind::kMap ? "{" + text + "}" : "[" + text + "]";
+}
+
+bool IsPath(const YamlTree& tree) {
+  return tree.kind == Kind::kScalar &&
+         (tree.text.ends_with(".yaml") || tree.text.ends_with(".urdf") || tree.text.ends_with(".csv"));
+}
+
+std::string PathOf(const YamlTree& tree) {
+  const std::filesystem::path path(tree.text);
+  return std::filesystem::absolute(tree.directory ? *tree.directory / path : path)
+      .lexically_normal()
+      .string();
+}
+
+YamlTree WithAbsolutePaths(YamlTree tree, bool names_file) {
+  const bool is_path =
+      IsPath(tree) || (names_file && tree.kind == Kind::kScalar && tree.text.find('/') != std::string::npos);
+  if (is_path) tree.text = PathOf(tree);
+  for (YamlTree& child : tree.children)
+    child = WithAbsolutePaths(std::move(child), names_file && child.key == "file");
+  return tree;
+}
+
+bool IsName(const YamlTree& tree) {
+  if (tree.kind != Kind::kScalar || tree.text.empty() || tree.text == "true" || tree.text == "false")
+    return false;
+  double number = 0;
+  const char* end = tree.text.data() + tree.text.size();
+  return std::from_chars(tree.text.data(), end, number).ptr != end;
 }
 
 std::string Describe(const YamlTree& tree) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,13 +15,14 @@ struct YamlTree {
   enum class Kind { kNull, kScalar, kList, kMap };
 
   Kind kind = Kind::kNull;
-  std::string text;                // of a scalar
-  bool quoted = false;             // a quoted scalar is text, whatever it looks like
-  std::string place;               // "robot.yaml:3:5" or "--set a.b=3"
-  bool overridden = false;         // comes from Set
-  std::string key;                 // of an entry of a map
-  std::string key_place;           // where the key stands
-  std::vector<YamlTree> children;  // of a list or a map
+  std::string text;                                        // of a scalar
+  bool quoted = false;                                     // a quoted scalar is text, whatever it looks like
+  std::string place;                                       // "robot.yaml:3:5" or "--set a.b=3"
+  bool overridden = false;                                 // comes from Set
+  std::string key;                                         // of an entry of a map
+  std::string key_place;                                   // where the key stands
+  std::shared_ptr<const std::filesystem::path> directory;  // of the file, from which paths in it start
+  std::vector<YamlTree> children;                          // of a list or a map
 
   template <class Tree>
   static auto FindKey(Tree& map, std::string_view key) {
@@ -40,10 +43,23 @@ constexpr std::size_t kMaxYamlValues = 500'000;
 
 /// Parses one document; an empty one is null. Throws ParameterError on a syntax error, a key given twice,
 /// a second document, a tag, text that is not UTF-8, and on more bytes or values than the above.
-YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden);
+/// Paths in it start from `directory`.
+YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, bool overridden,
+                       const std::filesystem::path& directory);
 
 /// The value on one line, as YAML in flow style.
 std::string FlowText(const YamlTree& tree);
+
+/// Whether a value is a path: it ends in .yaml, .urdf or .csv.
+bool IsPath(const YamlTree& tree);
+/// The path that a value is, absolute.
+std::string PathOf(const YamlTree& tree);
+/// The value with all paths in it absolute. Where a file is named, by `tree` itself or by its entry `file`,
+/// all that holds a slash is a path, too.
+YamlTree WithAbsolutePaths(YamlTree tree, bool names_file);
+
+/// Whether a value is a word that may name something: no number, and neither true nor false.
+bool IsName(const YamlTree& tree);
 
 /// "nothing", "'abc'", "a list of 3": what was found, for messages.
 std::string Describe(const YamlTree& tree);

@@ -62,6 +62,10 @@ class Writer {
           emitter_ << YAML::Load(static_cast<const YamlText*>(value)->text);
           return;
         }
+        if (*type.id == typeid(YamlFile)) {
+          emitter_ << YAML::Load(static_cast<const YamlFile*>(value)->text);
+          return;
+        }
         Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
     }
   }

@@ -1,6 +1,7 @@
 // The goals of the cable robot's cases, seeds 1 and 2. A goal that is missed is expected to be missed, by
 // name: who reaches it will hear of it here.
 
+#include <cmath>
 #include <map>
 
 #include <tenon/tests/apps/run_case.h>
@@ -35,7 +36,6 @@ TEST_F(CdprCasesTest, D1) {
       EXPECT_LT(zero[key], pd[key]) << key;
     }
     EXPECT_LT(ours["tension_rate_rms_N_per_s"], zero["tension_rate_rms_N_per_s"]);
-    EXPECT_LT(ours["tension_rate_rms_N_per_s"], pd["tension_rate_rms_N_per_s"]);
     EXPECT_LE(ours["tracking_error_rms_m"], 0.01);
     EXPECT_GE(ours["tension_min_N"], 5);
     for (const auto& [controller, run] : runs) {
@@ -46,9 +46,23 @@ TEST_F(CdprCasesTest, D1) {
   }
 }
 
+// It alone is told of its state without noise.
 TEST_F(CdprCasesTest, MissedThatThePdChangesTensionsFastestInD1) {
   auto runs = Compare("D1", 1);
-  EXPECT_GT(runs["mpc_zero"]["tension_rate_rms_N_per_s"], runs["pd"]["tension_rate_rms_N_per_s"]);
+  EXPECT_GT(runs["mpc_equilibrium"]["tension_rate_rms_N_per_s"], runs["pd"]["tension_rate_rms_N_per_s"]);
+}
+
+// With sensors and winches as there are it does.
+TEST_F(CdprCasesTest, D1WithTheHardwareOfARobot) {
+  for (const int seed : {1, 2}) {
+    const auto rate = [&](const std::string& controller) {
+      return Run(TENON_CDPR, "D1 --set hardware=standard --set log_rate_hz=10 --controller " + controller +
+                                 " --seed " + std::to_string(seed))["tension_rate_rms_N_per_s"];
+    };
+    const double ours = rate("mpc_equilibrium"), zero = rate("mpc_zero"), pd = rate("pd");
+    EXPECT_LT(ours, zero);
+    EXPECT_LT(zero, pd);
+  }
 }
 
 TEST_F(CdprCasesTest, MissedThatTheMpcTracksD1To1500Micrometres) {
@@ -70,6 +84,90 @@ TEST_F(CdprCasesTest, D2) {
       EXPECT_GE(pd[key], 1.5 * mpc[key]) << key;
     EXPECT_GT(mpc["command_min_N"], 0) << "a bound";
     EXPECT_LT(mpc["command_max_N"], 800) << "a bound";
+  }
+}
+
+// With 6, 8 and 12 cables; with rotation, where the cables allow it.
+TEST_F(CdprCasesTest, CirclesAndTurns) {
+  for (const char* scenario : {"circle_6", "circle_8", "circle_12", "turn_8", "turn_12"}) {
+    for (const int seed : {1, 2}) {
+      const test::Case run =
+          Run(TENON_CDPR, std::string(scenario) + " --set log_rate_hz=10 --seed " + std::to_string(seed));
+      EXPECT_TRUE(run.finished()) << scenario;
+      EXPECT_LE(run["tracking_error_rms_m"], 0.005) << scenario;
+      EXPECT_LE(run["euler_oscillation_rms_rad"], 0.005) << scenario;
+      EXPECT_GT(run["tension_min_N"], 0) << scenario;
+      EXPECT_EQ(run["mpc_fallbacks"], 0) << scenario;
+    }
+  }
+}
+
+TEST_F(CdprCasesTest, D2OfManyCables) {
+  for (const char* scenario : {"D2-6", "D2-8", "D2-12"}) {
+    for (const int seed : {1, 2}) {
+      const test::Case run =
+          Run(TENON_CDPR, std::string(scenario) + " --set log_rate_hz=10 --seed " + std::to_string(seed));
+      EXPECT_TRUE(run.finished()) << scenario;
+      EXPECT_LE(run["loaded_error_rms_m"], 0.01) << scenario;
+      EXPECT_LE(run["settling_time_s"], 2) << scenario;
+      EXPECT_GT(run["tension_min_N"], 0) << scenario;
+    }
+  }
+}
+
+// The other seven hold the platform within 0.1 m, and none of them goes slack or leaves the bounds.
+TEST_F(CdprCasesTest, BrokenCable) {
+  for (const int seed : {1, 2}) {
+    const test::Case run =
+        Run(TENON_CDPR, "broken_cable --set log_rate_hz=200 --seed " + std::to_string(seed));
+    EXPECT_TRUE(run.finished());
+    const std::vector<double> time = test::Column(out, "time [s]");
+    double farthest = 0;
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto is = test::Column(out, std::string("loop.plant.platform.p_WB.") + axis + " [m]");
+      const auto should =
+          test::Column(out, std::string("loop.reference.reference.position.") + axis + " [m]");
+      for (std::size_t i = 0; i < time.size(); ++i)
+        farthest = std::max(farthest, std::abs(is[i] - should[i]));
+    }
+    EXPECT_GT(farthest, 0.01) << "it was felt";
+    EXPECT_LT(farthest, 0.1);
+    for (int cable = 0; cable < 8; ++cable) {
+      const std::string n = std::to_string(cable);
+      const auto tension = test::Column(out, "loop.plant.cables.tension." + n + " [N]"),
+                 command = test::Column(out, "loop.command." + n + " [N]");
+      for (std::size_t i = 0; i < time.size(); ++i) {
+        if (cable == 0 && time[i] >= 12) {
+          EXPECT_EQ(tension[i], 0);
+          if (time[i] > 12.1) {
+            EXPECT_EQ(command[i], 0) << "the controller knows";
+          }
+        } else {
+          ASSERT_GT(tension[i], 0) << cable << " at " << time[i];
+          ASSERT_GE(command[i], 10);
+          ASSERT_LE(command[i], 800);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(CdprCasesTest, ACableTooFewEndsTheRunAndSaysSo) {
+  const test::Case run = Run(TENON_CDPR, "broken_cable --set path.center_m=[0,0,1.6] --set log_rate_hz=10");
+  EXPECT_FALSE(run.finished());
+  EXPECT_THAT(run.summary.at("end_reason").get<std::string>(),
+              ::testing::HasSubstr("the others cannot hold the platform where it should be"));
+}
+
+// A gust of a fifth of the weight, and a load that swings under the platform.
+TEST_F(CdprCasesTest, GustAndPendulum) {
+  for (const int seed : {1, 2}) {
+    for (const char* scenario : {"gust", "pendulum"}) {
+      const test::Case run =
+          Run(TENON_CDPR, std::string(scenario) + " --set log_rate_hz=10 --seed " + std::to_string(seed));
+      EXPECT_TRUE(run.finished()) << scenario;
+      EXPECT_LE(run["tracking_error_rms_m"], 0.02) << scenario;
+    }
   }
 }
 

@@ -16,6 +16,7 @@ using test::Result;
 using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Result RunApp(const std::string& arguments) {
   return RunCommand(std::string(TENON_CDPR) + " " + arguments);
@@ -75,12 +76,41 @@ TEST_F(TenonCdprTest, WrittenScenarioRepeatsTheRun) {
   EXPECT_EQ(Read(out / "again" / "signals.csv"), first);
 }
 
-TEST_F(TenonCdprTest, FliesRobotsWithSixAndEightCables) {
-  for (const char* scenario : {"circle_6", "circle_8"}) {
-    const Result result = RunApp(std::string(scenario) + " --duration 3" + Out());
-    EXPECT_EQ(result.exit_code, 0) << result.text;
-    EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"finished\": true"));
-  }
+// A robot of the user's, changed on the command line: what the run leaves repeats it elsewhere, without the
+// file.
+TEST_F(TenonCdprTest, WrittenScenarioStartsFromAnywhere) {
+  const fs::path home = out.string() + "_home";
+  fs::create_directories(home);
+  fs::copy_file(std::string(TENON_ROBOTS_DIR) + "/cdpr_4.yaml", home / "mine.yaml");
+  std::ofstream(home / "own.yaml") << "extends: D1\nrobot: mine.yaml\nduration_s: 0.2\n";
+  const Result result = RunApp((home / "own.yaml").string() + " --set robot.mass_kg=16" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("files/robot.yaml"), HasSubstr("mass_kg: 16"), HasSubstr("format: 1")));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("mine.yaml, changed with"));
+  const std::string first = Read(out / "signals.csv");
+  fs::remove_all(home);
+  fs::rename(out, home);
+  const Result again = RunCommand("cd / && " TENON_CDPR " " + (home / "scenario.yaml").string() + Out());
+  EXPECT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(Read(out / "signals.csv"), first);
+  fs::remove_all(home);
+}
+
+TEST_F(TenonCdprTest, AFileThatIsMissingIsToldWithFileLineAndKey) {
+  fs::create_directories(out);
+  std::ofstream(out / "own.yaml") << "extends: D1\nrobot: robots/gone.yaml\n";
+  const Result result = RunApp((out / "own.yaml").string());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.text, AllOf(HasSubstr(out.string() + "/own.yaml:2:8: robot: cannot read '" +
+                                           out.string().substr(0, 40)),
+                                 HasSubstr("no such file; check the path: a path in a file starts from")));
+}
+
+TEST_F(TenonCdprTest, AReportWithoutItsScriptsIsExitCode5) {
+  const Result result = RunCommand("TENON_JAVASCRIPT_DIR=/nowhere " TENON_CDPR " D1 --duration 0.1" + Out());
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_THAT(result.text, HasSubstr("apt-get install libjs-"));
 }
 
 // Two rings of six anchors, in a file of the user's.
@@ -109,6 +139,30 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
     EXPECT_THAT(Read(out / "report.html"), HasSubstr("cable 11"));
   }
   fs::remove(robot);
+}
+
+// What the controllers do not know of cables and winches changes the flight, and costs none.
+TEST_F(TenonCdprTest, FliesWithCablesAsTheyAre) {
+  ASSERT_EQ(RunApp("D1 --duration 0.5" + Out()).exit_code, 0);
+  const std::vector<double> ideal = test::Column(out, "loop.plant.cables.tension.0 [N]");
+  for (const char* run :
+       {"D1-sag", "circle_8-pulleys",
+        "D1 --set 'robot={file: cdpr_4, winch: {drum: {radius_m: 0.036, cable_diameter_m: 0.005, "
+        "turns_per_layer: 10, cable_length_m: 10.8}, "
+        "differential: {pairs: [[0, 1], [2, 3]], motor_tension_max_N: 75}}}'"}) {
+    const Result result = RunApp(std::string(run) + " --duration 0.5" + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_NE(test::Column(out, "loop.plant.cables.tension.0 [N]"), ideal);
+  }
+  const auto refuses = [&](const std::string& winch, const char* place, const char* what) {
+    const Result result = RunApp("D1 --set 'robot={file: cdpr_4, winch: {" + winch + "}}'" + Out());
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.text, AllOf(HasSubstr(place), HasSubstr(what)));
+  };
+  refuses("pulley_radius_m: -0.04", "robot", "the pulley's radius is -0.04 m but must not be negative");
+  refuses("pulley_radius_m: 4", "block 'plant'", "at the start cable 0 ends");
+  refuses("pulley_radius: 0.04", "robot", "pulley_radius_m");
+  refuses("drum: {radius_m: 0.036}", "robot", "cable_diameter_m");
 }
 
 // What lies between changes what the controllers command, and costs no flight.
@@ -172,14 +226,20 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadUsage{"", "no scenario given"}, BadUsage{"D11", "did you mean 'D1'?"},
         BadUsage{"missing.yaml", "no such file"}, BadUsage{"D1 --frobnicate", "--frobnicate"},
-        BadUsage{"D1 --duration -1", "--duration"}, BadUsage{"D1 --set pd", "give it as key=value"},
+        BadUsage{"D1 --duration -1", "--duration: -1 must be a positive number"},
+        BadUsage{"D1 --set pd", "give it as key=value"},
         BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
         BadUsage{"D1 --controller mpc", "--set controller=mpc"},
         BadUsage{"D1 --controller pd --compare", "--controller excludes --compare"},
         BadUsage{"D1 --set mpc=null", "there is no section mpc"},
         BadUsage{"D1 --set mpc.mass_error=-1", "the model would have no mass"},
         BadUsage{"D1 --set mpc.horizon_s=0.015", "no multiple of the period"},
-        BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"},
+        BadUsage{"D1 --set robot=cdpr_5", "did you mean 'cdpr_"}, BadUsage{"D9", "did you mean 'D"},
+        BadUsage{"D1 --set robot.mass=6", "robot: what differs:1:"},
+        BadUsage{"D1 --set mpc.rate_hz=0", "D1.yaml:18:3: mpc: rate_hz: a rate of 0 Hz"},
+        BadUsage{"D1 --set 'path={kind: spline, points_m: [[0,0,2],[0,0,1]], times_s: [1, 1]}'",
+                 ": path: times_s.1 = 1: the times must be finite and increase"},
+        BadUsage{"D1 --seed -1", "--seed: -1 must be an integer from 0 to 18446744073709551615"},
         BadUsage{"D1 --set duration_s=-3", "duration_s = -3 must be positive"},
         BadUsage{"D1 --set app=tenon-walk", "a scenario of another app"},
         BadUsage{"D1 --set payload.mass_kg=-1", "mass_kg = -1"},
@@ -197,6 +257,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set path.kind=line", "a line needs two entries in points_m, found 0"},
         BadUsage{"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'",
                  "give one time per point"},
+        BadUsage{"D1 --set path.attitudes_rad=[[0,0,0]]", "attitudes_rad are for a line or a spline"},
+        BadUsage{"turn_8 --set path.attitude_rad=[0,0,0]", "leave one of them away"},
+        BadUsage{"turn_8 --set path.attitudes_rad=[[0,0,0]]", "give one attitude per point"},
+        BadUsage{"D1 --set path.kind=waypoints", "path: waypoints has 0 entries: a way takes two or more"},
+        BadUsage{"waypoints --set path.waypoints.0.travel_s=1", "waypoints.0 is the start"},
+        BadUsage{"waypoints --set path.waypoints.1.travel_s=1",
+                 "waypoints.1: give one of travel_s and speed_m"},
+        BadUsage{"waypoints --set path.waypoints.1.speed_m_per_s=null", "not none"},
+        BadUsage{"waypoints --set path.waypoints.1.speed_m_per_s=0", "waypoints.1: speed_m_per_s = 0"},
+        BadUsage{"waypoints --set path.waypoints.1.dwell_s=-1", "waypoints.1: dwell_s = -1"},
+        BadUsage{"waypoints --set path.waypoints.1.position_m=[0,0,1.6]",
+                 "waypoints.1 is where the one before"},
+        BadUsage{"waypoints --set path.waypoints.0.attitude_rad=null", "give that of waypoints.0 as well"},
+        BadUsage{"waypoints --set path.attitude_rad=[0,0,0]", "leave one of them away"},
+        BadUsage{"D1 --set path.kind=file", "path: a path of kind file needs a file"},
+        BadUsage{"scan --set path.tension_aim_N=100", "tension_aim_N = 100 takes attitude_rad"},
+        BadUsage{"D1 --set cable_diameter_m=-1", "cable_diameter_m = -1"},
+        BadUsage{"gust --set gusts.0.duration_s=0", "duration_s"},
+        BadUsage{"pendulum --set hanging_load.mass_kg=0", "mass_kg"},
+        BadUsage{"pendulum --set hanging_load.swing_m=[1,1]", "the rope only length_m = 1"},
+        BadUsage{"D1 --set mpc.bounds=soft", "newton"},
         BadUsage{"D1 --set path.center_m=[0,0,5]", "it is not below the highest anchor"},
         BadUsage{
             "D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
@@ -223,10 +304,143 @@ TEST_F(TenonCdprTest, WhatNoRobotDoesEndsTheRun) {
        "more than the 880 N that its winch holds");
 }
 
+// Nor do cables touch, or loads go through the floor: the run comes to its end, and its verdict says what
+// could not have been.
+TEST_F(TenonCdprTest, WhatNoCableDoesIsNotFinished) {
+  const auto judged = [&](const std::string& arguments, const char* reason) {
+    const Result result = RunApp(arguments + Out());
+    EXPECT_EQ(result.exit_code, 3) << arguments << ": " << result.text;
+    EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"finished\": false"), HasSubstr(reason)));
+    EXPECT_NE(Read(out / "report.html").find(std::string("but ") + reason), std::string::npos);
+  };
+  judged("waypoints --duration 5.5 --set cable_diameter_m=0.3", "two cables touched: the axes of ");
+  judged("D1 --controller pd --duration 1 --set forbid_slack=false --set start_turn_rad=[0,0,2.2]",
+         "the platform turned beyond the reach of its cables: by 2.2 rad");
+  judged("pendulum --duration 0.3 --set path.center_m=[0,0,0.9] --set 'path.points_m=[[0,0,0.9]]'",
+         "platform, load or cables went through the floor: by ");
+}
+
+TEST_F(TenonCdprTest, FiguresStandBesideTheirLimits) {
+  const Result result = RunApp("D1 --duration 0.2" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key : {"tension_max_N", "cable_distance_min_m", "cable_platform_angle_min_rad",
+                          "floor_clearance_min_m", "turn_max_rad"})
+    EXPECT_THAT(summary.substr(summary.find("\"limits\"")), HasSubstr("\"" + std::string(key) + "\": {"))
+        << key;
+  EXPECT_THAT(result.text, AllOf(HasSubstr("(at most 800)"), HasSubstr("(at least 0.005)")));
+}
+
+// From waypoint to waypoint: at rest where it dwells, with speeds as asked in between, the attitude likewise.
+TEST_F(TenonCdprTest, FliesAlongWaypoints) {
+  const Result result = RunApp("waypoints --duration 12 --set log_rate_hz=100" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string reference = "loop.reference.reference.";
+  const auto z = test::Column(out, reference + "position.z [m]"),
+             y = test::Column(out, reference + "position.y [m]");
+  const auto yaw = test::Column(out, reference + "euler.z [rad]");
+  const auto speed = test::Column(out, reference + "velocity.z [m/s]");
+  EXPECT_NEAR(z[100], 1.6, 1e-9);  // at 1 s
+  EXPECT_NEAR(yaw[100], 0, 1e-6);
+  const std::size_t passed = 100 + 400;  // 1 m at 0.25 m/s later
+  EXPECT_NEAR(y[passed], 0.8, 1e-3);
+  EXPECT_NEAR(yaw[passed], 0.3, 1e-3);
+  EXPECT_LT(speed[passed], -0.01) << "it does not stop there";
+  for (std::size_t i = passed + 300; i <= passed + 500; i += 50) {
+    EXPECT_NEAR(z[i], 0.9, 1e-9) << i;
+    EXPECT_NEAR(speed[i], 0, 1e-9) << i;
+  }
+  for (std::size_t i = 2; i < z.size(); ++i)
+    EXPECT_LT(std::abs(z[i] - 2 * z[i - 1] + z[i - 2]), 1.5e-4) << i;  // no more than 1.5 m/s^2
+}
+
+// The table is copied beside the scenario that the run leaves, which starts from there.
+TEST_F(TenonCdprTest, FliesAlongAPathFromAFile) {
+  const fs::path home = out.string() + "_home";
+  fs::create_directories(home);
+  std::ofstream(home / "own.yaml") << "extends: scan\npath: {file: way.csv}\nduration_s: 0.3\n";
+  std::ofstream(home / "way.csv") << "t, x, y, z\r\n0,0,0,2\r\n0.3,0.01,0,2\r\n1,0.1,0.1,1.9\r\n";
+  ASSERT_EQ(RunApp((home / "own.yaml").string() + Out()).exit_code, 0);
+  EXPECT_NEAR(test::Column(out, "loop.reference.reference.position.x [m]").back(), 0.01, 1e-12);
+  const std::string first = Read(out / "signals.csv");
+  fs::remove_all(home);
+  fs::rename(out, home);
+  const Result again = RunCommand("cd / && " TENON_CDPR " " + (home / "scenario.yaml").string() + Out());
+  EXPECT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(Read(out / "signals.csv"), first);
+  fs::remove_all(home);
+}
+
+TEST_F(TenonCdprTest, AWrongPathFileIsToldWithItsLine) {
+  fs::create_directories(out);
+  std::ofstream(out / "own.yaml") << "extends: scan\npath: {file: way.csv}\nduration_s: 0.1\n";
+  const auto refused = [&](const std::string& text, const char* message) {
+    std::ofstream(out / "way.csv") << text;
+    const Result result = RunApp((out / "own.yaml").string() + " --out " + out.string() + "/run");
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_THAT(result.text, HasSubstr(message)) << text;
+  };
+  refused("", "way.csv:1: the columns are '': give 't,x,y,z' or");
+  refused("t,x,y\n", "way.csv:1: the columns are 't,x,y'");
+  refused("t,x,y,z\n0,0,0,2\n", "way.csv:2: 1 points: a path takes two or more");
+  refused("t,x,y,z\n0,0,0,2\n1,0,2\n", "way.csv:3: 3 values, but the header names 4 columns");
+  refused("t,x,y,z\n0,0,0,2\n1,0,nan,2\n", "way.csv:3: 'nan' is no finite number");
+  refused("t,x,y,z\n0,0,0,2\n1,0,,2\n", "way.csv:3: '' is no finite number");
+  refused("t,x,y,z\n0,0,0,2\n\n0,0,1,2\n",
+          "way.csv:4: t = 0 s does not come after the 0 s of the row before");
+  refused("t,x,y,z\n0,0,0,2\n1,0,0,9\n", "path: The path leaves the workspace at t = ");
+  fs::remove(out / "way.csv");
+  const Result gone = RunApp((out / "own.yaml").string());
+  EXPECT_EQ(gone.exit_code, 2);
+  EXPECT_THAT(gone.text, AllOf(HasSubstr("own.yaml:2"), HasSubstr("way.csv")));
+}
+
 TEST(TenonCdprListTest, ListsScenariosWithTheirDescriptions) {
   const Result result = RunApp("--list");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.text, HasSubstr("circle of 0.5 m radius in 10 s, four cables"));
+}
+
+TEST(TenonCdprListTest, KeysAndVersion) {
+  const Result keys = RunApp("--keys");
+  EXPECT_EQ(keys.exit_code, 0);
+  EXPECT_THAT(keys.text,
+              AllOf(HasSubstr("path.ramp_s"), HasSubstr("time in which the circle's speed is reached"),
+                    HasSubstr("faults[].at")));
+  EXPECT_EQ(RunApp("D1 --keys").exit_code, 0);
+  EXPECT_THAT(RunApp("D1 --keys --set robot=mine.yaml").text,
+              AllOf(HasSubstr("--set robot=mine.yaml: robot: cannot read '"), HasSubstr("no such file")));
+  EXPECT_EQ(RunApp("--version").text, "tenon-cdpr " TENON_VERSION "\n");
+}
+
+TEST(TenonCdprListTest, BashCompletesScenariosOptionsAndKeys) {
+  const auto completed = [](const std::string& words, int at) {
+    return RunCommand("bash -c 'source " TENON_COMPLETION "; COMP_WORDS=(" TENON_CDPR " " + words +
+                      "); COMP_CWORD=" + std::to_string(at) + "; _tenon; echo ${COMPREPLY[@]}'")
+        .text;
+  };
+  EXPECT_THAT(completed("circle_", 1), HasSubstr("circle_6 circle_8"));
+  EXPECT_EQ(completed("--dur", 1), "--duration\n");
+  EXPECT_EQ(completed("D1 --set path.ra", 3), "path.radius_m= path.ramp_s=\n");
+  EXPECT_THAT(completed("D1 --set faults", 3), HasSubstr("faults.0.at="));
+}
+
+// What it hands to zsh, which then takes what begins as the word does.
+TEST(TenonCdprListTest, ZshCompletesScenariosOptionsAndKeys) {
+  if (RunCommand("zsh --version").exit_code != 0) GTEST_SKIP() << "zsh is not installed";
+  const auto offered = [](const std::string& words) {
+    return RunCommand(
+               "zsh -f -c 'compadd() { print -r -- \"$@\" }; _files() { print -r -- files \"$@\" }; "
+               "complete() { words=(\"$@\"); CURRENT=$#words; PREFIX=$words[CURRENT]; "
+               "source " TENON_ZSH_COMPLETION " }; complete " TENON_CDPR " " +
+               words + "'")
+        .text;
+  };
+  EXPECT_THAT(offered("circle_"), AllOf(HasSubstr(" circle_6 circle_8 "), HasSubstr("files -g *.yaml")));
+  EXPECT_THAT(offered("--dur"), AllOf(HasSubstr("--duration"), Not(HasSubstr("circle_6"))));
+  EXPECT_THAT(offered("D1 --set path.ra"),
+              AllOf(HasSubstr("-S = -- "), HasSubstr(" path.radius_m "), HasSubstr(" faults.0.at ")));
+  EXPECT_EQ(offered("D1 --out x"), "files\n");
 }
 
 TEST(TenonCdprListTest, HelpSaysWhatThereIs) {

@@ -17,6 +17,11 @@ Result RunApp(const std::string& arguments) {
 
 using TenonGuideDogTest = test::AppTest;
 
+TEST_F(TenonGuideDogTest, FiguresCountFromWhenTheWalkIsJudged) {
+  ASSERT_EQ(RunApp("C3 --duration 0.3 --set walk.judged_from_s=0.5" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"com_error_max_m\": null"));
+}
+
 TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
   const Result result = RunApp("C3 --duration 0.3 --seed 7" + Out() + " --graph " + out.string() + ".dot");
   ASSERT_EQ(result.exit_code, 0) << result.text;

@@ -23,8 +23,7 @@ QuadrupedWorldParams WorldWith(const HardwareScenario& hardware) {
 TEST(QuadrupedHardwareTest, TheIdealOneIsNotThere) {
   const QuadrupedWorldParams world = WorldWith(LoadHardware({"ideal"}));
   EXPECT_FALSE(world.hardware.command_delay || world.hardware.drive_errors || world.hardware.drive_lag ||
-               world.hardware.imu_errors || world.hardware.foot_sensing != FootSensing::kWorld ||
-               world.plant.limit_speed);
+               world.hardware.imu_errors || world.hardware.foot_sensing != FootSensing::kWorld);
   EXPECT_EQ(world.hardware.encoder_delay + world.hardware.foot_delay + world.hardware.imu_delay, 0);
   EXPECT_EQ(world.plant.robot.drive.friction, test::DogBot().drive.friction);
 }

@@ -63,7 +63,7 @@ TEST(TenonGaitStabilityTest, TheTrotIsStableAndItsMapForetellsThePush) {
   EXPECT_EQ(neutral, 3) << result.text;
   EXPECT_LE(slow, 5);
   EXPECT_GT(largest, 0);
-  EXPECT_LT(largest, 0.2);
+  EXPECT_LT(largest, 0.3) << "with the drives at their speed limit in each swing; 0.2 without";
   EXPECT_EQ(strides, 4);
 }
 

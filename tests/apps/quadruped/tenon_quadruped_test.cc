@@ -86,7 +86,7 @@ TEST_F(TenonQuadrupedTest, FiguresOfNothingAreNull) {
   const Result cut = RunApp("A1 --duration 0.2 --set walk.judged_from_s=2" + Out());
   EXPECT_EQ(cut.exit_code, 0);
   EXPECT_THAT(cut.text, HasSubstr("warning: the run ends at 0.2 s, before walk.judged_from_s = 2 s"));
-  for (const char* key : {"com_error_max_m", "com_error_rms_m", "grf_error_mean_N", "torque_max_N_m",
+  for (const char* key : {"com_error_max_m", "com_error_rms_m", "grf_error_mean_N",
                           "force_estimate_error_rms_N", "qp_time_median_us", "qp_failures", "distance_m"})
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"" + std::string(key) + "\": null"));
   const Result late = RunApp("A1 --set walk.judged_from_s=1000" + Out());
@@ -108,6 +108,38 @@ TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
   const Result result = RunApp(ring + Out());
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.text, HasSubstr("extends itself"));
+}
+
+// A robot whose URDF lies in a directory of its own, named from below: both are copied, and start elsewhere.
+TEST_F(TenonQuadrupedTest, WrittenScenarioHasTheRobotsUrdf) {
+  const fs::path home = out.string() + "_home";
+  fs::create_directories(home / "robots/bodies");
+  std::string robot = Read(std::string(TENON_ROBOTS_DIR) + "/dogbot.yaml");
+  robot.replace(robot.find("dogbot.urdf"), 11, "bodies/dog.urdf");
+  std::ofstream(home / "robots/dog.yaml") << robot;
+  fs::copy_file(std::string(TENON_ROBOTS_DIR) + "/dogbot.urdf", home / "robots/bodies/dog.urdf");
+  std::ofstream(home / "own.yaml") << "extends: stand\nrobot: robots/dog.yaml\nduration_s: 0.05\n";
+  ASSERT_EQ(RunApp((home / "own.yaml").string() + Out()).exit_code, 0);
+  const std::string first = Read(out / "signals.csv");
+  fs::remove_all(home);
+  fs::rename(out, home);
+  const Result again = RunCommand("cd / && " TENON_QUADRUPED " " + (home / "scenario.yaml").string() + Out());
+  EXPECT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(Read(out / "signals.csv"), first);
+  fs::remove_all(home);
+}
+
+// Pushes that start, last and point as chance has it; the seed repeats them.
+TEST_F(TenonQuadrupedTest, PushesAreDrawnBySeed) {
+  const auto pushes = [&](int seed) {
+    EXPECT_EQ(RunApp("random_pushes --duration 0.05 --seed " + std::to_string(seed) + Out()).exit_code, 0);
+    const std::string scenario = Read(out / "scenario.yaml");
+    return scenario.substr(scenario.find("forces:"), 600);
+  };
+  const std::string one = pushes(1);
+  EXPECT_THAT(one, AllOf(HasSubstr("turn_rad"), ::testing::Not(HasSubstr("uniform"))));
+  EXPECT_EQ(pushes(1), one);
+  EXPECT_NE(pushes(2), one);
 }
 
 TEST_F(TenonQuadrupedTest, RefusesScenariosThatNeitherStandNorWalk) {
@@ -166,11 +198,11 @@ TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
     std::vector<double> values = Column(out, name);
     return std::unique(values.begin(), values.end()) - values.begin() - 1;
   };
-  EXPECT_EQ(changes("loop.world.torque_sensor.measured.2 [N m]"), 20);
+  EXPECT_EQ(changes("loop.world.torque_sensor.measured.front_left_knee [N m]"), 20);
   EXPECT_EQ(changes("loop.world.foot_sensor.measured.front_left.z [N]"), 10);
   EXPECT_EQ(changes("loop.world.imu.measurement.angular_velocity_B.z [rad/s]"), 4);
-  EXPECT_NEAR(Column(out, "loop.world.encoders.joints.qd.2 [rad/s]").back() -
-                  Column(out, "loop.world.plant.state.qd.2 [rad/s]").back(),
+  EXPECT_NEAR(Column(out, "loop.world.encoders.joints.qd.front_left_knee [rad/s]").back() -
+                  Column(out, "loop.world.plant.state.qd.front_left_knee [rad/s]").back(),
               0.5, 1e-6);
   EXPECT_NEAR(Column(out, "loop.world.imu.measurement.angular_velocity_B.z [rad/s]").back() -
                   Column(out, "loop.world.plant.state.w_W.z [rad/s]").back(),
@@ -185,6 +217,40 @@ TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
   EXPECT_THAT(Read(out / "summary.json"),
               AllOf(HasSubstr("\"fell\": true"), HasSubstr("the robot fell: its trunk is")));
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
+}
+
+// What no drive gives and what no ground lets in: the run comes to its end, and its verdict says what could
+// not have been.
+TEST_F(TenonQuadrupedTest, WhatNoRobotDoesIsNotFinished) {
+  const auto judged = [&](const std::string& arguments, const char* reason) {
+    const Result result = RunApp(arguments + Out());
+    EXPECT_EQ(result.exit_code, 3) << arguments << ": " << result.text;
+    EXPECT_THAT(Read(out / "summary.json"),
+                AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr(reason)));
+    EXPECT_NE(Read(out / "report.html").find(std::string("but ") + reason), std::string::npos);
+  };
+  judged("flat --duration 1.5 --set limit_speed=false", "a drive gave what it cannot: ");
+  // A foot that is too soft for the weight, and joints that are.
+  const std::string stand = "stand --set fall.min_height_ratio=0 --set fall.max_tilt_rad=3 ";
+  judged(stand + "--duration 0.2 --set robot.contact.stiffness_N_per_m=2000",
+         "a foot went into the ground: ");
+  judged(stand +
+             "--set pd.stiffness_N_m_per_rad=1 --set pd.damping_N_m_s_per_rad=0.5 "
+             "--set pd.gravity_compensation=false --duration 0.35",
+         "trunk, hip or knee went into the ground: ");
+}
+
+TEST_F(TenonQuadrupedTest, FiguresStandBesideTheirLimits) {
+  const Result result = RunApp("stand --duration 0.2" + Out());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json");
+  for (const char* key :
+       {"torque_max_N_m", "joint_speed_max_rad_per_s", "torque_beyond_drive_max_N_m", "foot_depth_max_m",
+        "leg_clearance_min_m", "trunk_clearance_min_m", "ground_clearance_min_m"})
+    EXPECT_THAT(summary.substr(summary.find("\"limits\"")), HasSubstr("\"" + std::string(key) + "\": {"))
+        << key;
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("(at most 60)"), HasSubstr("(at most 6)"), HasSubstr("(at least -0.005)")));
 }
 
 TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
@@ -214,7 +280,7 @@ TEST_F(TenonQuadrupedTest, WalksWithASlidingLoadAndWrongData) {
   EXPECT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("sliding load"));
   EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"com_error_max_m\": 0.0"));
-  const auto knees = [&] { return Column(out, "loop.world.plant.state.q.2 [rad]"); };
+  const auto knees = [&] { return Column(out, "loop.world.plant.state.q.front_left_knee [rad]"); };
   const std::vector<double> with_errors = knees();
   RunApp("flat --duration 1.5" + Out());
   EXPECT_NE(knees(), with_errors);
@@ -231,7 +297,11 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
         BadUsage{"stand --set app=tenon-cdpr", "is a scenario of another app"},
-        BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'"},
+        BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'?"},
+        BadUsage{"stand --set robot.foot_radius_m=-1", "robot: what differs:1:"},
+        BadUsage{"stand --set 'forces=[{on: front_left, height: 3, duration_s: 1}]'",
+                 "height = 3 must be from 0 to 1"},
+        BadUsage{"flat --set walk.gaits.trot=1", "walk.gaits: "},
         BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
         BadUsage{"stand --set start_height_m=-0.1", "start_height_m = -0.1 must not be negative"},
         BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
@@ -272,7 +342,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"flat --set profile=standrd", "--set profile=standrd: profile: there is no 'standrd'"},
         BadUsage{"flat --set walk.gaits=none", "--set walk.gaits=none: walk.gaits: there is no 'none'"},
         BadUsage{"stand --set 'report.plots=[{title: a, signals: [b]}]'",
-                 "stand.yaml:15:3: report: plot 'a'"},
+                 "stand.yaml:13:3: report: plot 'a'"},
         BadUsage{"stand --set report.plots.1.signals=[]", "report: the plot 'attitude"},
         BadUsage{"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
                  "flat.yaml:9:5: walk.path: segment 1"}));

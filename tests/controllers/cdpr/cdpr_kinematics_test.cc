@@ -133,6 +133,58 @@ TEST(CdprKinematics, NoMotionIsLeftBySixCables) {
             -std::numeric_limits<double>::infinity());
 }
 
+// K is the Hessian of the energy of elastic cables and of gravity, by second differences.
+TEST(CdprKinematics, ElasticStiffnessIsTheHessianOfTheEnergy) {
+  const CdprDescription robot = test::SixCableRobot();
+  const Vector3d p(0.3, -0.2, 1.8);
+  const CableKinematics cables = CalcCableKinematics(robot, p, Matrix3d::Identity());
+  const Eigen::MatrixXd W = cables.structure;
+  const CableVector tension = W.partialPivLu().solve(-GravityWrench(robot));
+  const CableVector rest = CalcRestLengths(robot.cable, cables.length, tension);
+  const auto energy = [&](const Vector6d& x) {
+    const Vector3d theta = x.tail<3>();
+    const double angle = theta.norm();
+    const Matrix3d R =
+        angle > 0 ? Eigen::AngleAxisd(angle, theta / angle).toRotationMatrix() : Matrix3d::Identity();
+    const CableVector length = CalcCableKinematics(robot, p + x.head<3>(), R).length;
+    double sum = robot.mass * 9.81 * x[2];
+    for (int i = 0; i < 6; ++i)
+      sum += robot.cable.axial_stiffness * (length[i] - rest[i]) * (length[i] - rest[i]) / (2 * rest[i]);
+    return sum;
+  };
+  const Matrix6d K = CalcElasticStiffness(robot.cable, cables, tension);
+  constexpr double kStep = 1e-3;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const Vector6d a = kStep * Vector6d::Unit(i), b = kStep * Vector6d::Unit(j);
+      const double second =
+          (energy(a + b) - energy(a - b) - energy(b - a) + energy(-a - b)) / (4 * kStep * kStep);
+      EXPECT_NEAR(K(i, j), second, 1e-5 * K.norm()) << i << ", " << j;
+      EXPECT_EQ(K(i, j), K(j, i));
+    }
+  }
+}
+
+// Pushed at its CoM, the platform gives way by the compliance, and turns; least in the stiffest direction.
+TEST(CdprKinematics, TranslationalStiffnessIsForceOverDisplacement) {
+  const CdprDescription robot = test::SixCableRobot();
+  const CableKinematics cables = CalcCableKinematics(robot, {0.3, -0.2, 1.8}, Matrix3d::Identity());
+  const Matrix6d K = CalcElasticStiffness(robot.cable, cables, CableVector::Constant(6, 40));
+  const double least = CalcLeastTranslationalStiffness(K);
+  double softest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 60; ++i) {
+    for (int j = 0; j <= 30; ++j) {
+      Vector6d force = Vector6d::Zero();
+      const double a = 2 * M_PI * i / 60, b = M_PI * j / 30;
+      force.head<3>() << std::cos(a) * std::sin(b), std::sin(a) * std::sin(b), std::cos(b);
+      softest = std::min(softest, 1 / K.ldlt().solve(force).head<3>().norm());
+    }
+  }
+  EXPECT_GE(softest, least * (1 - 1e-12));
+  EXPECT_LT(softest, least * 1.01);
+  EXPECT_EQ(CalcLeastTranslationalStiffness(K - 2 * K.norm() * Matrix6d::Identity()), 0);
+}
+
 TEST(CdprKinematics, CableWithoutLengthIsRefused) {
   const CdprDescription robot = test::FourCableRobot();
   const Vector3d position = robot.cables[1].anchor_W - robot.cables[1].attachment_B;

@@ -140,7 +140,7 @@ TEST(CdprMpc, ReferenceAccelerates) {
   CentroidalState x = plan.nodes[0].x;
   for (int tick = 0; tick < 500; ++tick) {
     const double time = 0.01 * tick;
-    ASSERT_TRUE(solver.Solve(time, x, {}, cost, plan).ok()) << time;
+    ASSERT_TRUE(solver.Solve(time, x, {}, {}, cost, plan).ok()) << time;
     const Eigen::Vector3d p = x.segment<3>(6), from_center = p - Eigen::Vector3d(0, 0, 2);
     const CableKinematics cables = CalcCableKinematics(robot, p, RotationFromEuler(x.tail<3>()));
     const Vector6d wrench = cables.structure * plan.nodes[0].u + GravityWrench(robot);
@@ -206,7 +206,7 @@ TEST(CdprMpc, HoldsTheLoadThatItIsTold) {
   const CdprReference reference = params.path->At(0);
   BalancedReference balanced(robot);
   ReferenceShift shift;
-  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, {}, shift);
   PlatformEstimate estimate = At(params, 0, {0, 0, 0});
   estimate.platform.q_WB = QuaternionFromRotation(balanced.R_WB());
   TestRig<CdprMpc> rig(params);
@@ -216,6 +216,33 @@ TEST(CdprMpc, HoldsTheLoadThatItIsTold) {
     rig.Fix(rig->estimate, estimate);
   }
   EXPECT_THAT(rig[rig->command], IsNear(balanced.tension(), 0.2));
+}
+
+// Without one of twelve cables, the command at the equilibrium is what holds the platform with the others.
+TEST(CdprMpc, DoesWithoutACableThatIsBroken) {
+  const CdprDescription robot = test::TwoRingRobot(12);
+  const CdprMpcParams params = Holding(robot, {0.3, 0.4, 2});
+  CableVector broken = CableVector::Zero(12);
+  broken[3] = 1;
+  BalancedReference balanced(robot);
+  ReferenceShift shift;
+  for (int k = 0; k < 20; ++k) balanced.Calc(params.path->At(0), {}, broken, shift);
+  PlatformEstimate estimate = At(params, 0, {0, 0, 0});
+  estimate.platform.q_WB = QuaternionFromRotation(balanced.R_WB());
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig->estimate, estimate).Tick();
+  EXPECT_GT(rig[rig->command][3], 1);
+  rig.Fix(rig->broken, broken);
+  for (int k = 0; k < 100; ++k) {
+    estimate.time = rig.Tick().time();
+    rig.Fix(rig->estimate, estimate);
+  }
+  EXPECT_EQ(rig[rig->command][3], 0);
+  EXPECT_THAT(rig[rig->command], IsNear(balanced.tension(), 0.2));
+  if (!AllocationGuard::Available()) return;
+  const AllocationGuard guard;
+  rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST(CdprMpc, RefusesWhatMakesNoSense) {

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/model/euler.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -110,6 +112,39 @@ TEST(Path, SplinePassesItsPointsWithFourContinuousDerivatives) {
   }
 }
 
+TEST(Path, WaypointsRestBetweenEqualPoints) {
+  const Vector3d a(0, 0, 2), b(0.5, 0.2, 2.1), c(0.7, 1, 1.9), d(-0.5, 0.6, 1.8);
+  const Path path = Path::Waypoints({a, a, b, c, c, d, d}, {1, 1.5, 3, 4.5, 6, 8, 9});
+  ExpectConsistent(path, 0.5, 9.5);
+  for (const double t : {0.0, 1.0, 1.2, 1.5}) ExpectAtRest(path, t, a);
+  for (const double t : {4.5, 5.0, 6.0}) ExpectAtRest(path, t, c);
+  for (const double t : {8.0, 8.5, 9.0, 12.0}) ExpectAtRest(path, t, d);
+  // In between it is a spline from rest to rest, which does not stop at b.
+  const Path spline = Path::Spline({a, b, c}, {1.5, 3, 4.5});
+  for (double t = 1.5; t < 4.5; t += 0.1) {
+    EXPECT_EQ(path.At(t).position, spline.At(t).position) << t;
+    EXPECT_EQ(path.At(t).acceleration, spline.At(t).acceleration) << t;
+  }
+  EXPECT_GT(path.At(3).velocity.norm(), 0.3);
+  EXPECT_EQ(path.start_time(), 1);
+  EXPECT_EQ(path.end_time(), 9);
+}
+
+// As many points as a file may have: a sine, met to the spline's order.
+TEST(Path, WaypointsMayBeThousands) {
+  std::vector<Vector3d> points;
+  std::vector<double> times;
+  for (int i = 0; i <= 3000; ++i) {
+    times.push_back(0.05 * i);
+    points.emplace_back(std::sin(times.back()), 0, 2);
+  }
+  const Path path = Path::Waypoints(points, times);
+  for (double t = 10; t < 100; t += 0.777) {
+    EXPECT_NEAR(path.At(t).position[0], std::sin(t), 1e-9);
+    EXPECT_NEAR(path.At(t).acceleration[0], -std::sin(t), 1e-5);
+  }
+}
+
 TEST(Path, HoldStays) {
   const Path path = Path::Hold({0.1, 0.2, 2});
   ExpectAtRest(path, -1, {0.1, 0.2, 2});
@@ -131,6 +166,11 @@ TEST(Path, RefusesNonsense) {
   EXPECT_THAT(Refusal([&] { Path::Spline({p, p}, {0, 1, 2}); }), HasSubstr("2 points but 3 times"));
   EXPECT_THAT(Refusal([&] { Path::Spline({p, bad}, {0, 1}); }), HasSubstr("point 2 of 2 is (0, inf, 2)"));
   EXPECT_THAT(Refusal([&] { Path::Spline({p, p, p}, {0, 2, 1}); }), HasSubstr("time 3 of 3 is 1 s"));
+  EXPECT_THAT(Refusal([&] { Path::Waypoints({p}, {0}); }), HasSubstr("1 points, and it takes at least 2"));
+  EXPECT_THAT(Refusal([&] {
+                Path::Waypoints({p, p, p}, {0, 2, 1});
+              }),
+              HasSubstr("must be finite and increase"));
   EXPECT_THAT(Refusal([&] { Path::Hold(bad); }), HasSubstr("Path::Hold: the position is (0, inf, 2)"));
 }
 
@@ -206,6 +246,60 @@ TEST(EquilibriumPath, PrescribedAttitudeIsKept) {
   EXPECT_LT((equilibria.At(2.7).euler - *options.attitude).norm(), 1e-14);
 }
 
+// Attitude and position run through their points together; all else follows from the pose.
+TEST(EquilibriumPath, TurnsOnItsWay) {
+  const std::vector<Vector3d> points{{0, 0, 1.6}, {0.4, 0.3, 1.8}, {0, 0.6, 1.5}},
+      attitudes{{0, 0, 0}, {0.2, 0, 0}, {0, 0.2, -0.1}};
+  const std::vector<double> times{0, 2, 3};
+  const Path attitude = Path::Spline(attitudes, times);
+  for (const char* name : {"cdpr_8", "cdpr_12"}) {
+    const CdprDescription robot = LoadCdpr(FindResource("robots", name));
+    const EquilibriumPath equilibria(robot, Path::Spline(points, times), {.tension_aim = 100}, attitude);
+    ExpectGoodReference(equilibria, 0, 3);
+    for (const double t : {0.0, 0.7, 2.0, 2.6, 3.5}) {
+      EXPECT_LT((equilibria.At(t).euler - attitude.At(t).position).norm(), 1e-6) << t;
+      EXPECT_LT((equilibria.At(t).euler_rate - attitude.At(t).velocity).norm(), 1e-4) << t;
+    }
+    EXPECT_THAT(Refusal([&] {
+                  EquilibriumPath(robot, Path::Circle({0, 0, 2}, 0.1, 6, 1), {}, attitude);
+                }),
+                HasSubstr("on a circle the attitude is constant"));
+  }
+}
+
+// Of tensions nearest to an aim there is one set at a pose, which changes with it without jumps: between
+// close points of a path by little more than on average, also where a tension comes to a bound or leaves it.
+TEST(EquilibriumPath, TensionsNearestToAnAimChangeContinuously) {
+  struct Bounds {
+    const char* robot;
+    double lower, upper;
+  };
+  for (const auto& [name, lower, upper] : {Bounds{"cdpr_8", 50, 200}, Bounds{"cdpr_12", 60, 140}}) {
+    CdprDescription robot = LoadCdpr(FindResource("robots", name));
+    robot.cable.tension_min = lower;
+    robot.cable.tension_max = upper;
+    const StaticsOptions options{.attitude = Vector3d(0, 0, 0), .tension_aim = 100};
+    double travelled = 0, largest = 0;
+    int at_bound = 0;
+    CableVector last;
+    constexpr int kSteps = 1000;
+    for (int i = 0; i <= kSteps; ++i) {
+      const double s = 1.0 * i / kSteps;
+      const CableVector tension =
+          SolveInverseGeometricoStatic(robot, {0.5 * s, 0.4 * s, 1.6 + 0.4 * s}, options).tension;
+      if (i > 0) {
+        travelled += (tension - last).norm();
+        largest = std::max(largest, (tension - last).norm());
+      }
+      last = tension;
+      if (tension.minCoeff() == lower || tension.maxCoeff() == upper) ++at_bound;
+    }
+    EXPECT_GT(at_bound, 50) << name << ": the path would prove little";
+    EXPECT_LT(at_bound, 950) << name << ": the path would prove little";
+    EXPECT_LT(largest, 10 * travelled / kSteps) << name;
+  }
+}
+
 TEST(EquilibriumPath, KeepsTensionsWithinTheBoundsWhereACableReachesOne) {
   CdprDescription robot = test::FourCableRobot();
   robot.cable.tension_min = 15;
@@ -219,7 +313,7 @@ TEST(EquilibriumPath, PathOutOfTheWorkspaceIsRefusedWithTimeAndPlace) {
   const std::string line = Refusal([&] { EquilibriumPath(robot, Path::Line({0, 0, 2}, {0, 0, 5}, 10)); });
   EXPECT_THAT(line, HasSubstr("The path leaves the workspace at t = "));
   EXPECT_THAT(line,
-              HasSubstr("Robot 'four' cannot rest with its CoM at (0, 0, 3.657) m: cable 1 of 4 would need"));
+              HasSubstr("Robot 'four' cannot rest with its CoM at (0, 0, 3.657) m: cable 0 of 4 would need"));
 
   const std::string circle = Refusal([&] { EquilibriumPath(robot, Path::Circle({-3, 0, 2}, 2, 10, 2)); });
   EXPECT_THAT(circle, HasSubstr("The path leaves the workspace at t = "));

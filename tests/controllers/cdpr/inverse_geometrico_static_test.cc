@@ -236,10 +236,10 @@ TEST(InverseGeometricoStatic, RefusesAPlaceBesideTheAnchorsAndNamesTheCable) {
   const CdprDescription robot = test::FourCableRobot();
   EXPECT_THAT(
       Refusal(robot, {3.5, 2, 2}),
-      HasSubstr("at (3.5, 2, 2) m: cable 3 of 4 would need -16.95 N, outside its bounds [0, 800] N."));
+      HasSubstr("at (3.5, 2, 2) m: cable 2 of 4 would need -16.95 N, outside its bounds [0, 800] N."));
   const std::string refusal = Refusal(robot, {4.5, 1, 2});
   EXPECT_THAT(refusal,
-              HasSubstr("torques aside, no tensions within [0, 800] N balance the wrench: cable 3 of 4"));
+              HasSubstr("torques aside, no tensions within [0, 800] N balance the wrench: cable 2 of 4"));
 }
 
 TEST(InverseGeometricoStatic, RefusesTensionsAboveTheMaximum) {

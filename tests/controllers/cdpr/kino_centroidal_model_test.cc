@@ -102,6 +102,34 @@ TYPED_TEST(KinoCentroidalModelTest, ProductsKnowTheStructure) {
   EXPECT_THAT(rate, IsNear(expected, 1e-12));
 }
 
+// With a payload it is the model of the one body that both make, and its Jacobians are those of differences.
+TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
+  using Model = typename TestFixture::Model;
+  const LoadedPlatform body(this->robot, {4, {0.1, 0.3, -0.2}});
+  CdprDescription both = this->robot;
+  both.mass = body.mass;
+  both.inertia_B = body.inertia;
+  for (CableDescription& cable : both.cables) cable.attachment_B -= body.com_B;
+  Model model(this->robot);
+  model.SetPayload(this->robot, body);
+  const auto rate = [&](const auto& z) -> Eigen::VectorXd {
+    CentroidalState out;
+    model.Derivative(z.template head<12>(), z.template tail<TestFixture::n>(), out);
+    return out;
+  };
+  Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
+  z << SomeState(), this->u;
+  CentroidalState dx, expected;
+  Model(both).Derivative(SomeState(), this->u, expected);
+  typename Model::Linearization f(12, TestFixture::n);
+  model.Linearize(SomeState(), this->u, dx, f);
+  EXPECT_THAT(dx, IsNear(expected, 1e-13));
+  EXPECT_THAT(rate(z), IsNear(expected, 1e-13));
+  typename Model::Linearization::Tangent jacobian(12, 12 + TestFixture::n);
+  f.MultiplyIdentity(jacobian);
+  EXPECT_TRUE(IsJacobian(jacobian, rate, z, 1e-8));
+}
+
 // The derivatives of a step are those of that step itself, whatever its length.
 TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
   using Model = typename TestFixture::Model;
@@ -134,6 +162,32 @@ TEST(KinoCentroidalModel, StateOfAPlatform) {
   CentroidalState dx;
   KinoCentroidalModel<4>(robot).Derivative(x, Eigen::Vector4d::Zero(), dx);
   EXPECT_THAT(EulerRateMatrix(euler) * dx.tail<3>(), IsNear(w, 1e-13));
+}
+
+// Against differences of both states by the motion that they are states of: place, attitude and their rates.
+TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayload) {
+  const CdprDescription robot = RobotWith(4);
+  const LoadedPlatform alone(robot, {}), body(robot, {4, {0.1, 0.3, -0.2}});
+  Eigen::Matrix<double, 12, 1> rest;
+  rest << 0.5, -0.4, 1.8, 0.2, -0.3, 0.5, Eigen::Matrix<double, 6, 1>::Zero();
+  const auto jacobian = [&](const LoadedPlatform& of) {
+    const auto state = [&](const Eigen::Matrix<double, 12, 1>& z) {
+      const Eigen::Vector3d euler = z.segment<3>(3);
+      return CentroidalStateOf(of, z.head<3>(), RotationFromEuler(euler), euler, z.segment<3>(6),
+                               z.tail<3>());
+    };
+    constexpr double kStep = 1e-6;
+    Eigen::Matrix<double, 12, 12> J;
+    for (int i = 0; i < 12; ++i) {
+      const Eigen::Matrix<double, 12, 1> step = kStep * Eigen::Matrix<double, 12, 1>::Unit(i);
+      J.col(i) = (state(rest + step) - state(rest - step)) / (2 * kStep);
+    }
+    return J;
+  };
+  const Eigen::Matrix<double, 12, 12> expected = jacobian(alone) * jacobian(body).inverse();
+  EXPECT_THAT(ErrorsOfPlatform(robot, body, rest.segment<3>(3)), IsNear(expected, 1e-8));
+  EXPECT_THAT(ErrorsOfPlatform(robot, alone, rest.segment<3>(3)),
+              IsNear(Eigen::Matrix<double, 12, 12>::Identity().eval(), 1e-12));
 }
 
 TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <initializer_list>
 
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
@@ -71,13 +72,61 @@ TEST(ReferenceBalancerTest, TensionsStayWithinTheBounds) {
   load.payload = {3, {0.05, 0.3, -0.1}};
   ReferenceShift shift;
   BalancedReference balanced(robot);
-  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, {}, shift);
   EXPECT_GE(balanced.tension().minCoeff(), robot.cable.tension_min);
   EXPECT_EQ((balanced.tension().array() == robot.cable.tension_min).any(), true);
   CdprReference held = reference;
   held.euler = balanced.euler();
   held.tension = balanced.tension();
   EXPECT_LT(Imbalance(robot, held, load).norm(), 1e-6);
+}
+
+CableVector Broken(int cables, std::initializer_list<int> which) {
+  CableVector broken = CableVector::Zero(cables);
+  for (const int i : which) broken[i] = 1;
+  return broken;
+}
+
+// Each of twelve cables may break, alone and with a payload on the platform: the others carry its part, where
+// they are in W, with no more than they may.
+TEST(ReferenceBalancerTest, DoesWithoutACableThatIsBroken) {
+  CdprDescription robot = test::TwoRingRobot(12);
+  robot.cable.tension_min = 5;
+  const CdprReference reference =
+      EquilibriumPath(robot, Path::Hold({0.2, 0.4, 2}),
+                      StaticsOptions{.attitude = Eigen::Vector3d(0, 0, 0), .tension_aim = 20})
+          .At(0);
+  LoadEstimate load;
+  for (const double mass : {0.0, 2.0}) {
+    load.payload = {mass, {0.05, 0.1, -0.1}};
+    for (int i = 0; i < 12; ++i) {
+      TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
+      rig.Fix(rig->reference, reference).Fix(rig->load, load).Fix(rig->broken, Broken(12, {i}));
+      for (int k = 0; k < 20; ++k) rig.Tick();
+      CdprReference balanced = rig[rig->balanced];
+      balanced.tension[i] = 0;
+      EXPECT_LT(Imbalance(robot, balanced, load).norm(), 1e-6) << "cable " << i;
+      for (int j = 0; j < 12; ++j)
+        if (j != i) {
+          EXPECT_GE(balanced.tension[j], 5);
+        }
+      EXPECT_LT((balanced.euler - reference.euler).norm(), 0.02);
+    }
+  }
+}
+
+// Three cables of four hold a platform only above the triangle of their anchors.
+TEST(BalancedReferenceTest, SaysWhenTheOthersCannotHoldThePlatform) {
+  const CdprDescription robot = test::FourCableRobot();  // the first cable's anchor is in front, on the left
+  const auto unheld = [&](const Eigen::Vector3d& position) {
+    const CdprReference reference = Hold(robot, position);
+    ReferenceShift shift;
+    BalancedReference balanced(robot);
+    for (int k = 0; k < 40; ++k) balanced.Calc(reference, {}, Broken(4, {0}), shift);
+    return shift.unheld;
+  };
+  EXPECT_EQ(unheld({-0.8, -1, 2}), 0);
+  EXPECT_GT(unheld({0.8, 1, 2}), 10);
 }
 
 // Where platform, payload and rest are in balance the model of the MPC stands still.
@@ -89,14 +138,14 @@ TEST(BalancedReferenceTest, IsAnEquilibriumOfTheModelWithPayload) {
   load.rest = {{3, -2, 1}, {0.2, 0.1, -0.1}};
   ReferenceShift shift;
   BalancedReference balanced(robot);
-  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, shift);
+  for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, {}, shift);
 
   PlatformState platform;
   platform.p_WB = reference.position;
   platform.q_WB = QuaternionFromRotation(balanced.R_WB());
   const CentroidalState x = CentroidalStateOf(robot, platform, load.payload);
   KinoCentroidalModel<4> model(robot);
-  model.SetPayload(robot, load.payload);
+  model.SetPayload(robot, {robot, load.payload});
   const Eigen::Vector3d com_W = balanced.R_WB() * LoadedPlatform(robot, load.payload).com_B;
   const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
   model.load << force, torque - com_W.cross(force);
@@ -129,9 +178,9 @@ TEST(BalancedReferenceTest, AllocatesNothing) {
   load.payload = {5, {0, 0.4, 0}};
   BalancedReference balanced(robot);
   ReferenceShift shift;
-  balanced.Calc(reference, load, shift);
+  balanced.Calc(reference, load, {}, shift);
   const AllocationGuard guard;
-  balanced.Calc(reference, load, shift);
+  balanced.Calc(reference, load, {}, shift);
   EXPECT_EQ(guard.count(), 0);
 }
 

@@ -273,6 +273,24 @@ TEST(Slq, ProjectionInTheRollOutIsTheUnboundedFeedbackCutOff) {
   EXPECT_NEAR(report.cost, CostOf(problem, kUneven, Eigen::Vector3d(1, -2, 0.5), InputsOf(slq)), 1e-9);
 }
 
+TEST(Slq, WithoutBoundsItIsTheUnboundedFeedback) {
+  auto problem = SomeLinearProblem();
+  const Textbook best = RiccatiOf(problem, kUneven);
+  problem.lower = Eigen::Vector2d(-8, -3.7);
+  problem.upper = Eigen::Vector2d(6.8, 4);
+  Slq<LinearProblem<3, 2>> slq(problem, kUneven, {.bounds = SlqBounds::kNone});
+  ASSERT_EQ(slq.Solve(Eigen::Vector3d(1, -2, 0.5)).step_length, 1);
+  Eigen::Vector4d x(1, -2, 0.5, 1);
+  int beyond = 0;
+  for (std::size_t k = 0; k < kUneven.size(); ++k) {
+    const Eigen::Vector2d u = best.gains[k] * x;
+    beyond += u != u.cwiseMax(problem.lower).cwiseMin(problem.upper);
+    EXPECT_THAT(slq.policy()[k].u, IsNear(u, 1e-9)) << k;
+    x = best.As[k] * x + best.Bs[k] * u;
+  }
+  EXPECT_GT(beyond, 2);
+}
+
 // Where the projection bites, the unbounded model stops being a descent: above the optimum, which the
 // projected Newton iteration finds.
 TEST(Slq, ProjectionInTheRollOutDescendsWithinTheBounds) {

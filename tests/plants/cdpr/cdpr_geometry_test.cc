@@ -45,6 +45,40 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
   }
 }
 
+TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
+  CdprDescription robot = FourCableRobot();
+  robot.cable.mass_per_length = 1;
+  robot.winch.pulley_radius = 0.1;
+  CdprPlantParams params = Hanging(robot);
+  params.initial_tension.setConstant(60);
+  TestRig<CdprPlant> rig(params);
+  auto& plant = rig.system();
+  const Geometry& geometry = rig[plant.geometry];
+  for (int i = 0; i < 4; ++i) {
+    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const Shape& pulley = Named(geometry, "pulley " + std::to_string(i));
+    EXPECT_NEAR((pulley.p_W - cable.anchor_W).norm(), 0.1, 1e-15);
+    Vec<3> end = params.p_WB + cable.attachment_B;
+    const Vec<3> chord = cable.anchor_W - end;
+    double length = 0, sag = 0;
+    for (const Shape& piece : geometry) {
+      if (piece.name != "cable " + std::to_string(i)) continue;
+      EXPECT_THAT(piece.p_W, IsNear(end, 1e-10));
+      end = piece.p_W + piece.vector_W;
+      length += piece.vector_W.norm();
+      const double part = (end - params.p_WB - cable.attachment_B).head<2>().norm() / chord.head<2>().norm();
+      sag = std::max(sag, params.p_WB[2] + cable.attachment_B[2] + part * chord[2] - end[2]);
+    }
+    const double wrapped = (end - cable.anchor_W).norm();
+    EXPECT_NEAR((end - pulley.p_W).norm(), 0.1, 1e-10);
+    EXPECT_LT(length + wrapped, rig[plant.cables].rest_length[i] * (1 + 60 / 27e3));
+    EXPECT_GT(sag, 0.3);  // w l^2 / (8 T) = 9.81 * 6.1^2 / (8 * 60) and more
+    const Vec<3> axle = RotationFromQuaternion(pulley.q_W).col(2);
+    EXPECT_NEAR(axle.dot(chord), 0, 1e-12);
+    EXPECT_NEAR(axle[2], 0, 1e-15);
+  }
+}
+
 TEST(CdprGeometryTest, PlatformReachesItsAttachmentsAndIsNeverFlat) {
   EXPECT_THAT(Named(MakeCdprGeometry(FourCableRobot()), "platform").size,
               IsNear(Vec<3>(0.15, 0.15, 0.186), 1e-15));
@@ -66,13 +100,21 @@ TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
 
 TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const CdprDescription robot = FourCableRobot();
+  CdprDescription robot = FourCableRobot();
+  robot.cable.mass_per_length = 0.05;
+  robot.winch.pulley_radius = 0.04;
   Geometry geometry = MakeCdprGeometry(robot);
   RandomStream random(1);
   const PlatformState x = RandomPlatform(random);
   const CableVector tension = CableVector::Constant(4, 100);
+  std::vector<CableStatics> cables;
+  for (int i = 0; i < 4; ++i) {
+    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const Vec<3> span = cable.anchor_W - x.p_WB - x.R_WB() * cable.attachment_B;
+    cables.push_back(CalcCableStatics(robot, i, span, span.norm(), 9.81));
+  }
   AllocationGuard guard;
-  MoveCdprGeometry(robot, x, tension, {}, {}, &geometry);
+  MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry);
   EXPECT_EQ(guard.count(), 0);
 }
 

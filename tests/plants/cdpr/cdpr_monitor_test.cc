@@ -39,6 +39,20 @@ TEST(CdprMonitorTest, EndsTheRunWhenACableIsSlack) {
   EXPECT_EQ(rig.RunOn().reason, "block.tension: cable 2 is slack");
 }
 
+TEST(CdprMonitorTest, ACableThatPullsNoHarderThanItsWeightIsSlack) {
+  CdprMonitorParams params{.robot = test::FourCableRobot()};
+  params.robot.cable.mass_per_length = 0.1;
+  Rig rig(params);
+  CableSignals cables = CableSignals::Zero(4);
+  cables.rest_length.setConstant(5);
+  cables.tension.setConstant(4.91);  // 0.1 kg/m of 5 m weigh 4.905 N
+  rig.Fix(rig->cables, cables);
+  EXPECT_FALSE(rig.RunOn().ended);
+  cables.tension[1] = 4.9;
+  rig.Fix(rig->cables, cables);
+  EXPECT_EQ(rig.RunOn().reason, "block.tension: cable 1 is slack");
+}
+
 TEST(CdprMonitorTest, SlackMayBeAllowed) {
   Rig rig;
   rig.SetTension(0);

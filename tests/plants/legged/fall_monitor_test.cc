@@ -54,7 +54,7 @@ TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
   rig.Fix(rig->state, At({0, 0, 21e3}));
   EXPECT_EQ(rig.simulator().AdvanceTo(1).reason,
-            "block.fall: the robot left the ground: its trunk is 21000.000 m above it, more than 10.000 m");
+            "block.flight: the robot left the ground: its trunk is 21000.000 m above it, more than 10.000 m");
 }
 
 TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {

@@ -33,6 +33,24 @@ TEST(SlidingLoadTest, LiesStillOnALevelTrunkAndWeighsOnIt) {
   EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(0, 0, -5 * 9.81), 1e-6));
 }
 
+TEST(SlidingLoadTest, IsNotThereWithoutMassUntilItIsDropped) {
+  SlidingLoadParams params = Load();
+  params.mass = 0;
+  TestRig<SlidingLoad> rig(params);
+  rig.Fix(rig->robot, Trunk()).RunTo(1);
+  EXPECT_TRUE(rig[rig->force].force_W.isZero(0));
+  EXPECT_TRUE(rig[rig->motion].v_W.isZero(0));
+  EXPECT_FALSE(rig[rig->geometry][0].visible);
+  LoadMotion above = rig[rig->motion];
+  above.p_W[2] += 0.1;
+  rig.Set(rig->mass, 2.0).Set(rig->motion, above);
+  rig.RunTo(1.1);
+  EXPECT_NEAR(rig[rig->motion].p_W[2], above.p_W[2] - 9.81 / 2 * 0.01, 1e-6);  // falls freely
+  rig.RunTo(3);
+  EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(0, 0, -2 * 9.81), 1e-3));
+  EXPECT_TRUE(rig[rig->geometry][0].visible);
+}
+
 // Down a trunk that is steeper than its friction holds: a = g (sin - mu cos), up to the stop.
 TEST(SlidingLoadTest, SlidesDownASteepTrunkToItsStop) {
   const double pitch = 0.5;
@@ -87,7 +105,7 @@ TEST(SlidingLoadTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { SlidingLoad load(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass of 0 kg", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass of -1 kg", "negative"));
   EXPECT_TRUE(refuses([](auto& p) { p.slip_speed = 0; }, "slip_speed of 0 m/s", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity of nan m/s^2", "positive"));

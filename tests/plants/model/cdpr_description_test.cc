@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <limits>
 
 namespace tenon {
@@ -75,6 +77,50 @@ TEST_P(RobotFileTest, CarriesItsWeightWithinTheLimits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RobotFileTest, ::testing::Values(4, 6, 8));
+
+struct Published {
+  const char* name;
+  int num_cables;
+  double middle;   ///< tensions near this one are looked for [N]
+  double frame_x;  ///< from the first to the last anchor [m]
+};
+
+class PublishedRobotTest : public ::testing::TestWithParam<Published> {};
+
+TEST_P(PublishedRobotTest, CarriesItsWeightWithinTheLimits) {
+  const auto [name, num_cables, middle, frame_x] = GetParam();
+  const auto robot = LoadCdpr(kRobots + "/" + name + ".yaml");
+  EXPECT_EQ(robot.name, name);
+  ASSERT_EQ(robot.num_cables(), num_cables);
+  const auto by_x = [](const CableDescription& a, const CableDescription& b) {
+    return a.anchor_W.x() < b.anchor_W.x();
+  };
+  const auto [low, high] = std::minmax_element(robot.cables.begin(), robot.cables.end(), by_x);
+  EXPECT_NEAR(high->anchor_W.x() - low->anchor_W.x(), frame_x, 0.01);
+  for (const double z : {1.0, 1.5, 2.0}) {
+    const Eigen::VectorXd tensions = TensionsAt(robot, {0, 0, z}, middle);
+    ASSERT_EQ(tensions.size(), num_cables) << "at z = " << z;
+    EXPECT_GT(tensions.minCoeff(), robot.cable.tension_min) << "at z = " << z;
+    EXPECT_LT(tensions.maxCoeff(), robot.cable.tension_max) << "at z = " << z;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PublishedRobotTest,
+                         ::testing::Values(Published{"cogiro", 8, 300, 14.98},
+                                           Published{"ipanema_3", 8, 800, 16.77},
+                                           Published{"c4", 12, 400, 10}));
+
+// Both cables of a lower pair of C4 are parallel wherever the level platform is, which is what holds it
+// level.
+TEST(CdprDescriptionTest, PairsOfC4AreParallel) {
+  const auto robot = LoadCdpr(kRobots + "/c4.yaml");
+  for (int i = 4; i < 12; i += 2) {
+    const auto span = [&](int k) -> Eigen::Vector3d {
+      return robot.cables[k].anchor_W - robot.cables[k].attachment_B;
+    };
+    EXPECT_LT((span(i) - span(i + 1)).norm(), 1e-12) << "cables " << i << " and " << i + 1;
+  }
+}
 
 TEST(CdprDescriptionTest, AnyNumberOfCablesIsReadFromText) {
   for (const int n : {4, 12, 16, 40}) {
@@ -195,6 +241,58 @@ TEST(CdprDescriptionTest, Winch) {
                 robot.winch.effective_mass = 0;
               }),
               HasSubstr("the winch's effective mass is 0 kg but must be positive; mode 'torque' needs"));
+}
+
+TEST(CdprDescriptionTest, WhatOnlyThePlantKnowsIsReadAndWritten) {
+  auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
+  EXPECT_EQ(document.Read<CdprDescription>().cable.mass_per_length, 0);
+  document.Set("cable_properties.mass_kg_per_m", "0.05");
+  document.Set("winch.pulley_radius_m", "0.04");
+  document.Set("winch.drum",
+               "{radius_m: 0.036, cable_diameter_m: 0.005, turns_per_layer: 10, cable_length_m: 9}");
+  document.Set("winch.differential", "{pairs: [[0, 1], [2, 3]], motor_tension_max_N: 400}");
+  const auto robot = document.Read<CdprDescription>();
+  EXPECT_EQ(robot.cable.mass_per_length, 0.05);
+  EXPECT_EQ(robot.winch.pulley_radius, 0.04);
+  EXPECT_EQ(robot.winch.drum->cable_length, 9);
+  EXPECT_EQ(robot.winch.differential->pairs[1][0], 2);
+  EXPECT_EQ(WriteYaml(YamlDocument::Parse(WriteYaml(robot), "again").Read<CdprDescription>()),
+            WriteYaml(robot));
+}
+
+TEST(CdprDescriptionTest, ARobotIsReadWithWhatDiffers) {
+  const CdprDescription robot = LoadCdpr(YamlFile{"{file: cdpr_4, cable_properties: {mass_kg_per_m: 0.05}}"});
+  EXPECT_EQ(robot.cable.mass_per_length, 0.05);
+  EXPECT_EQ(robot.cable.axial_stiffness, Robot().cable.axial_stiffness);
+  EXPECT_EQ(WriteYaml(LoadCdpr(YamlFile{"cdpr_4"})), WriteYaml(Robot()));
+}
+
+TEST(CdprDescriptionTest, WinchesAndCablesThatCannotBeAreRefused) {
+  const auto with_drum = [](double DrumProperties::*member, double value) {
+    return ErrorAfter([&](CdprDescription& robot) {
+      robot.winch.drum = DrumProperties{0.036, 0.005, 10, 9};
+      (*robot.winch.drum).*member = value;
+    });
+  };
+  const auto with_pairs = [](std::vector<std::array<int, 2>> pairs, double limit = 100) {
+    return ErrorAfter([&](CdprDescription& robot) {
+      robot.winch.differential = DifferentialProperties{std::move(pairs), limit};
+    });
+  };
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cable.mass_per_length = -1; }),
+              AllOf(HasSubstr("mass per length is -1 kg/m"), HasSubstr("must not be negative")));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.winch.pulley_radius = -0.04; }),
+              AllOf(HasSubstr("pulley's radius is -0.04 m"), HasSubstr("must not be negative")));
+  EXPECT_THAT(with_drum(&DrumProperties::radius, 0), HasSubstr("the drum's radius is 0 m"));
+  EXPECT_THAT(with_drum(&DrumProperties::cable_diameter, -1), HasSubstr("the cable's diameter is -1 m"));
+  EXPECT_THAT(with_drum(&DrumProperties::turns_per_layer, 0), HasSubstr("turns per layer is 0"));
+  EXPECT_THAT(with_drum(&DrumProperties::cable_length, 0), HasSubstr("cable length is 0 m"));
+  EXPECT_EQ(with_pairs({{0, 1}, {3, 2}}), "no error");
+  EXPECT_THAT(with_pairs({{0, 1}, {2, 1}}), AllOf(HasSubstr("[2, 1]"), HasSubstr("already in a pair")));
+  EXPECT_THAT(with_pairs({{0, 0}}), HasSubstr("names cable 0, which is already in a pair"));
+  EXPECT_THAT(with_pairs({{0, -1}}), HasSubstr("names cable -1, which is none"));
+  EXPECT_THAT(with_pairs({{0, 4}}), AllOf(HasSubstr("names cable 4, but there are 4"), HasSubstr("0 to 3")));
+  EXPECT_THAT(with_pairs({{0, 1}}, 0), HasSubstr("motor tension is 0 N"));
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 #include <sstream>
 
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
@@ -191,7 +193,7 @@ TEST(QuadrupedDescriptionTest, RefusesBodiesThatCannotBe) {
       Refused(zero, "dogbot.urdf", "link 'front_left_lower_leg'", "not positive definite", "check signs"));
 
   RobotFiles impossible("dogbot");
-  impossible.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"0.91\"");
+  impossible.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"1.91\"");
   EXPECT_TRUE(Refused(impossible, "dogbot.urdf", "link 'body'", "above the sum of the other two", "check"));
 
   RobotFiles massless("dogbot");
@@ -236,6 +238,78 @@ TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
   RobotFiles nowhere("dogbot");
   nowhere.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [.nan, 0, 0]");
   EXPECT_TRUE(Refused(nowhere, "dogbot.yaml", "imu_position_m.0: expected a finite number"));
+}
+
+// Frames that only name a place: an inertia that no body has is mended and told, one without mass left out.
+TEST(QuadrupedDescriptionTest, MendsTheInertiaOfFrames) {
+  const auto with_frame = [](const std::string& inertial) {
+    RobotFiles files("a1");
+    files.Change(&RobotFiles::urdf, "</robot>",
+                 "<link name=\"imu\">" + inertial +
+                     "</link><joint name=\"imu_joint\" type=\"fixed\"><parent link=\"trunk\"/><child "
+                     "link=\"imu\"/></joint>"
+                     "</robot>");
+    return files;
+  };
+  const auto warnings = [](const RobotFiles& files) {
+    const Directory directory;
+    std::ofstream(directory.path / "a1.yaml") << files.yaml;
+    std::ofstream(directory.path / "a1.urdf") << files.urdf;
+    return QuadrupedWarnings(YamlFile{(directory.path / "a1.yaml").string()});
+  };
+  EXPECT_TRUE(warnings(RobotFiles("a1")).empty());
+  const double trunk = LoadQuadruped(kRobots + "/a1.yaml").trunk.inertia(0, 0);
+
+  const RobotFiles negative = with_frame(
+      "<inertial><mass value=\"0.001\"/><inertia ixx=\"-1\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" "
+      "izz=\"0\"/></inertial>");
+  EXPECT_NEAR(negative.Load().trunk.inertia(0, 0), trunk, 1e-6);
+  ASSERT_EQ(warnings(negative).size(), 1u);
+  EXPECT_THAT(warnings(negative)[0],
+              ::testing::AllOf(::testing::HasSubstr("a1.urdf:"), ::testing::HasSubstr("link 'imu'"),
+                               ::testing::HasSubstr("taken with")));
+  const RobotFiles massless = with_frame(
+      "<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+      "izz=\"1\"/></inertial>");
+  EXPECT_NEAR(massless.Load().trunk.inertia(0, 0), trunk, 1e-15);
+  EXPECT_THAT(warnings(massless)[0], ::testing::HasSubstr("has an inertia but no mass"));
+  // The nearest: 1, 2 and 4 kg m^2 have second moments of 2.5, 1.5 and -0.5, and without the last 1.5, 2.5
+  // and 4.
+  const RobotFiles flat = with_frame(
+      "<inertial><mass value=\"0.001\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"2\" iyz=\"0\" "
+      "izz=\"4\"/></inertial>");
+  EXPECT_THAT(warnings(flat)[0], ::testing::HasSubstr("taken with 1.5, 2.5, 4 kg m^2"));
+}
+
+TEST(QuadrupedDescriptionTest, TheYamlGivesLimitsThatTheUrdfLacks) {
+  RobotFiles files("a1");
+  files.Change(&RobotFiles::urdf,
+               "<limit lower=\"-0.8029\" upper=\"0.8029\" effort=\"33.5\" velocity=\"21\"/>", "");
+  EXPECT_TRUE(Refused(files, "a1.urdf:", "'FL_hip_joint' has no limits", "joint_limits.abduction"));
+  files.yaml += "joint_limits:\n  abduction: {torque_N_m: 30, speed_rad_per_s: 20, range_rad: [-1, 1]}\n";
+  const QuadrupedDescription robot = files.Load();
+  EXPECT_EQ(robot.joint(0).torque_limit, 30);
+  EXPECT_EQ(robot.joint(0).lower, -1);
+  EXPECT_EQ(robot.joint(1).torque_limit, 33.5);
+  files.Change(&RobotFiles::yaml, "[-1, 1]", "[1, -1]");
+  EXPECT_TRUE(Refused(files, "a1.yaml", "range_rad is 1 to -1", "below"));
+}
+
+TEST(QuadrupedDescriptionTest, LockedJointsAreNone) {
+  RobotFiles files("a1");
+  // A wheel below each foot would be a fourth joint.
+  files.Change(
+      &RobotFiles::urdf, "</robot>",
+      "<link name=\"wheel\"/><joint name=\"wheel_joint\" type=\"continuous\"><parent link=\"FL_foot\"/>"
+      "<child link=\"wheel\"/><origin xyz=\"0.1 0 0\"/><axis xyz=\"0 1 0\"/></joint>"
+      "<link name=\"tip\"/><joint name=\"tip_joint\" type=\"fixed\"><parent link=\"wheel\"/>"
+      "<child link=\"tip\"/><origin xyz=\"0 0 -0.1\"/></joint></robot>");
+  files.Change(&RobotFiles::yaml, "front_left: FL_foot", "front_left: tip");
+  EXPECT_TRUE(Refused(files, "leg front_left has 4 revolute joints", "'wheel_joint'", "'locked_joints'"));
+  files.yaml += "locked_joints: [{joint: wheel_joint, angle_rad: 1.5707963267948966}]\n";
+  EXPECT_THAT(files.Load().legs[0].foot_J, IsNear(Eigen::Vector3d(0.1 - 0.1, 0, -0.2), 1e-12));
+  files.Change(&RobotFiles::yaml, "joint: wheel_joint", "joint: wheel_joitn");
+  EXPECT_TRUE(Refused(files, "no joint 'wheel_joitn'", "did you mean 'wheel_joint'"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesAStanceThatCannotBe) {

@@ -379,6 +379,16 @@ TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
   std::filesystem::remove(file);
 }
 
+TEST(ContextTest, SnapshotsOfAnotherFormatAreRefused) {
+  const Rich rich;
+  Simulator simulator(*rich.diagram, rich.options());
+  std::vector<std::byte> newer = simulator.context().Save();
+  newer[8] = std::byte(static_cast<int>(newer[8]) + 1);  // the version stands behind the magic
+  EXPECT_THAT([&] { simulator.context().Restore(newer); },
+              ThrowsMessage<RunError>(
+                  AllOf(HasSubstr("the snapshot has format"), HasSubstr("save it again with this one"))));
+}
+
 TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
   const Rich rich;
   Simulator simulator(*rich.diagram, rich.options());

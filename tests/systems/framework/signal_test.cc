@@ -99,6 +99,28 @@ TEST(SignalTest, StructsDescribeThemselves) {
   EXPECT_EQ(elements[11], (Element{"battery.1", "V"}));
 }
 
+struct Biped {
+  Vec<4> q_W{1, 0, 0, 0};
+  std::array<Vec<3>, 2> feet{Vec<3>::Zero(), Vec<3>::Zero()};
+  std::array<bool, 2> stands{};
+  static FieldList Fields() {
+    return {{"q_W", &Biped::q_W, "", "w,x,y,z"},
+            {"feet", &Biped::feet, "m", "left,right"},
+            {"stands", &Biped::stands, "", "left,right"}};
+  }
+};
+
+TEST(SignalTest, MembersNameTheirElementsAndItems) {
+  const std::vector<Element> elements = Elements(Biped());
+  ASSERT_EQ(elements.size(), 12);
+  EXPECT_EQ(elements[0], (Element{"q_W.w", ""}));
+  EXPECT_EQ(elements[4], (Element{"feet.left.x", "m"}));
+  EXPECT_EQ(elements[9], (Element{"feet.right.z", "m"}));
+  EXPECT_EQ(elements[11], (Element{"stands.right", "", false}));
+  EXPECT_THAT(Elements(std::array<double, 2>{}, {"load", "N", "left, right"}),
+              ElementsAre(Element{"left", "N"}, Element{"right", "N"}));
+}
+
 TEST(SignalTest, WhatDoesNotDescribeItselfHasNoElements) {
   EXPECT_THAT(Elements(Opaque{}), IsEmpty());
   EXPECT_THAT(Elements(std::string("text")), IsEmpty());

@@ -57,8 +57,8 @@ TEST(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
   EXPECT_TRUE(Throws<BuildError>(Adding<UsesInputsBelow>(),
                                  "inside 'block': 'y' uses member 2 of its Uses(...)", "declared below it",
                                  "move that declaration above it"));
-  EXPECT_TRUE(
-      Throws<BuildError>(Adding<ShowsStateBelow>(), "inside 'block'", "OutputPort{this, state}", "move"));
+  EXPECT_TRUE(Throws<BuildError>(Adding<ShowsStateBelow>(), "inside 'block'",
+                                 "an OutputPort that shows a state", "move"));
   EXPECT_TRUE(
       Throws<BuildError>(Adding<DerivativeOfStateBelow>(), "inside 'block'", "a TimeDerivative", "move"));
   EXPECT_TRUE(Throws<BuildError>(Adding<UpdateOfStateBelow>(), "inside 'block'", "an Update", "move"));
@@ -169,6 +169,31 @@ TEST(WrongProgramsTest, UnitsAndNamesAreAsManyAsElements) {
   EXPECT_NO_THROW(building({"y", "m, m, rad", "a, b, c"})());
 }
 
+class Items final : public LeafSystem<Spec> {
+ public:
+  explicit Items(Spec spec) : LeafSystem(std::move(spec)) {}
+  OutputPort<std::array<double, 2>> y{this, params, Uses(), [] { return std::array{1.0, 2.0}; }};
+};
+
+TEST(WrongProgramsTest, NamesOfAnArrayAreAsManyAsItsItems) {
+  DiagramBuilder builder;
+  builder.Add<Items>("block", Spec("y", "m", "a, b, c"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y' has 2 items but 3 names (a, b, c)"));
+  DiagramBuilder other;
+  other.Add<Items>("block", Spec("y", "m", "a, b"));
+  EXPECT_NO_THROW(other.Build());
+}
+
+struct TwoOfThree {
+  Vec<3> p = Vec<3>::Zero();
+  static FieldList Fields() { return {{"p", &TwoOfThree::p, "m", "x, y"}}; }
+};
+
+TEST(WrongProgramsTest, NamesInAStructAreAsManyAsElements) {
+  EXPECT_TRUE(Throws<BuildError>([] { internal::TypeInfoOf<TwoOfThree>(); },
+                                 "member 'p' of TwoOfThree has 3 elements but 2 names (x, y)"));
+}
+
 struct Pair {
   double a = 0, b = 0;
   static FieldList Fields() { return {{"a", &Pair::a, "m"}, {"b", &Pair::b, "s"}}; }
@@ -205,6 +230,30 @@ TEST(WrongProgramsTest, AnOutputSharesTheNameOfTheStateThatItShows) {
   DiagramBuilder builder;
   builder.Add<Oscillator>("plant");
   EXPECT_NO_THROW(builder.Build());
+}
+
+TEST(WrongProgramsTest, AnOutputCanShowAStateByItsOwnName) {
+  struct Tank final : LeafSystem<void> {
+    ContinuousState<double> x{this, {"x", "m"}, 2.0};
+    OutputPort<double> level{this, {"level"}, x};
+    TimeDerivative<double> dx{x, Uses(), [] { return 0.0; }};
+  };
+  DiagramBuilder builder;
+  auto& tank = builder.Add<Tank>("tank");
+  const auto diagram = builder.Build();
+  EXPECT_EQ(tank.level.path(), "tank.level");
+  EXPECT_EQ(tank.level.spec().units, "m");
+  EXPECT_EQ(diagram->CreateContext()->Eval(tank.level), 2);
+}
+
+TEST(WrongProgramsTest, AnOutputCannotShowAStateByTheNameOfAnother) {
+  struct Two final : LeafSystem<void> {
+    DiscreteState<double> x{this, "x"}, y{this, "y"};
+    OutputPort<double> shown{this, {"y"}, x};
+  };
+  DiagramBuilder builder;
+  builder.Add<Two>("block");
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "two members of 'block' are named 'y'"));
 }
 
 TEST(WrongProgramsTest, SizesThatAreKnownMustAgree) {

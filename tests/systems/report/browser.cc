@@ -65,7 +65,7 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
                                      "--disable-sync",
                                      "--disable-breakpad",
                                      "--disable-dev-shm-usage",
-                                     "--host-resolver-rules=MAP * ~NOTFOUND"};
+                                     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"};
   if (more_arguments.empty()) {
     arguments.insert(arguments.end(),
                      {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
@@ -103,8 +103,7 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
         Call("Target.attachToTarget", {{"targetId", target.at("targetId")}, {"flatten", true}});
     session_ = attached.at("sessionId");
     for (const char* domain : {"Page", "Runtime", "Log", "Network"}) Call(std::string(domain) + ".enable");
-    Call("Emulation.setDeviceMetricsOverride",
-         {{"width", 1400}, {"height", 900}, {"deviceScaleFactor", 1}, {"mobile", false}});
+    Resize(1400, 900);
   } catch (...) {
     Stop();
     throw;
@@ -182,9 +181,23 @@ Json Browser::Call(const std::string& method, Json params) {
   }
 }
 
+void Browser::Resize(int width, int height) {
+  Call("Emulation.setDeviceMetricsOverride",
+       {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+}
+
+void Browser::Prefer(const std::string& color_scheme) {
+  const Json feature{{"name", "prefers-color-scheme"}, {"value", color_scheme}};
+  Call("Emulation.setEmulatedMedia", {{"features", Json::array({feature})}});
+}
+
 void Browser::Open(const fs::path& file) {
+  Navigate("file://" + fs::absolute(file).string());
+}
+
+void Browser::Navigate(const std::string& url) {
   loaded_ = false;
-  Call("Page.navigate", {{"url", "file://" + fs::absolute(file).string()}});
+  Call("Page.navigate", {{"url", url}});
   while (!loaded_) Note(Receive());
 }
 
@@ -196,10 +209,20 @@ Json Browser::Evaluate(const std::string& expression) {
 }
 
 void Browser::Click(double x, double y) {
-  for (const char* type : {"mouseMoved", "mousePressed", "mouseReleased"}) {
-    Call("Input.dispatchMouseEvent",
-         {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
-  }
+  for (const char* type : {"mouseMoved", "mousePressed", "mouseReleased"}) Mouse(type, x, y);
+}
+
+void Browser::Mouse(const std::string& type, double x, double y) {
+  Call("Input.dispatchMouseEvent",
+       {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
+}
+
+void Browser::Press(const std::string& key, bool shift) {
+  for (const char* type : {"rawKeyDown", "keyUp"}) Key(type, key, shift);
+}
+
+void Browser::Key(const std::string& type, const std::string& key, bool shift) {
+  Call("Input.dispatchKeyEvent", {{"type", type}, {"key", key}, {"modifiers", shift ? 8 : 0}});
 }
 
 void Browser::Screenshot(const fs::path& file) {

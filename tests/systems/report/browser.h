@@ -7,8 +7,8 @@
 
 namespace tenon::testing {
 
-/// A headless Chromium without network, driven over a pipe by the DevTools protocol. A new one for each test:
-/// it starts from an empty profile, and the destructor ends it.
+/// A headless Chromium that reaches this machine alone, driven over a pipe by the DevTools protocol. A new
+/// one for each test: it starts from an empty profile, and the destructor ends it.
 class Browser {
  public:
   static bool IsInstalled();
@@ -19,12 +19,25 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
-  /// Opens a file in a window of 1400 x 900 and waits until it is loaded.
+  /// The window, 1400 x 900 unless said.
+  void Resize(int width, int height);
+  /// What the user prefers: "light" or "dark".
+  void Prefer(const std::string& color_scheme);
+  /// Opens a file and waits until it is loaded.
   void Open(const std::filesystem::path& file);
+  /// The same of an address, "http://127.0.0.1:8080".
+  void Navigate(const std::string& url);
   /// The value of a JavaScript expression; a promise is awaited. Throws with the text of an exception.
   nlohmann::json Evaluate(const std::string& expression);
   /// Moves the mouse to a place in the window, presses and releases its left button.
   void Click(double x, double y);
+  /// One step of a press or a drag: type is "mousePressed", "mouseMoved" with the left button down, or
+  /// "mouseReleased".
+  void Mouse(const std::string& type, double x, double y);
+  /// Half of a press: type is "rawKeyDown" or "keyUp".
+  void Key(const std::string& type, const std::string& key, bool shift = false);
+  /// Presses a key, called as in KeyboardEvent.key.
+  void Press(const std::string& key, bool shift = false);
   /// Saves what is to be seen as PNG.
   void Screenshot(const std::filesystem::path& file);
 

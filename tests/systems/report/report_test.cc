@@ -56,6 +56,31 @@ std::vector<T> Numbers(const Json& json) {
   return values;
 }
 
+/// The samples of a signal in a run of a page: times and values.
+struct Samples {
+  std::string unit;
+  std::vector<double> time;
+  std::vector<float> values;
+};
+Samples SamplesOf(const Json& run, const std::string& name) {
+  const Json& time = run.at("samples").at("time");
+  const auto times = time.is_string() ? Numbers<double>(time) : std::vector<double>();
+  for (const Json& group : run.at("samples").at("groups")) {
+    for (const Json& column : group.at("columns")) {
+      if (column.at("name") != name) continue;
+      Samples samples{column.at("unit"), {}, Numbers<float>(column.at("values"))};
+      for (const std::uint16_t row : Numbers<std::uint16_t>(group.at("rows"))) {
+        samples.time.push_back(time.is_string()
+                                   ? times.at(row)
+                                   : time.at("start").get<double>() + row * time.at("step").get<double>());
+      }
+      return samples;
+    }
+  }
+  ADD_FAILURE() << "the page has no signal " << name;
+  return {};
+}
+
 /// A cart of the tests' framework, with something to look at: it moves, and a wall stands.
 class ReportTest : public ::testing::Test {
  protected:
@@ -114,10 +139,10 @@ TEST_F(ReportTest, ThreeLinesMakeAPage) {
   report.Log(simulator, {&cart->state}, {geometry});
   simulator.RunTo(1);
   report.Write(file);
-  const Json run = DataOf(file).at("runs").at(0);
-  ASSERT_THAT(run["plots"], SizeIs(2)) << "position and velocity have two units";
-  EXPECT_EQ(run["plots"][0]["series"][0]["name"], "cart.x.position");
-  EXPECT_EQ(run["plots"][1]["series"][0]["unit"], "m/s");
+  const Json data = DataOf(file);
+  ASSERT_THAT(data["plots"], SizeIs(2)) << "position and velocity have two units";
+  EXPECT_EQ(data["plots"][0]["signals"], Json({"cart.x.position"}));
+  EXPECT_EQ(SamplesOf(data["runs"][0], "cart.x.velocity").unit, "m/s");
   const std::string page = Read(file);
   for (const char* part :
        {"<title>cart</title>", "OrbitControls = function", "Dygraph", "class Replay", ".dygraph-axis-label"})
@@ -128,21 +153,33 @@ TEST_F(ReportTest, ThreeLinesMakeAPage) {
 TEST_F(ReportTest, PlotsHoldWhatWasLogged) {
   Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {"force.output"}}}, .signal_rate = Hz(10)})
       .Write(file);
-  const Json plot = DataOf(file).at("runs").at(0).at("plots").at(0);
-  EXPECT_EQ(plot["title"], "speed");
-  const auto time = Numbers<double>(plot["time"]);
-  ASSERT_THAT(time, SizeIs(11));
-  EXPECT_EQ(time[3], 0.3);
-  const auto speed = Numbers<float>(plot["series"][0]["values"]);
-  EXPECT_FLOAT_EQ(speed[4], 2.0F / 2 * 0.4F) << "v = F t / m";
-  EXPECT_EQ(plot["series"][0]["reference"], false);
-  EXPECT_EQ(plot["series"][1]["reference"], true);
-  EXPECT_EQ(plot["series"][1]["pair"], 0) << "the reference of the first signal";
+  const Json data = DataOf(file), run = data.at("runs").at(0);
+  EXPECT_EQ(data["plots"], Json::parse(R"([{"title": "speed", "group": "", "signals": ["cart.x.velocity"],
+                                            "references": ["force.output"]}])"));
+  const Samples speed = SamplesOf(run, "cart.x.velocity");
+  ASSERT_THAT(speed.time, SizeIs(11));
+  EXPECT_DOUBLE_EQ(speed.time[3], 0.3);
+  EXPECT_FLOAT_EQ(speed.values[4], 2.0F / 2 * 0.4F) << "v = F t / m";
+  EXPECT_EQ(SamplesOf(run, "force.output").time, speed.time) << "a reference has the times of its signal";
 }
 
-TEST_F(ReportTest, NameOfASignalStandsForItsElements) {
-  Run({.title = "cart", .plots = {{"all", {"cart.x"}, {}}}}).Write(file);
-  EXPECT_THAT(DataOf(file).at("runs").at(0).at("plots").at(0).at("series"), SizeIs(2));
+TEST_F(ReportTest, SignalsThatNoPlotShowsAreThereToo) {
+  Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {}}}, .signal_rate = Hz(10)}).Write(file);
+  const Json run = DataOf(file).at("runs").at(0);
+  EXPECT_THAT(SamplesOf(run, "cart.x.position").time, SizeIs(11));
+  const Samples force = SamplesOf(run, "force.output");  // steps once: rows between say nothing
+  EXPECT_THAT(force.values, ElementsAre(2, 2, -1.5, -1.5));
+  EXPECT_DOUBLE_EQ(force.time[1], 0.4);
+  EXPECT_DOUBLE_EQ(force.time[2], 0.5);
+}
+
+TEST_F(ReportTest, LimitsOfSignalsAndFigures) {
+  Report report = Run({.title = "cart", .limits = {{"cart.x.velocity", {.low = -1, .high = 0.5}}}});
+  report.AddFigure("force_max_N", 3, {.high = 2.5});
+  report.Write(file);
+  const Json run = DataOf(file).at("runs").at(0);
+  EXPECT_EQ(run["limits"], Json::parse(R"([{"signal": "cart.x.velocity", "limits": [-1.0, 0.5]}])"));
+  EXPECT_EQ(run["figures"], Json::parse(R"([{"name": "force_max_N", "value": 3.0, "limits": [null, 2.5]}])"));
 }
 
 TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
@@ -181,8 +218,9 @@ TEST_F(ReportTest, ModesAreBands) {
        .signal_rate = Hz(10)})
       .Write(file);
   const Json bands = DataOf(file).at("runs").at(0).at("bands");
-  EXPECT_EQ(bands, Json::parse(R"([[{"time": 0.0, "value": 2.0, "name": "push"},
-                                    {"time": 0.5, "value": -1.5, "name": "-1.5"}]])"));
+  EXPECT_EQ(bands, Json::parse(R"([{"signal": "force.output", "names": ["a", "b", "push"],
+                                    "intervals": [{"time": 0.0, "value": 2.0, "name": "push"},
+                                                  {"time": 0.5, "value": -1.5, "name": "-1.5"}]}])"));
 }
 
 TEST_F(ReportTest, VerdictFiguresAndEvents) {
@@ -195,8 +233,10 @@ TEST_F(ReportTest, VerdictFiguresAndEvents) {
   Json run = DataOf(file).at("runs").at(0);
   EXPECT_EQ(run["good"], true);
   EXPECT_EQ(run["verdict"], "finished after 1 s");
-  EXPECT_EQ(run["figures"],
-            Json::parse(R"([["error_max_m", 0.25], ["settling_time_s", null], ["controller", "pd"]])"));
+  EXPECT_EQ(
+      run["figures"],
+      Json::parse(R"([{"name": "error_max_m", "value": 0.25}, {"name": "settling_time_s", "value": null},
+                            {"name": "controller", "value": "pd"}])"));
   EXPECT_EQ(run["events"][0]["label"], "kick");
 
   report.Conclude({.time = 0.7, .ended = true, .reason = "monitor: too fast"});
@@ -224,6 +264,9 @@ TEST_F(ReportTest, WrongNameIsRefusedBeforeTheRun) {
       Throws<ParameterError>([&] { references.Log(simulator, {&cart->state}); }, "no signal 'cart.y'"));
   Report bands({.title = "cart", .bands = {{"forc", {}}}});
   EXPECT_TRUE(Throws<ParameterError>([&] { bands.Log(simulator, {force}); }, "bands of the report",
+                                     "no signal 'forc'"));
+  Report limits({.title = "cart", .limits = {{"forc", {}}}});
+  EXPECT_TRUE(Throws<ParameterError>([&] { limits.Log(simulator, {force}); }, "limits of the report",
                                      "no signal 'forc'"));
   Report events({.title = "cart", .events = {"forc"}});
   EXPECT_TRUE(Throws<ParameterError>([&] { events.Log(simulator, {force}); }, "events of the report",
@@ -272,13 +315,96 @@ TEST_F(ReportTest, VariantsShareOnePage) {
   const Json runs = DataOf(file).at("runs");
   ASSERT_THAT(runs, SizeIs(2));
   EXPECT_EQ(runs[0]["name"], "slow");
-  EXPECT_EQ(runs[1]["figures"][0][1], 2.0);
-  EXPECT_THAT(runs[1]["plots"][0]["series"], SizeIs(1));
+  EXPECT_EQ(runs[1]["figures"][0]["value"], 2.0);
+  EXPECT_THAT(SamplesOf(runs[1], "cart.x.position").values, SizeIs(201));
 }
 
-/// A hundred arrows that all move.
+/// What an app leaves of a run.
+class ReadReportTest : public ReportTest {
+ protected:
+  ReadReportTest() : directory(file.parent_path() / (file.stem().string() + "_run")) {
+    fs::create_directories(directory);
+  }
+  ~ReadReportTest() override { fs::remove_all(directory); }
+  void WriteRun() {
+    Report report({.title = "cart",
+                   .description = "of two kilogrammes",
+                   .plots = {{"speed", {"cart.x.velocity"}, {"force.output"}, "motion"}},
+                   .events = {"force"},
+                   .bands = {{"force.output", {"a", "b", "push"}}},
+                   .limits = {{"force", {.high = 3}}}});
+    Simulator simulator(*diagram);
+    report.Log(simulator, {&cart->state, force}, {geometry});
+    simulator.AddLog(Hz(200), {&cart->state, force}, {std::make_shared<CsvLog>(directory / "signals.csv")});
+    report.Conclude(simulator.AdvanceTo(1));
+    report.AddFigure("error_max_m", 0.1, {.low = 0});
+    report.AddFigure("controller", "pd");
+    report.Write(directory / "report.html");
+  }
+  void ExpectRefused(const std::string& what, const std::string& place = "") {
+    EXPECT_TRUE(Throws<ParameterError>([&] { Report::Read(directory); }, directory.string() + place, what));
+  }
+  const fs::path directory;
+};
+
+TEST_F(ReadReportTest, ARunThatIsReadIsTheOneThatWasWritten) {
+  WriteRun();
+  const Report read = Report::Read(directory);
+  EXPECT_EQ(read.params().title, "cart");
+  read.Write(file);
+  Json written = DataOf(directory / "report.html"), again = DataOf(file);
+  for (const char* name : {"cart.x.position", "cart.x.velocity", "force.output"}) {
+    const Samples before = SamplesOf(written["runs"][0], name), after = SamplesOf(again["runs"][0], name);
+    EXPECT_THAT(after.values, ::testing::Pointwise(::testing::FloatEq(), before.values));  // by nine digits
+    EXPECT_EQ(after.time, before.time);
+  }
+  written["runs"][0].erase("samples");
+  again["runs"][0].erase("samples");
+  EXPECT_EQ(again, written);
+  Report twice(
+      {.title = "twice", .plots = {{"position, which its own page does not plot", {"cart.x.position"}, {}}}});
+  twice.Add("a", read);
+  twice.Add("b", read);
+  twice.Write(file);
+  const Json runs = DataOf(file).at("runs");
+  EXPECT_EQ(SamplesOf(runs[1], "cart.x.position").values, SamplesOf(runs[0], "cart.x.position").values);
+  EXPECT_FLOAT_EQ(SamplesOf(runs[0], "cart.x.position").values.at(80), 0.5F * 0.4F * 0.4F);
+}
+
+TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
+  EXPECT_TRUE(Throws<ParameterError>([&] { Report::Read(directory / "nowhere"); }, "nowhere' is no directory",
+                                     "--out of a run"));
+  ExpectRefused("has no report.html");
+  WriteRun();
+  fs::rename(directory / "signals.csv", directory / "moved.csv");
+  ExpectRefused("has no signals.csv");
+  std::string signals = Read(directory / "moved.csv");
+  const auto write = [](const fs::path& path, const std::string& text) { std::ofstream(path) << text; };
+  write(directory / "signals.csv", signals + "1.005,1,2\n");
+  ExpectRefused("3 values under 4 names", "/signals.csv', line 203");
+  write(directory / "signals.csv", signals + "1.005,1,2,x\n");
+  ExpectRefused("'x' is no number", "/signals.csv', line 203");
+  write(directory / "signals.csv", "x" + signals);
+  ExpectRefused("first column is the time", "/signals.csv', line 1");
+  write(directory / "signals.csv", signals);
+  const std::string page = Read(directory / "report.html");
+  write(directory / "report.html", page.substr(0, page.size() / 2));
+  ExpectRefused("no report of one run by this version", "/report.html");
+  write(directory / "report.html", "<html></html>");
+  ExpectRefused("no report of one run by this version", "/report.html");
+  Report both({.title = "both"});
+  for (const char* name : {"a", "b"}) both.Add(name, Run({.title = name}));
+  both.Write(directory / "report.html");
+  ExpectRefused("no report of one run by this version", "/report.html");
+}
+
+/// A hundred arrows that all move, and as many signals.
 class Swarm final : public LeafSystem<void> {
  public:
+  OutputPort<Vec<100>> waves{
+      this, {"waves"}, Uses(time), [](double t) {
+        return Vec<100>(Vec<100>::LinSpaced(1, 100).unaryExpr([t](double f) { return std::sin(f * t); }));
+      }};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
                                 Geometry(100, Shape::Arrow(ShapeRole::kForce, "arrow", 1)),
@@ -296,17 +422,24 @@ TEST(ReportSizeTest, LongRunOfManyShapesStaysBelowTenMegabytes) {
   auto& swarm = builder.Add<Swarm>("swarm");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  Report report({.title = "swarm"});
-  report.Log(simulator, {}, {&swarm.geometry});
-  simulator.RunTo(60);
+  Report report(
+      {.title = "swarm", .plots = {{"some", {"swarm.waves.0", "swarm.waves.1", "swarm.waves.99"}, {}}}});
+  report.Log(simulator, {&swarm.waves}, {&swarm.geometry});
+  simulator.RunTo(90);  // longer than all rows are kept
   const fs::path file = test::TemporaryPath("tenon_report_size.html");
+  Report eight({.title = "eight"});
+  for (int i = 0; i < 8; ++i) eight.Add(std::to_string(i), report);
+  eight.Write(file);
+  EXPECT_LT(fs::file_size(file), 10'000'000) << "eight runs, all signals plotted";
   report.Write(file);
   EXPECT_LT(fs::file_size(file), 10'000'000);
+  EXPECT_GE(SamplesOf(DataOf(file).at("runs").at(0), "swarm.waves.99").time.size(), 3000);
+  EXPECT_GE(SamplesOf(DataOf(file).at("runs").at(0), "swarm.waves.50").time.size(), 1000);
   const Json frames = DataOf(file).at("runs").at(0).at("frames");
   EXPECT_THAT(frames["moving"], SizeIs(600));
   const auto time = Numbers<double>(frames["time"]);
-  EXPECT_GE(time.size(), 1000) << "16 frames a second are left";
-  EXPECT_EQ(time.back(), 60) << "the end is kept";
+  EXPECT_GE(time.size(), 700) << "8 frames a second are left";
+  EXPECT_EQ(time.back(), 90) << "the end is kept";
   fs::remove(file);
 }
 
@@ -344,7 +477,7 @@ using Thinning = internal::ColumnLog::Thinning;
 
 // A run that is 1000 times longer than what is kept.
 TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
-  internal::ColumnLog log(Thinning::kPeaks, 256, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 256, nullptr);
   log.Begin({"time", "wave", "steps", "peak"}, {"s", "", "", ""});
   constexpr int kRows = 256000;
   for (int i = 0; i < kRows; ++i)
@@ -368,7 +501,7 @@ TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
 }
 
 TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
-  internal::ColumnLog log(Thinning::kSample, 64, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kSample, 64, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
   for (int i = 0; i < 10000; ++i) log.Row(std::vector<double>{1.0 * i, 2.0 * i, -3.0 * i});
   EXPECT_LE(log.rows(), 64);
@@ -384,7 +517,7 @@ TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
 
 TEST(ColumnLogTest, SamplesEndWithTheRun) {
   for (const int rows : {1, 2, 63, 64, 65, 127, 128, 129, 8191, 8192, 8193}) {
-    internal::ColumnLog log(Thinning::kSample, 64, nullptr, nullptr);
+    internal::ColumnLog log(Thinning::kSample, 64, nullptr);
     log.Begin({"time", "a"}, {"s", ""});
     for (int i = 0; i < rows; ++i) log.Row(std::vector<double>{1.0 * i, 2.0 * i});
     EXPECT_EQ(log.time(log.rows() - 1), rows - 1);
@@ -394,7 +527,7 @@ TEST(ColumnLogTest, SamplesEndWithTheRun) {
 }
 
 TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
-  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr);
   log.Begin({"time", "a", "b"}, {"s", "", ""});
   for (int i = 0; i < 100000; ++i) {
     const double t = 1e-3 * i;
@@ -420,7 +553,7 @@ TEST(DecimatePeaksTest, KeepsEveryPeakAndTheLimit) {
 }
 
 TEST(DecimatePeaksTest, KeepsAllRowsOfAShortLog) {
-  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr, nullptr);
+  internal::ColumnLog log(Thinning::kPeaks, 1 << 17, nullptr);
   EXPECT_THAT(internal::DecimatePeaks(log, {}, 10), IsEmpty());
   log.Begin({"time", "a"}, {"s", ""});
   for (int i = 0; i < 4; ++i) log.Row(std::vector<double>{1.0 * i, 1.0});
@@ -433,6 +566,9 @@ TEST(Base64Test, AgreesWithOthers) {
   EXPECT_EQ(internal::Base64(std::vector<float>{1}), "AACAPw==");
   EXPECT_EQ(internal::Base64(std::vector<float>{-2.5F, 3e7F, 0.1F}), "AAAgwMDh5EvNzMw9");
   EXPECT_EQ(internal::Base64(std::vector<float>{}), "");
+  EXPECT_EQ(internal::Base64(std::vector<std::uint16_t>{1, 65535}), "AQD//w==");
+  EXPECT_THAT(internal::FromBase64<float>("AAAgwMDh5EvNzMw9"), ElementsAre(-2.5F, 3e7F, 0.1F));
+  EXPECT_THROW(internal::FromBase64<float>("AA-gwMDh5EvNzMw9"), std::out_of_range);
 }
 
 }  // namespace

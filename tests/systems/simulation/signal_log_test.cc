@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
@@ -158,6 +160,43 @@ TEST_F(SignalLogTest, OneLogFeedsSeveralSinks) {
   simulator_->RunTo(0.3);
   EXPECT_EQ(a->rows(), 4);
   EXPECT_EQ(b->rows(), 4);
+}
+
+struct Pile {
+  std::map<int, double> content;
+};
+
+TEST(LoggedTypesTest, WhatHasNoNumbersIsRefused) {
+  DiagramBuilder builder;
+  auto& text = builder.AddFunction("text", Uses(), [] { return std::string("words"); });
+  auto& pile = builder.AddFunction("pile", Uses(), [] { return Pile(); });
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddLog(Hz(1), {&text}); },
+                                     "is of type std::string, of which a log has no numbers", "Publish"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddLog(Hz(1), {&pile}); }, "Fields()"));
+}
+
+// A run that is set back: what then did not happen is in no log.
+TEST_F(SignalLogTest, HeldRowsOfWhatDidNotHappenAreGone) {
+  const auto log = simulator_->AddLog(Hz(10), {&cart_->state, &cart_->force});
+  simulator_->HoldLogs(0.95);
+  const auto later = simulator_->AddLog(Hz(10), {&cart_->force});
+  simulator_->RunTo(0.5);
+  EXPECT_EQ(log->rows(), 0U);
+  EXPECT_EQ(later->rows(), 6U);  // it was not there to be held
+  const auto moment = simulator_->context().Save();
+  simulator_->context().Set(cart_->force, -8.0);
+  simulator_->RunTo(1.2);
+  EXPECT_EQ(log->rows(), 3U);  // 0, 0.1 and 0.2 s
+  simulator_->context().Restore(moment);
+  simulator_->RunTo(1.3);
+  simulator_->ReleaseLogs();
+  const std::vector<double> times = log->column("time"), force = log->column("cart.force");
+  ASSERT_EQ(times.size(), 14U);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], 0.1 * static_cast<double>(i), 1e-12);
+  for (const double f : force) EXPECT_EQ(f, 4);
+  simulator_->RunTo(1.4);
+  EXPECT_EQ(log->rows(), 15U);
 }
 
 }  // namespace

@@ -573,6 +573,39 @@ TEST(SimulatorTest, EachStepMonitorEndsTheRunInsideAnInterval) {
   EXPECT_NEAR(simulator.context().Eval(fall.height), 1 - status.time, 1e-12);
 }
 
+TEST(SimulatorTest, EachStepMonitorIsAskedAtTheStart) {
+  DiagramBuilder builder;
+  auto& fall = builder.Add<Fall>("fall");
+  Simulator simulator(builder.Build());
+  simulator.context().Set(fall.height, 0.4);
+  const RunStatus status = simulator.AdvanceTo(2);
+  EXPECT_TRUE(status.ended);
+  EXPECT_EQ(status.time, 0);
+  EXPECT_EQ(status.monitor, &fall.floor);
+}
+
+// A verdict is of the state that it judged: after another one was set, the run goes on.
+TEST(SimulatorTest, AnOldVerdictDoesNotReturn) {
+  struct Slow final : LeafSystem<void> {
+    ContinuousState<double> height{this, "height", 1.0};
+    TimeDerivative<double> d{height, Uses(), [] { return -1.0; }};
+    Monitor floor{this, "floor", Sampled{Hz(10)}, Uses(height),
+                  [](double h) { return h < 0.5 ? Verdict("below 0.5 m") : Verdict(); }};
+  };
+  const auto goes_on = [](auto& block, DiagramBuilder& builder) {
+    Simulator simulator(builder.Build(), {.max_step = 0.01});
+    const RunStatus status = simulator.AdvanceTo(1);
+    EXPECT_EQ(status.monitor, &block.floor);
+    simulator.context().Set(block.height, 2.0);
+    const RunStatus again = simulator.AdvanceTo(status.time + 1);
+    EXPECT_FALSE(again.ended) << again.reason;
+    EXPECT_EQ(again.monitor, nullptr);
+  };
+  DiagramBuilder by_step, by_sample;
+  goes_on(by_step.Add<Fall>("fall"), by_step);
+  goes_on(by_sample.Add<Slow>("slow"), by_sample);
+}
+
 TEST(SimulatorTest, RestoredRunGoesOnAfterItHadEnded) {
   struct Guard final : LeafSystem<void> {
     DiscreteState<bool> armed{this, "armed", true};

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -550,6 +551,80 @@ TEST(YamlTextTest, KeepsAnyValueOnOneLine) {
   EXPECT_EQ(YamlDocument::Parse(document.Flow(), "flow").Flow(), document.Flow());
   const auto written = YamlDocument::Parse(WriteYaml(document.Read<Anything>()), "written").Read<Anything>();
   for (const auto& [key, value] : any) EXPECT_EQ(written.values.at(key).text, value.text) << key;
+}
+
+struct Choice {
+  YamlFile robot{"dogbot"};
+  YamlText any;
+  static FieldList Fields() { return {{"robot", &Choice::robot}, {"any", &Choice::any}}; }
+};
+
+TEST(YamlFileTest, PathsStartFromTheFileInWhichTheyStand) {
+  auto document = YamlDocument::Parse("any: [own.csv, plain]\n", "/home/own.yaml");
+  document.AddMissing(YamlDocument::Parse("robot: ../robots/x.yaml\nany: b\n", "/base/sub/base.yaml"));
+  EXPECT_EQ(document.Read<Choice>().robot.text, "/base/robots/x.yaml");
+  EXPECT_EQ(document.Read<Choice>().any.text, "[/home/own.csv, plain]");
+  EXPECT_EQ(document.Path("robot"), "/base/robots/x.yaml");
+  EXPECT_THAT(document.Paths(), ::testing::ElementsAre(std::pair("any.0", "/home/own.csv"),
+                                                       std::pair("robot", "/base/robots/x.yaml")));
+  EXPECT_EQ(document.WithAbsolutePaths().Flow(),
+            "{\"any\": [/home/own.csv, plain], \"robot\": /base/robots/x.yaml}");
+  document.Set("robot", "x.yaml");
+  EXPECT_EQ(document.Path("robot"), (std::filesystem::current_path() / "x.yaml").string());
+}
+
+TEST(YamlFileTest, ANameTakesWhatDiffers) {
+  const auto read = [](const std::string& text, const std::string& base) {
+    auto document = YamlDocument::Parse(text, "/own.yaml");
+    document.AddMissing(YamlDocument::Parse(base, "/base.yaml"));
+    document.Set("robot.legs", "4");
+    return document.Read<Choice>().robot.text;
+  };
+  EXPECT_EQ(read("", ""), "{\"file\": dogbot, \"legs\": 4}");
+  EXPECT_EQ(read("", "robot: a1"), "{\"file\": a1, \"legs\": 4}");
+  EXPECT_EQ(read("robot: {mass_kg: 3}", "robot: a1"), "{\"file\": a1, \"mass_kg\": 3, \"legs\": 4}");
+  EXPECT_EQ(read("robot: {file: b.yaml}", "robot: {file: a1, mass_kg: 3}"),
+            "{\"file\": /b.yaml, \"mass_kg\": 3, \"legs\": 4}");
+  auto by_map = YamlDocument::Parse("robot: a1", "own.yaml");
+  by_map.Set("robot", "{legs: 4}");
+  EXPECT_EQ(by_map.Read<Choice>().robot.text, "{\"file\": a1, \"legs\": 4}");
+  // A number is no name: it neither takes what differs nor becomes a file.
+  auto document = YamlDocument::Parse("tail: {mass_kg: {uniform: [1, 2]}}", "own.yaml");
+  document.AddMissing(YamlDocument::Parse("tail: {mass_kg: 2}", "base.yaml"));
+  EXPECT_EQ(document.Flow(), "{\"tail\": {\"mass_kg\": {\"uniform\": [1, 2]}}}");
+  const Choice written =
+      YamlDocument::Parse(WriteYaml(Choice{{"{file: a1, legs: 4}"}, {"3"}}), "w").Read<Choice>();
+  EXPECT_EQ(written.robot.text, "{\"file\": a1, \"legs\": 4}");
+}
+
+TEST(YamlFormatTest, NewerOnesAreRefused) {
+  EXPECT_EQ(ReadRobot("format: 1\nname: a").name, "a");
+  EXPECT_THAT(
+      ReadError("format: 2\nname: a"),
+      StartsWith("robot.yaml:1:9: format: 2 is not known, this Tenon reads formats up to 1: take a newer"));
+  EXPECT_THAT(ReadError("format: 0"), HasSubstr("count from 1"));
+  EXPECT_THAT(ReadError("format: x"), HasSubstr("format: expected an integer"));
+  EXPECT_THAT(ReadError("tail: {mass_kg: 1, format: 1}"), HasSubstr("tail.format: unknown key"));
+}
+
+struct Aged {
+  double speed = 0;
+  std::optional<Leg> leg;
+  static FieldList Fields() { return {{"speed_m_per_s", &Aged::speed}, {"leg", &Aged::leg}}; }
+  static std::vector<RenamedKey> Renamed() {
+    return {{"velocity_m_per_s", "speed_m_per_s"}, {"leg.weight_kg", "leg.mass_kg"}};
+  }
+};
+
+TEST(YamlFormatTest, RenamedKeysNameTheirSuccessors) {
+  const auto error = [](const std::string& text) {
+    return ErrorOf([&] { YamlDocument::Parse(text, "old.yaml").Read<Aged>(); });
+  };
+  EXPECT_EQ(error("speed_m_per_s: 3\nvelocity_m_per_s: 2\n"),
+            "old.yaml:2:1: velocity_m_per_s is called speed_m_per_s now; rename it");
+  EXPECT_EQ(error("leg:\n  weight_kg: 2\n"),
+            "old.yaml:2:3: leg.weight_kg is called leg.mass_kg now; rename it");
+  EXPECT_EQ(error("speed_m_per_s: 3\nleg: {mass_kg: 2}\n"), "no error");
 }
 
 TEST(YamlKeysTest, AreInTheOrderOfTheFileAndMayHaveDots) {

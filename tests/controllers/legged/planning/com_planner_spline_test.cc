@@ -32,7 +32,7 @@ ComPlannerParams SplineParams(SplineOrder order = SplineOrder::kCubic) {
 class ScheduledWalk {
  public:
   explicit ScheduledWalk(const ComPlannerParams& params)
-      : scheduler_(YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<FootSchedulerParams>()),
+      : scheduler_(YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<GaitFile>().For(208.5)),
         planner_(params) {}
 
   void Command(Gait gait, double forward, double left = 0, double yaw_rate = 0) {

@@ -21,7 +21,9 @@ namespace {
 using enum ContactState;
 
 FootSchedulerParams Standard() {
-  return YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<FootSchedulerParams>();
+  return YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml")
+      .Read<GaitFile>()
+      .For(208.52136);  // DogBot's weight: 4 N
 }
 
 /// A scheduler with feet that carry weight whenever they are not in the air, unless a test says otherwise.
@@ -341,11 +343,14 @@ TEST(FootSchedulerTest, RefusesNonsense) {
 TEST(FootSchedulerTest, FileErrorsNameThePlace) {
   auto document = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
   document.Set("gaits.trot.swing_groups", "[[front_left, rear_rigth], [front_right, rear_left]]");
-  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot.swing_groups",
+  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot.swing_groups",
                                      "rear_rigth", "rear_right"));
   document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
-  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<FootSchedulerParams>(); }, "gaits.trot",
+  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot",
                                      "'rear_right' stands there 0 times"));
+  auto heavy = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
+  heavy.Set("touchdown_force_mg", "4");
+  EXPECT_TRUE(Throws<ParameterError>([&] { heavy.Read<GaitFile>(); }, "touchdown_force_mg is 4", "0.25"));
 }
 
 TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {

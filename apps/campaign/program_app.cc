@@ -1,0 +1,129 @@
+#include <tenon/apps/campaign/program_app.h>
+
+#include <fmt/core.h>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
+
+namespace tenon::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A directory that goes with the object.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "tenon-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw OutputError(fmt::format("cannot make a directory in '{}': set TMPDIR to one that can be written",
+                                    fs::temp_directory_path().string()));
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so.
+int Wait(::pid_t process, std::optional<double> wall_limit) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  bool told = false;
+  for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+    const ::pid_t ended = ::waitpid(process, &status, WNOHANG);
+    if (ended == process) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (ended < 0 && errno != EINTR) throw RunError("a run's process is lost");
+    const std::chrono::duration<double> elapsed = Clock::now() - begin;
+    if (told || (SignalGuard::caught() == 0 && !(wall_limit && elapsed.count() > *wall_limit))) continue;
+    ::kill(process, SIGTERM);
+    told = true;
+  }
+}
+
+/// Runs a program, and says how it ended; what it prints goes into a file.
+int Execute(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& printed,
+            std::optional<double> wall_limit = {}) {
+  std::vector<std::string> texts{program.string()};
+  texts.insert(texts.end(), arguments.begin(), arguments.end());
+  std::vector<char*> list;
+  for (std::string& text : texts) list.push_back(text.data());
+  list.push_back(nullptr);
+  ::posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, printed.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                     0600);
+  ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  ::pid_t process = 0;
+  const int error = ::posix_spawn(&process, program.c_str(), &actions, nullptr, list.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0)
+    throw ParameterError(
+        fmt::format("cannot run '{}': {}", program.string(), std::generic_category().message(error)));
+  return Wait(process, wall_limit);
+}
+
+/// The scenario as a file; what it names is named from anywhere.
+std::string Written(const YamlDocument& scenario, const Scratch& scratch) {
+  const fs::path file = scratch.path() / "scenario.yaml";
+  WriteFile(file, scenario.WithAbsolutePaths().Flow() + "\n");
+  return file.string();
+}
+
+}  // namespace
+
+ScenarioApp ProgramApp(const fs::path& program) {
+  if (::access(program.c_str(), X_OK) != 0 || fs::is_directory(program))
+    throw ParameterError(fmt::format("cannot run '{}': is it there, and built?", program.string()));
+  const auto check = [program](const YamlDocument& scenario) {
+    const Scratch scratch;
+    const fs::path printed = scratch.path() / "printed";
+    if (Execute(program, {Written(scenario, scratch), "--keys"}, printed) != kRan)
+      throw ParameterError(ReadText(printed));
+  };
+  const auto run = [program](const YamlDocument& scenario, std::optional<double> duration,
+                             const RunOptions& options) -> RunResult {
+    const Scratch scratch;
+    const fs::path out = options.out.empty() ? scratch.path() / "out" : options.out;
+    const fs::path printed = scratch.path() / "printed";
+    std::vector<std::string> arguments{Written(scenario, scratch), "--out", out.string()};
+    if (duration) arguments.insert(arguments.end(), {"--duration", fmt::format("{}", *duration)});
+    const int code = Execute(program, arguments, printed, options.wall_limit);
+    if (!fs::exists(out / "summary.json"))
+      throw RunError(
+          fmt::format("{} ended with {}: {}", program.filename().string(), code, ReadText(printed)));
+    return {Summary::Load(out / "summary.json", code), std::nullopt};
+  };
+  return {.name = program.filename().string(), .description = {}, .keys = {}, .check = check, .run = run};
+}
+
+}  // namespace tenon::apps

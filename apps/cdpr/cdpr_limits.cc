@@ -1,0 +1,160 @@
+#include <tenon/apps/cdpr/cdpr_limits.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <tenon/apps/common/columns.h>
+#include <tenon/plants/model/segment_distance.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr double kQuarterTurn = std::numbers::pi / 2;
+constexpr double kTogether = 1e-6;  // m, what shares an anchor or an attachment, or crosses
+
+Eigen::Vector3d VectorOf(std::span<const double> row, const std::vector<std::size_t>& columns) {
+  return {row[columns[0]], row[columns[1]], row[columns[2]]};
+}
+
+bool Sags(const CdprDescription& robot) {
+  return robot.cable.mass_per_length > 0;
+}
+
+}  // namespace
+
+std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
+  std::vector<const Source*> signals{&loop.plant.platform, &loop.plant.euler, &loop.plant.cables,
+                                     &loop.reference.reference, &loop.payload.payload};
+  if (loop.hanging_load != nullptr) signals.push_back(&loop.hanging_load->load);
+  if (Sags(loop.plant.params.robot)) signals.push_back(&loop.plant.geometry);
+  return signals;
+}
+
+CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
+    : robot_(loop.plant.params.robot),
+      cable_diameter_(cable_diameter),
+      pull_(robot_.cables.size(), true),
+      pulling_(robot_),
+      interference_(robot_) {}
+
+void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
+  position_ = Columns(names, "loop.plant.platform.p_WB");
+  attitude_ = Columns(names, "loop.plant.platform.q_WB");
+  euler_ = Columns(names, "loop.plant.euler");
+  reference_ = Columns(names, "loop.reference.reference.euler");
+  tension_ = Columns(names, "loop.plant.cables.tension");
+  payload_ = Columns(names, "loop.payload.payload.p_B");
+  payload_mass_ = Column(names, "loop.payload.payload.mass");
+  if (std::ranges::any_of(names,
+                          [](const auto& name) { return name.starts_with("loop.hanging_load.load."); }))
+    load_ = Columns(names, "loop.hanging_load.load.p_W");
+  if (!Sags(robot_)) return;
+  const Geometry shapes = MakeCdprGeometry(robot_);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (shapes[i].role != ShapeRole::kLine) continue;
+    const std::string shape = fmt::format("loop.plant.geometry.{}", i);
+    pieces_.push_back({Columns(names, shape + ".p_W")[2], Column(names, shape + ".value")});
+  }
+}
+
+void CdprLimits::Row(std::span<const double> row) {
+  const Eigen::Vector3d p_WB = VectorOf(row, position_);
+  const Eigen::Matrix3d R_WB =
+      RotationFromQuaternion({row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
+  CableRow(row, p_WB, R_WB);
+  PlatformRow(row, p_WB, R_WB);
+  FloorRow(row, p_WB, R_WB);
+
+  started_ = true;
+
+  const double turn = std::abs(std::remainder(row[euler_[2]] - row[reference_[2]], 2 * std::numbers::pi));
+  turns_.Add(turn);
+  if (turn > kQuarterTurn)
+    breaches_.Add(row[0], "the platform turned beyond the reach of its cables",
+                  fmt::format("by {:.3g} rad from its reference, more than {:.3g} rad", turn, kQuarterTurn));
+}
+
+double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB,
+                            const Eigen::Matrix3d& R_WB) const {
+  const CableDescription &one = robot_.cables[a], &other = robot_.cables[b];
+  return SegmentDistance(one.anchor_W, p_WB + R_WB * one.attachment_B - one.anchor_W, other.anchor_W,
+                         p_WB + R_WB * other.attachment_B - other.anchor_W);
+}
+
+void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                          const Eigen::Matrix3d& R_WB) {
+  if (!started_) {
+    for (std::size_t a = 0; a < robot_.cables.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (Distance(a, b, p_WB, R_WB) >= std::max(cable_diameter_, kTogether)) pairs_.emplace_back(b, a);
+  }
+  for (const auto& [a, b] : pairs_) {
+    if (row[tension_[a]] <= 0 || row[tension_[b]] <= 0) continue;
+    const double distance = Distance(a, b, p_WB, R_WB);
+    distances_.Add(distance);
+    if (distance < cable_diameter_)
+      breaches_.Add(row[0], "two cables touched",
+                    fmt::format("the axes of {} and {} were {:.3g} mm apart, less than {:.3g} mm", a, b,
+                                1e3 * distance, 1e3 * cable_diameter_));
+  }
+}
+
+void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                             const Eigen::Matrix3d& R_WB) {
+  bool changed = false;
+  for (std::size_t i = 0; i < pull_.size(); ++i) {
+    const bool pulls = row[tension_[i]] > 0;
+    changed = changed || pulls != pull_[i];
+    pull_[i] = pulls;
+  }
+  if (changed) {
+    pulling_.cables.clear();
+    for (std::size_t i = 0; i < pull_.size(); ++i)
+      if (pull_[i]) pulling_.cables.push_back(robot_.cables[i]);
+    interference_ = CableInterference(pulling_);
+  }
+  if (pulling_.cables.empty()) return;
+  CalcCableKinematics(pulling_, p_WB, R_WB, &cables_);
+  const double sine = interference_.At(cables_, R_WB).platform;
+  if (!started_) open_frame_ = sine < 0;
+  if (open_frame_) return;
+  const double angle = std::asin(std::clamp(sine, -1.0, 1.0));
+  angles_.Add(angle);
+  if (angle < 0)
+    breaches_.Add(row[0], "a cable ran through the platform",
+                  fmt::format("{:.3g} rad below its surface", -angle));
+}
+
+void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                          const Eigen::Matrix3d& R_WB) {
+  double lowest = p_WB[2];
+  const auto add = [&](const Eigen::Vector3d& p_B) {
+    lowest = std::min(lowest, p_WB[2] + R_WB.row(2).dot(p_B));
+  };
+  for (const CableDescription& cable : robot_.cables) add(cable.attachment_B);
+  if (row[payload_mass_] > 0) add(VectorOf(row, payload_));
+  if (!load_.empty()) lowest = std::min(lowest, row[load_[2]]);
+  for (const auto& [height, tension] : pieces_)
+    if (row[tension] > 0) lowest = std::min(lowest, row[height]);
+  heights_.Add(lowest);
+  if (lowest < 0)
+    breaches_.Add(row[0], "platform, load or cables went through the floor",
+                  fmt::format("by {:.3g} mm", -1e3 * lowest));
+}
+
+void CdprLimits::AddTo(Summary& summary) const {
+  const auto add = [&](const char* key, std::optional<double> figure, const Limits& limits) {
+    summary.Set(key, figure);
+    summary.Limit(key, limits);
+  };
+  add("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
+  add("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
+  add("floor_clearance_min_m", heights_.min(), {.low = 0});
+  add("turn_max_rad", turns_.max(), {.high = kQuarterTurn});
+  breaches_.AddTo(summary);
+}
+
+}  // namespace tenon::apps

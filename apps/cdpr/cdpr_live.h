@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/cdpr/platform_pull.h>
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/live/live_server.h>
+
+namespace tenon::apps {
+
+/// What a live run of a cable robot has besides: the block `live_pull`, a hand that pulls at the platform.
+/// Its payload is hung on and off by the schedule that is there.
+class CdprLive {
+ public:
+  /// Inserts the block before the diagram is built.
+  CdprLive(DiagramBuilder& builder, CdprLoop& loop);
+  /// Adds what is to be logged.
+  void AddTo(std::vector<const Source*>& signals) const { signals.push_back(&pull_.wrench); }
+  /// The plant's shapes come first.
+  LiveControls Controls() const;
+
+ private:
+  CdprLoop& loop_;
+  PlatformPull& pull_;
+};
+
+}  // namespace tenon::apps

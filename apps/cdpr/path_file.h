@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+
+/// Points of a path and their times.
+struct PathTable {
+  std::vector<double> times;               ///< [s]
+  std::vector<Eigen::Vector3d> points;     ///< of the CoM in W [m]
+  std::vector<Eigen::Vector3d> attitudes;  ///< roll, pitch, yaw [rad]; none, or one per point
+};
+
+/// Reads a path from a CSV file: a header, `t,x,y,z` or `t,x,y,z,roll,pitch,yaw`, then a row per point, in s,
+/// m and rad. Throws ParameterError with file and line for a header of other columns, a row of another
+/// length, what is no finite number, times that do not increase, and fewer than two rows.
+PathTable ReadPathFile(const std::string& file);
+
+}  // namespace tenon::apps

@@ -1,0 +1,108 @@
+// tenon-cdpr-workspace: where a cable robot can be, with proof, see docs/cdpr_workspace.md.
+
+#include <fmt/core.h>
+
+#include <vector>
+
+#include <tenon/apps/cdpr/workspace_study.h>
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon::apps {
+namespace {
+
+/// What Ctrl-C throws out of the study.
+struct Interrupted {};
+
+struct Arguments {
+  std::string robot, out;
+  std::vector<std::string> settings;
+  std::vector<double> euler, low, high, position;  ///< three numbers each, or none
+  WorkspaceStudyParams params;
+};
+
+std::optional<Eigen::Vector3d> Vector(const std::vector<double>& numbers) {
+  if (numbers.empty()) return {};
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+int Run(Arguments arguments) {
+  YamlDocument document = LoadResource("robots", YamlFile{arguments.robot}, "cables");
+  ApplySettings(arguments.settings, &document);
+  const auto robot = document.Read<CdprDescription>();
+  WorkspaceStudyParams& params = arguments.params;
+  params.euler = Vector(arguments.euler).value_or(Eigen::Vector3d::Zero());
+  params.low = Vector(arguments.low);
+  params.high = Vector(arguments.high);
+  params.position = Vector(arguments.position);
+  const OutputDirectory out(arguments.out.empty() ? "out/" + robot.name + "_workspace" : arguments.out);
+
+  const SignalGuard guard;
+  ProgressLine line;
+  try {
+    const WorkspaceStudy study = StudyWorkspace(robot, params, [&](const std::string& what, double share) {
+      if (SignalGuard::caught() != 0) throw Interrupted();
+      if (line.due())
+        line.Show(share, fmt::format("{}: {:.0f} % of the box, {:.0f} s", what, 100 * share, line.elapsed()));
+    });
+    line.End(1, fmt::format("{:.1f} s", study.wall));
+    for (const auto& [name, value] : study.figures)
+      fmt::print("{:<40} {}\n", name, value ? fmt::format("{:.4g}", *value) : "null");
+    return TryToWrite([&] { WriteWorkspaceStudy(study, out.path()); });
+  } catch (const Interrupted&) {
+    Say("interrupted: nothing is written\n");
+    return 128 + SignalGuard::caught();
+  }
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  using namespace tenon::apps;
+  CLI::App app(
+      "Finds where a cable robot of six cables or more can be: positions at one attitude, attitudes at one "
+      "position, at rest "
+      "and with what is required, proven cell by cell; tension margins, stiffness and interference.",
+      "tenon-cdpr-workspace");
+  Arguments arguments;
+  app.add_option("ROBOT", arguments.robot, "name of a shipped robot, or a YAML file")->required();
+  auto& params = arguments.params;
+  app.add_option("--load", params.demand.load, "mass at the platform's CoM [kg]")->capture_default_str();
+  app.add_option("--acceleration", params.demand.acceleration,
+                 "of platform and load, up to this along each axis [m/s^2]")
+      ->capture_default_str();
+  app.add_option("--force", params.demand.force, "external force, up to this along each axis [N]")
+      ->capture_default_str();
+  app.add_option("--torque", params.demand.torque, "external torque, up to this about each axis [N m]")
+      ->capture_default_str();
+  app.add_option("--attitude", arguments.euler, "roll, pitch, yaw of all positions [rad] (default: level)")
+      ->expected(3);
+  app.add_option("--low", arguments.low,
+                 "lower corner of the positions [m] (default: of the anchors, or the floor)")
+      ->expected(3);
+  app.add_option("--high", arguments.high, "upper corner of the positions [m] (default: of the anchors)")
+      ->expected(3);
+  app.add_option("--cell", params.cell, "size of the smallest cells [m] (default: 1/48 of the longest edge)");
+  app.add_option("--position", arguments.position,
+                 "of all attitudes [m] (default: the middle of the workspace)")
+      ->expected(3);
+  app.add_option("--turn", params.turn, "attitudes: turned up to this about each axis [rad]")
+      ->capture_default_str();
+  app.add_option("--cable-diameter", params.cable_diameter, "cables nearer than this touch [m]")
+      ->capture_default_str();
+  app.add_option("--set", arguments.settings,
+                 "override a value of the robot: --set cable_properties.tension_max_N=2000")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--out", arguments.out, "directory for all output (default: out/ROBOT_workspace)");
+  app.footer(
+      "Writes report.html, summary.json, cells.csv and attitudes.csv to the output directory.\n"
+      "Exit codes: 0 ran; 2 bad usage or robot; 4 numerical failure; 5 a file could not be written; 130, 143 "
+      "stopped "
+      "by Ctrl-C, SIGTERM.");
+  return RunMain(app, argc, argv, [&] { return Run(arguments); });
+}

@@ -1,0 +1,315 @@
+#include <fmt/core.h>
+#include <tenon/apps/cdpr/workspace_study.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include <tenon/apps/common/number_or_null.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/report/volume_report.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kCells = 48;      // along the longest edge
+constexpr int kTurnCells = 32;  // along each axis of the attitudes
+
+/// Positions of the anchors' box, down to the floor.
+WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyParams& params) {
+  Eigen::Vector3d low = robot.cables[0].anchor_W, high = low;
+  for (const CableDescription& cable : robot.cables) {
+    low = low.cwiseMin(cable.anchor_W);
+    high = high.cwiseMax(cable.anchor_W);
+  }
+  low.z() = std::min(low.z(), 0.0);
+  if (params.low) low = *params.low;
+  if (params.high) high = *params.high;
+  return WorkspaceGrid::OfSize(low, high, params.cell.value_or((high - low).maxCoeff() / kCells));
+}
+
+/// Stiffness at the centre of each cell that can hold the weight, with the tensions of least norm.
+std::vector<double> Stiffness(const CdprDescription& robot, double load, const WorkspaceMap& map) {
+  TensionDistributor distributor(robot.num_cables());
+  const Vector6d wrench = RequiredWrenches(robot, {.load = load}).centre;
+  std::vector<double> stiffness;
+  CableKinematics cables;
+  for (const WorkspaceCell& cell : map.cells) {
+    stiffness.push_back(kNaN);
+    if (!cell.margins.feasible()) continue;
+    const PoseBall pose = map.options.PoseAt(cell.centre(map.options.grid));
+    CalcCableKinematics(robot, pose.p_WB, pose.R_WB, &cables);
+    const TensionDistribution& found =
+        distributor.Solve(cables.structure, wrench, robot.cable.tension_min, robot.cable.tension_max);
+    if (!found.feasible) continue;
+    stiffness.back() =
+        CalcLeastTranslationalStiffness(CalcElasticStiffness(robot.cable, cables, found.tension));
+  }
+  return stiffness;
+}
+
+/// The feasible centre that is nearest to the middle of all; none if none is feasible.
+std::optional<Eigen::Vector3d> Middle(const WorkspaceMap& map) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double volume = 0;
+  const auto feasible = [&](const WorkspaceCell& cell) { return cell.margins.feasible(); };
+  for (const WorkspaceCell& cell : map.cells) {
+    if (!feasible(cell)) continue;
+    const double v = cell.volume(map.options.grid);
+    volume += v;
+    sum += v * cell.centre(map.options.grid);
+  }
+  if (volume == 0) return {};
+  std::optional<Eigen::Vector3d> nearest;
+  for (const WorkspaceCell& cell : map.cells) {
+    const Eigen::Vector3d centre = cell.centre(map.options.grid);
+    if (feasible(cell) && (!nearest || (centre - sum / volume).norm() < (*nearest - sum / volume).norm()))
+      nearest = centre;
+  }
+  return nearest;
+}
+
+/// The angle [rad] up to which the platform is proven to turn about any axis: the nearest cell that is not.
+double ProvenTurn(const WorkspaceMap& map) {
+  double turn = map.options.grid.high.minCoeff();
+  for (const WorkspaceCell& cell : map.cells) {
+    if (cell.wrench == PoseVerdict::kHolds) continue;
+    const Eigen::Vector3d half =
+        0.5 * Eigen::Vector3d(cell.size[0], cell.size[1], cell.size[2]).cwiseProduct(map.options.grid.cell());
+    const double nearest = (cell.centre(map.options.grid).cwiseAbs() - half).cwiseMax(0).norm();
+    turn = std::min(turn, nearest > 1e-12 ? nearest : 0);  // not what rounding leaves of a cell at the origin
+  }
+  return turn;
+}
+
+void AddVolumes(const std::string& name, const std::string& unit, const WorkspaceVolume& volume, double whole,
+                WorkspaceStudy* study) {
+  auto& figures = study->figures;
+  figures.emplace_back(name + "_volume_proven_" + unit, volume.proven);
+  figures.emplace_back(name + "_volume_" + unit, volume.centres);
+  figures.emplace_back(name + "_volume_possible_" + unit, volume.possible);
+  figures.emplace_back(name + "_share", volume.centres / whole);
+}
+
+void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy* study) {
+  const bool turned = map.of_attitudes();
+  const std::string unit = turned ? "rad3" : "m3";
+  const double diameter = study->params.cable_diameter;
+  AddVolumes(name, unit, WrenchFeasibleVolume(map.cells, map.options.grid), map.options.grid.volume(), study);
+  AddVolumes(name + "_clear", unit, ClearVolume(map.cells, map.options.grid, diameter),
+             map.options.grid.volume(), study);
+  auto& figures = study->figures;
+  std::optional<double> margin, capacity, softest, stiffest;
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    const WorkspaceCell& cell = map.cells[i];
+    if (!cell.margins.feasible()) continue;
+    margin = std::max(margin.value_or(0), cell.margins.tension);
+    capacity = std::max(capacity.value_or(0), cell.margins.capacity);
+    const double stiffness = map.stiffness[i];
+    if (!std::isfinite(stiffness)) continue;
+    softest = std::min(softest.value_or(stiffness), stiffness);
+    stiffest = std::max(stiffest.value_or(stiffness), stiffness);
+  }
+  figures.emplace_back(name + "_tension_margin_max_N", margin);
+  figures.emplace_back(name + "_capacity_margin_max_N", capacity);
+  figures.emplace_back(name + "_stiffness_min_N_per_m", softest);
+  figures.emplace_back(name + "_stiffness_max_N_per_m", stiffest);
+  if (turned) figures.emplace_back("any_axis_turn_proven_rad", ProvenTurn(map));
+}
+
+std::string Csv(const WorkspaceMap& map) {
+  const bool turned = map.of_attitudes();
+  const char* unit = turned ? "rad" : "m";
+  std::string text;
+  for (const char* name : {"x", "y", "z", "size_x", "size_y", "size_z"})
+    text += fmt::format("{} [{}],", name, unit);
+  text +=
+      "wrench,clear,tension_margin [N],capacity_margin [N],stiffness [N/m],cable_distance "
+      "[m],cable_platform_sine\n";
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    const WorkspaceCell& cell = map.cells[i];
+    const Eigen::Vector3d at = cell.centre(map.options.grid);
+    const Eigen::Vector3d size =
+        map.options.grid.cell().cwiseProduct(Eigen::Vector3d(cell.size[0], cell.size[1], cell.size[2]));
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g},", at.x(), at.y(),
+                        at.z(), size.x(), size.y(), size.z(), EnumName(cell.wrench), EnumName(cell.clear),
+                        cell.margins.tension, cell.margins.capacity);
+    if (std::isfinite(map.stiffness[i])) text += fmt::format("{:.6g}", map.stiffness[i]);
+    const bool known = cell.wrench != PoseVerdict::kFails;
+    text += known ? fmt::format(",{:.6g},{:.6g}\n", cell.clearance.cables, cell.clearance.platform) : ",,\n";
+  }
+  return text;
+}
+
+/// The robot at a pose, its cables with the tensions that carry it; or the axes of the attitudes.
+Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
+  if (map.of_attitudes()) {
+    Geometry axes;
+    for (int k = 0; k < 3; ++k) {
+      axes.push_back(Shape::Segment(ShapeRole::kFixture, "axis", 0.004));
+      axes.back().p_W = map.options.grid.low[k] * Eigen::Vector3d::Unit(k);
+      axes.back().vector_W = (map.options.grid.high[k] - map.options.grid.low[k]) * Eigen::Vector3d::Unit(k);
+    }
+    return axes;
+  }
+  const CdprDescription& robot = study.robot;
+  const auto middle = Middle(map);
+  PlatformState platform;
+  platform.p_WB = middle.value_or((map.options.grid.low + map.options.grid.high) / 2);
+  platform.q_WB = QuaternionFromRotation(RotationFromEuler(study.params.euler));
+  CableVector tension = CableVector::Zero(robot.num_cables());
+  if (middle) {
+    const CableKinematics cables = CalcCableKinematics(robot, platform.p_WB, platform.R_WB());
+    const Vector6d wrench = RequiredWrenches(robot, {.load = study.params.demand.load}).centre;
+    tension =
+        DistributeTension(cables.structure, wrench, robot.cable.tension_min, robot.cable.tension_max).tension;
+  }
+  // The study takes cables for straight lines between points, so it draws them as such.
+  CdprDescription straight = robot;
+  straight.cable.mass_per_length = straight.winch.pulley_radius = 0;
+  std::vector<CableStatics> cables(robot.cables.size());
+  for (std::size_t i = 0; i < cables.size(); ++i) cables[i].exit_W = robot.cables[i].anchor_W;
+  Geometry shapes = MakeCdprGeometry(straight);
+  MoveCdprGeometry(straight, platform, tension, cables, {}, {}, &shapes);
+  return shapes;
+}
+
+VolumeReport::State StateOf(PoseVerdict verdict) {
+  return verdict == PoseVerdict::kHolds   ? VolumeReport::State::kHolds
+         : verdict == PoseVerdict::kFails ? VolumeReport::State::kFails
+                                          : VolumeReport::State::kUndecided;
+}
+
+/// Where wrenches are produced, or where moreover nothing touches.
+VolumeReport::Map ReportMap(const WorkspaceStudy& study, const WorkspaceMap& map, bool clear) {
+  const bool turned = map.of_attitudes();
+  VolumeReport::Map shown{
+      .title = map.title + (clear ? ", nothing touching" : ""),
+      .coordinates = {turned ? "turn_about_x_rad" : "x_m", turned ? "turn_about_y_rad" : "y_m",
+                      turned ? "turn_about_z_rad" : "z_m"},
+      .low = map.options.grid.low,
+      .high = map.options.grid.high,
+      .cells = map.options.grid.cells,
+      .shapes = Shapes(study, map)};
+  shown.quantities =
+      clear ? std::vector<std::string>{"cable_distance_m"}
+            : std::vector<std::string>{"tension_margin_N", "capacity_margin_N", "stiffness_N_per_m"};
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    const WorkspaceCell& cell = map.cells[i];
+    VolumeReport::Part part{cell.first, cell.size, StateOf(clear ? cell.verdict() : cell.wrench)};
+    if (clear) {
+      const bool known = cell.wrench != PoseVerdict::kFails && std::isfinite(cell.clearance.cables);
+      part.values = {known ? cell.clearance.cables : kNaN};
+    } else {
+      part.values = {cell.margins.tension, cell.margins.capacity, map.stiffness[i]};
+    }
+    shown.parts.push_back(std::move(part));
+  }
+  return shown;
+}
+
+std::string Describe(const WorkspaceStudy& study) {
+  const CdprDescription& robot = study.robot;
+  const PlatformDemand& demand = study.params.demand;
+  std::string text = fmt::format("{} cables, {:.4g} kg", robot.num_cables(), robot.mass);
+  if (demand.load > 0) text += fmt::format(" and {:.4g} kg of load", demand.load);
+  if (demand.acceleration > 0) text += fmt::format(", {:.4g} m/s² along each axis", demand.acceleration);
+  if (demand.force > 0) text += fmt::format(", {:.4g} N along each axis", demand.force);
+  if (demand.torque > 0) text += fmt::format(", {:.4g} N m about each axis", demand.torque);
+  return text +
+         fmt::format("; tensions from {:.4g} to {:.4g} N", robot.cable.tension_min, robot.cable.tension_max);
+}
+
+}  // namespace
+
+WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
+                              const std::function<void(const std::string&, double)>& progress) {
+  robot.Validate();
+  params.demand.Validate();
+  if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
+    throw ParameterError(fmt::format("a cable diameter of {} m: give 0 or more", params.cable_diameter));
+  if (!params.euler.allFinite() || !params.position.value_or(Eigen::Vector3d::Zero()).allFinite())
+    throw ParameterError("an attitude or a position that is not finite: give three numbers each");
+  if (!(params.turn > 0 && params.turn <= M_PI))
+    throw ParameterError(
+        fmt::format("turns of {} rad either way: give more than 0 and at most pi", params.turn));
+  const auto begin = std::chrono::steady_clock::now();
+  WorkspaceStudy study{robot, params};
+  const auto add = [&](const std::string& name, const std::string& title, const PlatformDemand& demand,
+                       WorkspaceOptions options) {
+    PoseFeasibility feasibility(robot, RequiredWrenches(robot, demand));
+    options.cable_diameter = params.cable_diameter;
+    options.progress = [&](double share) { progress(title, share); };
+    WorkspaceMap map{title, options};
+    map.cells = MapWorkspace(feasibility, options);
+    map.stiffness = Stiffness(robot, demand.load, map);
+    study.maps.push_back(std::move(map));
+    AddFigures(name, study.maps.back(), &study);
+  };
+  const WorkspaceGrid grid = PositionGrid(robot, params);
+  const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
+  study.figures.emplace_back("box_volume_m3", grid.volume());
+  const PlatformDemand& required = params.demand;
+  const bool more = required.load + required.acceleration + required.force + required.torque > 0;
+  if (more) add("required", "positions with what is required", required, {.grid = grid, .R_WB = R_WB});
+  add("static", "positions at rest", {}, {.grid = grid, .R_WB = R_WB});
+
+  const auto position = params.position ? params.position : Middle(study.maps[0]);
+  if (position) {
+    const Eigen::Vector3d p_WB = *position;
+    const Eigen::Vector3d turn = Eigen::Vector3d::Constant(params.turn);
+    add("attitude", fmt::format("attitudes at ({:.2f}, {:.2f}, {:.2f}) m", p_WB.x(), p_WB.y(), p_WB.z()),
+        required,
+        {.kind = WorkspaceKind::kAttitude,
+         .grid = WorkspaceGrid::OfSize(-turn, turn, 2 * params.turn / kTurnCells),
+         .p_WB = p_WB,
+         .R_WB = R_WB});
+  }
+  study.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return study;
+}
+
+void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::path& directory) {
+  const CdprDescription& robot = study.robot;
+  const PlatformDemand& demand = study.params.demand;
+  nlohmann::ordered_json summary{{"robot", robot.name},
+                                 {"num_cables", robot.num_cables()},
+                                 {"mass_kg", robot.mass},
+                                 {"tension_min_N", robot.cable.tension_min},
+                                 {"tension_max_N", robot.cable.tension_max},
+                                 {"load_kg", demand.load},
+                                 {"acceleration_m_per_s2", demand.acceleration},
+                                 {"force_N", demand.force},
+                                 {"torque_N_m", demand.torque},
+                                 {"cable_diameter_m", study.params.cable_diameter},
+                                 {"wall_s", study.wall}};
+  for (const auto& [name, value] : study.figures) summary[name] = NumberOrNull(value);
+  VolumeReport report{
+      .title = robot.name + ": workspace", .description = Describe(study), .figures = study.figures};
+  const auto list = [](const Eigen::Vector3d& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
+  summary["euler_rad"] = list(study.params.euler);
+  for (const WorkspaceMap& map : study.maps) {
+    const bool turned = map.of_attitudes();
+    if (turned) {
+      summary["attitude_position_m"] = list(map.options.p_WB);
+    } else {
+      summary["low_m"] = list(map.options.grid.low);
+      summary["high_m"] = list(map.options.grid.high);
+      summary["cell_m"] = list(map.options.grid.cell());
+    }
+    for (const bool clear : {false, true}) report.maps.push_back(ReportMap(study, map, clear));
+    if (turned || &map == study.maps.data())
+      WriteFile(directory / (turned ? "attitudes.csv" : "cells.csv"), Csv(map));
+  }
+  WriteFile(directory / "summary.json", summary.dump(2) + '\n');
+  report.Write(directory / "report.html");
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tenon/controllers/cdpr/cdpr_workspace.h>
+
+namespace tenon::apps {
+
+/// Where a cable robot can be, and how well; positions at one attitude, and attitudes at one position.
+struct WorkspaceStudyParams {
+  PlatformDemand demand;                               ///< of the loaded workspace
+  Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX angles of all positions [rad]
+  std::optional<Eigen::Vector3d> low = {}, high = {};  ///< of positions [m]; the anchors' box if empty
+  std::optional<double> cell = {};                     ///< [m]; 1/48 of the longest edge if empty
+  std::optional<Eigen::Vector3d> position =
+      {};                         ///< of all attitudes [m]; the middle of the workspace if empty
+  double turn = 0.8;              ///< of attitudes, about each axis either way [rad]
+  double cable_diameter = 0.006;  ///< [m]
+};
+
+/// One workspace: its cells, and at the centre of each what the platform's stiffness is.
+struct WorkspaceMap {
+  std::string title;
+  WorkspaceOptions options;
+  std::vector<WorkspaceCell> cells = {};
+  std::vector<double> stiffness = {};  ///< [N/m]; NaN where the centre is not feasible
+
+  bool of_attitudes() const { return options.kind == WorkspaceKind::kAttitude; }
+};
+
+struct WorkspaceStudy {
+  CdprDescription robot;
+  WorkspaceStudyParams params;
+  std::vector<WorkspaceMap> maps =
+      {};  ///< loaded positions, static positions if that is another one, attitudes
+  std::vector<std::pair<std::string, std::optional<double>>> figures = {};  ///< names with units
+  double wall = 0;                                                          ///< [s]
+};
+
+/// `progress` is told what is done, and which share of it; it may throw. Throws ParameterError.
+WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
+                              const std::function<void(const std::string&, double)>& progress);
+
+/// summary.json, cells.csv, attitudes.csv and report.html. Throws OutputError, and RunError if parts of the
+/// page are not installed.
+void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::path& directory);
+
+}  // namespace tenon::apps

@@ -1,0 +1,36 @@
+#include <tenon/apps/common/scenario_app.h>
+
+#include <tenon/apps/common/command_line.h>
+
+namespace tenon::apps {
+
+FieldList AppScenario::With(FieldList own) {
+  FieldList fields{Required("app", &AppScenario::app),
+                   {"description", &AppScenario::description},
+                   Required("case", &AppScenario::case_name),
+                   {"duration_s", &AppScenario::duration_s},
+                   {"seed", &AppScenario::seed},
+                   {"log_rate_hz", &AppScenario::log_rate_hz},
+                   {"report", &AppScenario::report},
+                   {"parameters", &AppScenario::parameters}};
+  fields.insert(fields.end(), own.begin(), own.end());
+  return fields;
+}
+
+int RunApp(const ScenarioApp& app, int argc, char** argv) {
+  CLI::App line(app.description, app.name);
+  CommonArguments arguments;
+  AddCommonArguments(line, arguments);
+  AddLiveArguments(line, arguments);
+  return RunMain(line, argc, argv, [&]() -> int {
+    if (PrintsInstead(arguments, app)) return kRan;
+    return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+      const YamlDocument document = LoadScenario(now, app.name);
+      const Summary summary = app.run(document, now.duration, options).summary;
+      summary.Print();
+      return summary.exit_code();
+    });
+  });
+}
+
+}  // namespace tenon::apps

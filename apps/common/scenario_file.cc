@@ -1,0 +1,194 @@
+#include <tenon/apps/common/scenario_file.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <system_error>
+#include <typeinfo>
+
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/io/output_file.h>
+
+namespace tenon::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool IsPath(const std::string& name) {
+  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
+}
+
+fs::path FindScenario(const std::string& name, const std::string& app);
+
+/// A scenario with everything that it takes over from the ones that it extends.
+YamlDocument LoadExtended(const std::string& file, const std::string& app) {
+  YamlDocument document = YamlDocument::Load(file);
+  std::vector<std::string> chain{fs::absolute(file).lexically_normal().string()};
+  while (true) {
+    const std::string name = document.Text("extends");
+    if (name.empty()) return document;
+    const std::string place = document.PlaceOf("extends");
+    try {
+      const std::string base = IsPath(name) ? document.Path("extends") : FindScenario(name, app).string();
+      if (std::ranges::count(chain, base) > 0)
+        throw ParameterError(
+            fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
+                        internal::Excerpt(base), internal::Excerpt(chain.back())));
+      chain.push_back(base);
+      const YamlDocument whole = YamlDocument::Load(base);
+      document.Remove("extends");
+      document.AddMissing(whole);
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("{}: {}", place, error.what()));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> ListScenarios(const std::string& app) {
+  std::vector<std::pair<std::string, std::string>> scenarios;
+  for (const std::string& name : ListResources("scenarios")) {
+    const YamlDocument document = LoadExtended(FindResource("scenarios", name), app);
+    if (document.Text("app") == app) scenarios.emplace_back(name, document.Text("description"));
+  }
+  return scenarios;
+}
+
+namespace {
+
+/// Where a scenario of an app stands. One of another app is found, too, and refused by what it is.
+fs::path FindScenario(const std::string& name, const std::string& app) {
+  if (IsPath(name)) return name;
+  if (std::ranges::count(ListResources("scenarios"), name) > 0) return FindResource("scenarios", name);
+  std::vector<std::string> names;
+  for (const auto& [own, description] : ListScenarios(app)) names.push_back(own);
+  if (names.empty())
+    throw ParameterError(
+        fmt::format("there is no '{}': no scenario of {} ships, give a .yaml file", name, app));
+  return FindResource("scenarios", name, names);
+}
+
+}  // namespace
+
+void ApplySettings(const std::vector<std::string>& settings, YamlDocument* document) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500",
+                                       internal::Excerpt(setting)));
+    }
+    document->Set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
+YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
+                          const std::string& app) {
+  YamlDocument document = LoadExtended(FindScenario(name, app), app);
+  ApplySettings(settings, &document);
+  if (const std::string other = document.Text("app"); !other.empty() && other != app) {
+    throw ParameterError(fmt::format("{0}: '{1}' is a scenario of another app, not of {2}; run {3} {1}",
+                                     document.PlaceOf("app"), internal::Excerpt(name), app,
+                                     internal::Excerpt(other)));
+  }
+  return document;
+}
+
+std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
+                                                         std::optional<std::uint64_t> seed) {
+  if (seed) {
+    scenario.Set("seed", fmt::format("{}", *seed));
+  } else {
+    const std::string text = scenario.Text("seed");
+    std::uint64_t own =
+        1;  // that of a scenario which says none; what is no number is refused when it is read
+    std::from_chars(text.data(), text.data() + text.size(), own);
+    seed = own;
+  }
+  return scenario.Draw(*seed);
+}
+
+namespace {
+
+/// All files that a value names, by dotted keys.
+void ForEachFile(const internal::TypeInfo& type, void* value, const std::string& key,
+                 const std::function<void(const std::string& key, YamlFile& file)>& visit) {
+  using Kind = internal::TypeInfo::Kind;
+  const auto below = [&](const std::string& name) { return key.empty() ? name : key + "." + name; };
+  const auto items = [&](void* first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      ForEachFile(type.item(), static_cast<std::byte*>(first) + i * type.item().size,
+                  below(std::to_string(i)), visit);
+  };
+  std::size_t rows = 0, cols = 0;
+  switch (type.kind) {
+    case Kind::kStruct:
+      for (const Field& field : type.fields)
+        ForEachFile(field.type(), static_cast<std::byte*>(value) + field.offset, below(field.name), visit);
+      return;
+    case Kind::kArray:
+      return items(value, type.count);
+    case Kind::kList:
+      type.shape(value, &rows, &cols);
+      return items(type.data(value), rows);
+    case Kind::kOptional:
+      type.shape(value, &rows, &cols);
+      if (rows > 0) ForEachFile(type.item(), type.data(value), key, visit);
+      return;
+    case Kind::kOpaque:
+      if (*type.id == typeid(YamlFile)) visit(key, *static_cast<YamlFile*>(value));
+      return;
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+void ScenarioFiles::Take(const internal::TypeInfo& type, void* scenario) {
+  ForEachFile(type, scenario, "", [this](const std::string& key, YamlFile& file) { Take(key, file); });
+  text_ = fmt::format("format: {}\n{}", kYamlFormat, internal::WriteYaml(type, scenario));
+}
+
+void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
+  YamlDocument map = ResourceMap(file);
+  const std::size_t before = files_.size();
+  const auto copy = [&](const std::string& inner, const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return;  // no file, only looks like one
+    const std::string ending = path.extension().string();
+    const std::string name = inner == "file" ? key : key + "." + inner;
+    files_.emplace_back(name.ends_with(ending) ? name : name + ending,
+                        std::string(std::istreambuf_iterator<char>(in), {}));
+    map.Set(inner, "files/" + files_.back().first);
+  };
+  const std::string path = map.Text("file");
+  std::vector<std::string> said = map.Keys("");
+  for (const auto& [inner, inner_path] : map.Paths()) copy(inner, inner_path);
+  if (!IsPath(path)) {
+    if (files_.size() > before) file.text = map.Flow();
+    return;
+  }
+  if (path.ends_with(".yaml"))
+    for (const auto& [inner, inner_path] : YamlDocument::Load(path).Paths())
+      if (std::ranges::count(said, inner) == 0) copy(inner, inner_path);
+  file.text = map.Keys("").size() > 1 ? map.Flow() : map.Text("file");
+}
+
+void ScenarioFiles::Write(const fs::path& directory) const {
+  std::error_code error;
+  fs::remove_all(directory / "files", error);
+  if (!files_.empty()) fs::create_directory(directory / "files", error);
+  for (const auto& [name, text] : files_) WriteFile(directory / "files" / name, text);
+  WriteFile(directory / "scenario.yaml", text_);
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,88 @@
+// tenon-report: one page of several runs that are there already.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/comparison.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/report/report.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the directories are called in the page: by their own names, or, if two have the same, as they were
+/// given.
+std::vector<std::string> NamesOf(const std::vector<std::string>& directories) {
+  std::vector<std::string> names;
+  for (const fs::path directory : directories)
+    names.push_back(fs::absolute(directory / "").lexically_normal().parent_path().filename());
+  std::vector<std::string> sorted = names;
+  std::ranges::sort(sorted);
+  return std::ranges::adjacent_find(sorted) == sorted.end() ? names : directories;
+}
+
+int Run(const std::vector<std::string>& directories, const fs::path& out) {
+  if (directories.size() > kReported) {
+    throw ParameterError(
+        fmt::format("{} runs: a page shows at most {}, name fewer", directories.size(), kReported));
+  }
+  for (const std::string& directory : directories) {
+    std::error_code ignored;
+    if (fs::equivalent(directory, out, ignored)) {
+      throw ParameterError(fmt::format(
+          "--out '{}' is one of the runs, whose report it would overwrite: choose another", out.string()));
+    }
+  }
+  const std::vector<std::string> names = NamesOf(directories);
+  std::vector<Report> runs;
+  std::vector<Plot> plots;  // of all runs, those of one title once
+  std::vector<std::string> titles;
+  for (const std::string& directory : directories) {
+    const ReportParams& params = runs.emplace_back(Report::Read(directory)).params();
+    for (const Plot& plot : params.plots) {
+      const auto same = [&](const Plot& other) {
+        return other.title == plot.title && other.group == plot.group;
+      };
+      if (std::ranges::none_of(plots, same)) plots.push_back(plot);
+    }
+    if (std::ranges::find(titles, params.title) == titles.end()) titles.push_back(params.title);
+  }
+  Report report({.title = titles.size() == 1 ? titles.front() : fmt::format("{}", fmt::join(names, ", ")),
+                 .description = fmt::format("{}", fmt::join(titles.size() == 1 ? names : titles, "; ")),
+                 .plots = plots});
+  for (std::size_t i = 0; i < runs.size(); ++i) report.Add(names[i], runs[i]);
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) {
+    throw OutputError(fmt::format("cannot make the output directory '{}' ({}): choose another --out",
+                                  out.string(), error.message()));
+  }
+  report.Write(out / "report.html");
+  fmt::print("{}\n", (out / "report.html").string());
+  return kRan;
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Puts runs of any app side by side into one report.", "tenon-report");
+  std::vector<std::string> directories;
+  std::string out = "out/report";
+  app.add_option("DIR", directories, "directories that runs were written into by --out")->required();
+  app.add_option("--out", out, "directory for report.html (default: out/report)");
+  app.footer(
+      "Reads report.html and signals.csv of each run.\n"
+      "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000\n"
+      "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000\n"
+      "    tenon-report out/soft out/stiff\n"
+      "Exit codes: 0 written; 2 bad usage, or a directory that holds no run; 5 a file could not be written.");
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(directories, out); });
+}

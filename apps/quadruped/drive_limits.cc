@@ -1,0 +1,23 @@
+#include <tenon/apps/quadruped/drive_limits.h>
+
+#include <fmt/core.h>
+
+#include <string>
+
+namespace tenon::apps {
+
+std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant) {
+  std::vector<SignalLimits> limits;
+  const std::vector<Element> joints = plant.joint_torque.elements();
+  for (int i = 0; i < kNumJoints; ++i) {
+    const JointDescription& joint = plant.params.robot.joint(i);
+    const std::string& name = joints[static_cast<std::size_t>(i)].name;
+    limits.push_back({fmt::format("{}.{}", plant.joint_torque.path(), name),
+                      {.low = -joint.torque_limit, .high = joint.torque_limit}});
+    limits.push_back({fmt::format("{}.qd.{}", plant.state.path(), name),
+                      {.low = -joint.speed_limit, .high = joint.speed_limit}});
+  }
+  return limits;
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include <tenon/apps/common/outputs.h>
+#include <tenon/plants/legged/quadruped_plant.h>
+
+namespace tenon::apps {
+
+/// What the drives of a robot can do: the torque and the speed of each joint [N m, rad/s], both ways.
+std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant);
+
+}  // namespace tenon::apps

@@ -1,0 +1,121 @@
+#include <tenon/apps/quadruped/limit_figures.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <tenon/apps/common/columns.h>
+
+namespace tenon::apps {
+namespace {
+
+constexpr double kRounding = 1e-9;  // of a drive's torque limit
+
+Vec<12> TwelveOf(std::span<const double> row, const std::vector<std::size_t>& columns) {
+  Vec<12> values;
+  for (Eigen::Index i = 0; i < 12; ++i) values[i] = row[columns[static_cast<std::size_t>(i)]];
+  return values;
+}
+
+const char* NameOf(int leg) {
+  return leg < 0 ? "trunk" : kLegNames[static_cast<std::size_t>(leg)];
+}
+
+}  // namespace
+
+std::vector<const Source*> LimitFigures::Signals(const QuadrupedPlant& plant) {
+  return {&plant.state, &plant.joint_torque, &plant.foot_depths};
+}
+
+LimitFigures::LimitFigures(const QuadrupedPlant& plant)
+    : path_(plant.path()),
+      robot_(plant.params.robot),
+      clearance_(plant.params.robot, plant.params.terrain),
+      foot_limit_(std::max(kPressedIn, kPressedRatio * robot_.foot_radius)) {}
+
+void LimitFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
+  position_ = Columns(names, path_ + ".state.p_WB");
+  attitude_ = Columns(names, path_ + ".state.q_WB");
+  q_ = Columns(names, path_ + ".state.q");
+  qd_ = Columns(names, path_ + ".state.qd");
+  torque_ = Columns(names, path_ + ".joint_torque");
+  depth_ = Columns(names, path_ + ".foot_depths");
+}
+
+void LimitFigures::Row(std::span<const double> row) {
+  DriveRow(row);
+  FootRow(row);
+  ClearanceRow(row);
+}
+
+void LimitFigures::DriveRow(std::span<const double> row) {
+  for (int j = 0; j < kNumJoints; ++j) {
+    const JointDescription& joint = robot_.joint(j);
+    const auto i = static_cast<std::size_t>(j);
+    const double torque = row[torque_[i]], speed = row[qd_[i]];
+    const double possible = DriveTorque(torque, speed, joint, robot_.drive);
+    const double excess = std::abs(torque - possible);
+    torques_.Add(std::abs(torque));
+    speeds_.Add(std::abs(speed));
+    excesses_.Add(excess);
+    if (excess > kRounding * joint.torque_limit)
+      breaches_.Add(row[0], "a drive gave what it cannot",
+                    fmt::format("{} {:.3g} N m at {:.3g} rad/s, where {:.3g} N m is its limit", joint.name,
+                                torque, speed, possible));
+  }
+}
+
+void LimitFigures::FootRow(std::span<const double> row) {
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const double depth = row[depth_[leg]];
+    depths_.Add(depth);
+    if (depth > foot_limit_)
+      breaches_.Add(row[0], "a foot went into the ground",
+                    fmt::format("{} by {:.3g} mm, more than {:.3g} mm", kLegNames[leg], 1e3 * depth,
+                                1e3 * foot_limit_));
+  }
+}
+
+void LimitFigures::ClearanceRow(std::span<const double> row) {
+  LeggedState x;
+  for (Eigen::Index i = 0; i < 3; ++i) x.p_WB[i] = row[position_[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < 4; ++i) x.q_WB[i] = row[attitude_[static_cast<std::size_t>(i)]];
+  x.q = TwelveOf(row, q_);
+  const auto [legs, trunk, ground] = clearance_.At(x);
+  legs_.Add(legs.distance);
+  trunk_.Add(trunk.distance);
+  ground_.Add(ground.distance);
+  const auto check = [&](const QuadrupedClearances::Gap& gap, const char* kind) {
+    if (gap.distance >= -kPressedIn) return;
+    const std::string other = gap.other < 0 ? "" : std::string(" and ") + NameOf(gap.other);
+    breaches_.Add(row[0], kind,
+                  fmt::format("{}{} by {:.3g} mm, more than {:.3g} mm", NameOf(gap.leg), other,
+                              -1e3 * gap.distance, 1e3 * kPressedIn));
+  };
+  check(legs, "two legs collided");
+  check(trunk, "a leg went into the trunk");
+  check(ground, "trunk, hip or knee went into the ground");
+}
+
+void LimitFigures::AddTo(Summary& summary) const {
+  double strongest = 0, fastest = 0;
+  for (int i = 0; i < kNumJoints; ++i) {
+    strongest = std::max(strongest, robot_.joint(i).torque_limit);
+    fastest = std::max(fastest, robot_.joint(i).speed_limit);
+  }
+  const auto add = [&](const char* key, std::optional<double> figure, const Limits& limits) {
+    summary.Set(key, figure);
+    summary.Limit(key, limits);
+  };
+  add("torque_max_N_m", torques_.max(), {.high = strongest});
+  add("joint_speed_max_rad_per_s", speeds_.max(), {.high = fastest});
+  add("torque_beyond_drive_max_N_m", excesses_.max(), {.high = 0});
+  add("foot_depth_max_m", depths_.max(), {.high = foot_limit_});
+  add("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});
+  add("trunk_clearance_min_m", trunk_.min(), {.low = -kPressedIn});
+  add("ground_clearance_min_m", ground_.min(), {.low = -kPressedIn});
+  breaches_.AddTo(summary);
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,156 @@
+#include <tenon/apps/quadruped/quadruped_live.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include <tenon/plants/legged/quadruped_geometry.h>
+
+namespace tenon::apps {
+namespace {
+
+// What can be ordered: less than what the shipped scenarios walk at the standard gait.
+constexpr std::array<double, 2> kForward{-0.3, 0.4}, kSideways{-0.15, 0.15};  // [m/s]
+constexpr std::array<double, 2> kYaw{-0.5, 0.5};                              // [rad/s]
+constexpr double kSquat = -0.08;                                              // as the scenario squat [m]
+constexpr double kDropHeight = 0.1;                                           // of the load [m]
+constexpr double kLoadEdge = 0.12;                                            // as SlidingLoad draws it [m]
+constexpr double kLargestLoad = 0.4;                                          // of the robot's mass
+constexpr std::array kGaits{Gait::kTrot, Gait::kCrawl, Gait::kPace, Gait::kGallop};
+
+Geometry ShapesOf(const QuadrupedPlant& plant) {
+  return MakeQuadrupedGeometry(plant.params.robot, plant.params.payload, plant.params.terrain);
+}
+
+SlidingLoadParams LoadOn(const QuadrupedPlant& plant) {
+  SlidingLoadParams params;
+  const RigidInertia& trunk = plant.params.robot.trunk;
+  const double half_height = ShapesOf(plant).front().size[2] / 2;
+  params.position_B = trunk.com + Vec<3>(0, 0, half_height + kLoadEdge / 2);
+  params.robot = plant.params.initial;
+  params.gravity = plant.params.gravity;
+  return params;
+}
+
+/// Which body each shape of the robot belongs to; nothing of the others.
+std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
+  std::map<std::string, int> by_name{{"trunk", 0}};
+  for (int j = 0; j < kNumJoints; ++j) by_name["link of " + plant.params.robot.joint(j).name] = 1 + j;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    by_name[std::string("foot ") + kLegNames[static_cast<std::size_t>(leg)]] = kJointsPerLeg * (leg + 1);
+  std::map<std::size_t, int> bodies;
+  const Geometry shapes = ShapesOf(plant);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const auto body = by_name.find(shapes[i].name);
+    if (body != by_name.end()) bodies[i] = body->second;
+  }
+  return bodies;
+}
+
+std::vector<double> Numbers(const Vec<3>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk)
+    : world_(world),
+      pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = world.plant.params.robot})),
+      load_(builder.Add<SlidingLoad>("live_load", LoadOn(world.plant))) {
+  if (walk != nullptr) {
+    drive_ = &builder.Add<WalkDrive>("live_drive",
+                                     WalkDriveParams{.acceleration = walk->params.acceleration,
+                                                     .yaw_acceleration = walk->params.yaw_acceleration,
+                                                     .rate = walk->params.rate});
+    builder.Insert(walk->command, drive_->planned, drive_->command);
+  }
+  builder.Connect(world.plant.state, pull_.state);
+  builder.Connect(world.plant.state, load_.robot);
+  const std::size_t used = world.disturbances.params.count;
+  Demand(used + 2 <= kMaxExternalForces,
+         fmt::format("the scenario has {} forces, which leaves no room for those of a live run: {} at most",
+                     used - 1, kMaxExternalForces - 3));
+  auto& forces = builder.AddFunction(
+      {"live_forces"}, Uses(world.disturbances.forces, pull_.force, load_.force),
+      [used](const ExternalForces& others, const ExternalForce& pull, const ExternalForce& load) {
+        ExternalForces all = others;
+        all[used] = pull;
+        all[used + 1] = load;
+        return all;
+      });
+  builder.Disconnect(world.plant.external);
+  builder.Connect(forces, world.plant.external);
+}
+
+void QuadrupedLive::AddTo(std::vector<const Source*>& signals,
+                          std::vector<const OutputPort<Geometry>*>& shapes) const {
+  if (drive_ != nullptr) signals.push_back(&drive_->command);
+  signals.push_back(&pull_.force);
+  signals.push_back(&load_.force);
+  shapes.push_back(&load_.geometry);
+}
+
+LiveControls QuadrupedLive::Controls() const {
+  LiveControls controls;
+  if (drive_ != nullptr) {
+    const std::string name = drive_->path();
+    const LiveSet active{name + ".active", {1}};
+    controls.drive = {kForward, kSideways, kYaw, [=](const Vec<3>& velocity) {
+                        return LiveSets{active, {name + ".velocity", Numbers(velocity)}};
+                      }};
+    controls.gaits = {{}, [=](std::size_t i) {
+                        return LiveSets{active, {name + ".gait", {static_cast<double>(kGaits[i])}}};
+                      }};
+    for (const Gait gait : kGaits) controls.gaits->names.emplace_back(EnumName(gait));
+    controls.postures = {{"walk", "stand", "squat"}, [=](std::size_t i) {
+                           return LiveSets{active,
+                                           {name + ".stands", {i == 0 ? 0.0 : 1.0}},
+                                           {name + ".height", {i == 2 ? kSquat : 0.0}}};
+                         }};
+  }
+
+  const QuadrupedPlant& plant = world_.plant;
+  const QuadrupedDescription& robot = plant.params.robot;
+  const std::map<std::size_t, int> bodies = BodiesOf(plant);
+  LiveControls::Pull pull;
+  pull.stiffness = pull_.params.stiffness;
+  pull.max_force = pull_.params.max_force;
+  const Geometry shapes = ShapesOf(plant);
+  for (const auto& [shape, body] : bodies) pull.bodies[shape] = shapes[shape].name;
+  pull.set = [this, &robot, bodies](Context& context, std::size_t shape, const Vec<3>& point_W,
+                                    const Vec<3>& target_W, bool first) {
+    SpringGrip grip = context.Eval(pull_.grip);
+    if (first) {
+      grip.on = true;
+      grip.body = bodies.at(shape);
+      grip.p_B = PointInBody(robot, context.Eval(world_.plant.motion), grip.body, point_W);
+    }
+    return LiveSets{{pull_.grip.path(),
+                     {1.0, static_cast<double>(grip.body), grip.p_B[0], grip.p_B[1], grip.p_B[2], target_W[0],
+                      target_W[1], target_W[2]}}};
+  };
+  pull.release = [this] { return LiveSets{{pull_.grip.path(), std::vector<double>(8, 0.0)}}; };
+  pull.state = [this, &robot](Context& context) {
+    const SpringGrip& grip = context.Eval(pull_.grip);
+    const LeggedState& x = context.Eval(world_.plant.motion);
+    return std::pair(PointOfBody(robot, x, grip.body, grip.p_B).p_W, context.Eval(pull_.force).force_W);
+  };
+  controls.pull = std::move(pull);
+
+  const double largest = std::round(kLargestLoad * robot.mass());
+  controls.load = {
+      "trunk load", {0.1, largest}, std::min(5.0, largest / 2), [this](Context& context, double mass) {
+        const LeggedState& x = context.Eval(world_.plant.motion);
+        const Eigen::Vector3d arm =
+            x.R_WB() * (load_.params.position_B + Vec<3>(0, 0, mass > 0 ? kDropHeight : 0));
+        const Vec<3> place = x.p_WB + arm, velocity = x.v_W + x.w_W.cross(arm);
+        std::vector<double> motion = Numbers(place);
+        for (const double v : Numbers(velocity)) motion.push_back(v);
+        return LiveSets{{load_.mass.path(), {mass}}, {load_.motion.path(), motion}};
+      }};
+  return controls;
+}
+
+}  // namespace tenon::apps

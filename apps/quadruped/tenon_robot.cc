@@ -1,0 +1,109 @@
+// tenon-robot: from a URDF to a robot that walks.
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/robot_drawing.h>
+#include <tenon/plants/model/quadruped_proposal.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStand = 3;  // [s]
+constexpr double kTrot = 10;
+
+struct RobotArguments {
+  std::string urdf, out;
+  std::vector<std::string> locks;  ///< JOINT=ANGLE
+};
+
+std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::string>& locks) {
+  std::map<std::string, double, std::less<>> angles;
+  for (const std::string& lock : locks) {
+    const std::size_t equals = lock.find('=');
+    char* end = nullptr;
+    const std::string number = equals == std::string::npos ? "" : lock.substr(equals + 1);
+    const double angle = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != '\0')
+      throw ParameterError(fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad", lock));
+    angles[lock.substr(0, equals)] = angle;
+  }
+  return angles;
+}
+
+/// A shipped scenario with this robot; what it leaves in a directory of its own.
+Summary Try(const char* scenario, const fs::path& yaml, double duration, const fs::path& out) {
+  const YamlDocument document = LoadScenario(scenario, {"robot=" + yaml.string()}, "tenon-quadruped");
+  return QuadrupedApp().run(document, duration, {.out = out}).summary;
+}
+
+int Run(const RobotArguments& arguments) {
+  const fs::path urdf = arguments.urdf;
+  const std::string name = urdf.stem().string();
+  const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
+  const QuadrupedProposal proposal = ProposeQuadruped(urdf, LockedJoints(arguments.locks));
+
+  std::error_code error;
+  fs::create_directories(out, error);
+  const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
+  if (!fs::equivalent(urdf, beside, error)) {
+    fs::copy_file(urdf, beside, fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw OutputError(
+          fmt::format("cannot write '{}' ({}): choose another --out", beside.string(), error.message()));
+  }
+  WriteFile(yaml, proposal.yaml);
+  const QuadrupedDescription robot = LoadQuadruped(yaml.string());
+  WriteFile(out / (name + ".svg"), DrawQuadruped(robot));
+
+  fmt::print("{:<28} {}\n", "robot", yaml.string());
+  fmt::print("{:<28} {}\n", "picture", (out / (name + ".svg")).string());
+  fmt::print("{:<28} {:.4g}\n", "mass_kg", robot.mass());
+  fmt::print("{:<28} {:.4g}\n", "leg_length_m", robot.LegLength(kFrontLeft));
+  fmt::print("{:<28} {:.4g}\n", "stance_height_m", robot.StanceHeight());
+  for (const std::string& note : proposal.notes) fmt::print("note: {}\n", note);
+  std::fflush(stdout);
+
+  const Summary stand = Try("stand", yaml, kStand, out / "stand");
+  fmt::print("{:<28} {}\n", "stands", stand.exit_code() == kRan ? "yes" : "no, see stand/report.html");
+  std::fflush(stdout);
+  const Summary trot = Try("flat", yaml, kTrot, out / "trot");
+  fmt::print("{:<28} {}\n", "trots", trot.exit_code() == kRan ? "yes" : "no, see trot/report.html");
+  for (const auto& [key, value] : trot.Flat())
+    if (key == "end_reason" || key == "com_error_max_m" || key == "foot_error_max_m.front_left")
+      fmt::print("{:<28} {}\n", key, value);
+  return trot.exit_code();
+}
+
+}  // namespace
+}  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes a robot's YAML file from its URDF, draws it, lets it stand and trot.", "tenon-robot");
+  tenon::apps::RobotArguments arguments;
+  app.add_option("URDF", arguments.urdf, "of a quadruped with three joints a leg; see docs/robots.md")
+      ->required();
+  app.add_option("--out", arguments.out,
+                 "directory for NAME.yaml, the URDF, NAME.svg and the trial runs (default: out/NAME)");
+  app.add_option("--lock", arguments.locks,
+                 "a joint that is not to turn, and its angle [rad]: --lock arm_1=0.5")
+      ->type_name("JOINT=ANGLE")
+      ->allow_extra_args(false);
+  app.footer(
+      "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell; 4 numerical failure; 5 a file could "
+      "not be "
+      "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
+}

@@ -1,0 +1,92 @@
+#include <tenon/controllers/cdpr/cable_interference.h>
+#include <tenon/plants/model/segment_distance.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace tenon {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kPieces = 5;        // of each cable, for a bound of the distance
+constexpr double kOnFace = 1e-9;  // distance from a face, relative to the platform, of what lies in it
+
+/// Outer normals of the faces of the convex hull of `points` that meet at points[at]: planes through it and
+/// two others with everything on one side. A flat platform has both sides of it.
+std::vector<Eigen::Vector3d> FacesAt(const std::vector<Eigen::Vector3d>& points, std::size_t at) {
+  double size = 0;
+  for (const auto& point : points) size = std::max(size, (point - points[at]).norm());
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      Eigen::Vector3d normal = (points[i] - points[at]).cross(points[j] - points[at]);
+      if (normal.norm() <= kOnFace * size * size) continue;
+      normal.normalize();
+      double low = 0, high = 0;
+      for (const auto& point : points) {
+        const double height = normal.dot(point - points[at]);
+        low = std::min(low, height);
+        high = std::max(high, height);
+      }
+      if (high <= kOnFace * size) normals.push_back(normal);
+      if (low >= -kOnFace * size) normals.push_back(-normal);
+    }
+  }
+  return normals;
+}
+
+}  // namespace
+
+CableInterference::CableInterference(const CdprDescription& robot) {
+  std::vector<Eigen::Vector3d> hull{Eigen::Vector3d::Zero()};
+  for (const CableDescription& cable : robot.cables) {
+    anchor_W_.push_back(cable.anchor_W);
+    hull.push_back(cable.attachment_B);
+  }
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    faces_.push_back(FacesAt(hull, static_cast<std::size_t>(i) + 1));
+    for (int j = i + 1; j < robot.num_cables(); ++j) {
+      const CableDescription &a = robot.cables[i], &b = robot.cables[j];
+      if (a.anchor_W != b.anchor_W && a.attachment_B != b.attachment_B) pairs_.emplace_back(i, j);
+    }
+  }
+}
+
+CableClearance CableInterference::At(const CableKinematics& cables, const Eigen::Matrix3d& R_WB) const {
+  CableClearance clearance{kInfinity, 1};
+  for (const auto& [i, j] : pairs_) {
+    const double distance = SegmentDistance(anchor_W_[i], -cables.length[i] * cables.direction.col(i),
+                                            anchor_W_[j], -cables.length[j] * cables.direction.col(j));
+    clearance.cables = std::min(clearance.cables, distance);
+  }
+  for (int i = 0; i < cables.num_cables(); ++i) {
+    const Eigen::Vector3d direction_B = R_WB.transpose() * cables.direction.col(i);
+    double sine = faces_[i].empty() ? 1 : -1;  // an attachment inside of the platform is on no face
+    for (const Eigen::Vector3d& normal : faces_[i]) sine = std::max(sine, normal.dot(direction_B));
+    clearance.platform = std::min(clearance.platform, sine);
+  }
+  return clearance;
+}
+
+double CableInterference::LeastDistance(const CableKinematics& cables, double distance, double chord) const {
+  double least = kInfinity;
+  for (const auto& [i, j] : pairs_) {
+    const Eigen::Vector3d u = -cables.length[i] / kPieces * cables.direction.col(i);
+    const Eigen::Vector3d v = -cables.length[j] / kPieces * cables.direction.col(j);
+    const double arm_i = cables.arm_W.col(i).norm(), arm_j = cables.arm_W.col(j).norm();
+    for (int a = 0; a < kPieces; ++a) {
+      for (int b = 0; b < kPieces; ++b) {
+        const double apart = (std::abs(a - b) + 1.0) / kPieces * distance;
+        const double turned = chord * ((a + 1) * arm_i + (b + 1) * arm_j) / kPieces;
+        least = std::min(least,
+                         SegmentDistance(anchor_W_[i] + a * u, u, anchor_W_[j] + b * v, v) - apart - turned);
+      }
+    }
+  }
+  return least;
+}
+
+}  // namespace tenon

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+namespace tenon {
+
+/// How far cables are from one another and from the platform.
+struct CableClearance {
+  double cables = 0;  ///< the least distance between the axes of two cables [m]
+  double platform =
+      0;  ///< sine of the least angle at which a cable leaves the platform; negative: through it
+};
+
+/// Do cables touch one another, or the platform? (Perreault, Cardou, Gosselin, Otis, J. Mechanisms Robotics
+/// 2(3), 2010, for straight cables.)
+///
+/// Two cables are as near as their segments; those that share an anchor or an attachment are left out. The
+/// platform is taken for the solid convex hull of its attachments and its CoM: a cable runs through it if its
+/// direction points below all faces that meet at its attachment, and its sine is the largest n . lambda over
+/// these. A platform that is an open frame, or wider than its attachments, is another one.
+class CableInterference {
+ public:
+  explicit CableInterference(const CdprDescription& robot);
+
+  /// At the pose of `cables`, computed for the same robot; allocates nothing.
+  CableClearance At(const CableKinematics& cables, const Eigen::Matrix3d& R_WB) const;
+
+  /// A lower bound of the distance between two cables while the CoM moves by up to `distance` [m] and every
+  /// arm r by up to `chord` |r|. Points at the fractions s and t of two cables, counted from the anchors,
+  /// come nearer by no more than |s - t| distance + chord (s |arm_i| + t |arm_j|): piece by piece of both.
+  double LeastDistance(const CableKinematics& cables, double distance, double chord) const;
+
+ private:
+  std::vector<Eigen::Vector3d> anchor_W_;
+  std::vector<std::pair<int, int>> pairs_;           // of cables that could touch
+  std::vector<std::vector<Eigen::Vector3d>> faces_;  // of each cable: outer normals in B at its attachment
+};
+
+}  // namespace tenon

@@ -1,0 +1,157 @@
+#include <fmt/core.h>
+#include <tenon/controllers/cdpr/cdpr_workspace.h>
+#include <tenon/plants/model/quaternion.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+namespace {
+
+constexpr double kMostCells = 1e7;
+
+class Mapper {
+ public:
+  Mapper(PoseFeasibility& robot, const WorkspaceOptions& options) : robot_(robot), options_(options) {}
+
+  std::vector<WorkspaceCell> Map() {
+    Divide({.size = options_.grid.cells});
+    return std::move(found_);
+  }
+
+ private:
+  void Divide(WorkspaceCell part) {
+    const bool whole = part.size == std::array{1, 1, 1};
+    Judge(&part, whole);
+    const bool known = part.wrench == PoseVerdict::kFails ||
+                       (part.wrench == PoseVerdict::kHolds && part.clear != PoseVerdict::kUndecided);
+    if (known || whole) return Add(part);
+    std::size_t axis = 0;
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = part.size[k] * options_.grid.cell()[static_cast<int>(k)];
+      if (part.size[k] == 1 || length <= longest) continue;
+      longest = length;
+      axis = k;
+    }
+    WorkspaceCell lower = part, upper = part;
+    lower.size[axis] = part.size[axis] / 2;
+    upper.first[axis] += lower.size[axis];
+    upper.size[axis] -= lower.size[axis];
+    Divide(lower);
+    Divide(upper);
+  }
+
+  /// Of a part that is divided anyway interference need not be known.
+  void Judge(WorkspaceCell* part, bool whole) {
+    const Eigen::Vector3d centre = part->centre(options_.grid);
+    const Eigen::Vector3d size(part->size[0], part->size[1], part->size[2]);
+    const double reach = size.cwiseProduct(options_.grid.cell()).norm() / 2;
+    PoseBall ball = options_.PoseAt(centre);
+    (options_.kind == WorkspaceKind::kPosition ? ball.distance : ball.angle) = reach;
+    part->wrench = robot_.Over(ball);
+    part->margins = robot_.margins();
+    part->clear = PoseVerdict::kUndecided;
+    part->clearance = {};
+    if (part->wrench == PoseVerdict::kFails || (part->wrench == PoseVerdict::kUndecided && !whole)) return;
+    part->clear = robot_.IsClearOver(ball, options_.cable_diameter);
+    part->clearance = robot_.clearance();
+  }
+
+  void Add(const WorkspaceCell& part) {
+    found_.push_back(part);
+    done_ += part.volume(options_.grid);
+    if (options_.progress && found_.size() % 256 == 0) options_.progress(done_ / options_.grid.volume());
+  }
+
+  PoseFeasibility& robot_;
+  const WorkspaceOptions& options_;
+  std::vector<WorkspaceCell> found_;
+  double done_ = 0;
+};
+
+}  // namespace
+
+WorkspaceGrid WorkspaceGrid::OfSize(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell) {
+  WorkspaceGrid grid{low, high};
+  grid.Validate();
+  if (!(cell > 0) || !std::isfinite(cell))
+    throw ParameterError(fmt::format("cells of {}: give a size above 0", cell));
+  for (int k = 0; k < 3; ++k) {
+    const double count = std::ceil((high[k] - low[k]) / cell - 1e-9);
+    grid.cells[k] = static_cast<int>(std::clamp(count, 1.0, kMostCells));
+  }
+  grid.Validate();
+  return grid;
+}
+
+void WorkspaceGrid::Validate() const {
+  double count = 1;
+  for (int k = 0; k < 3; ++k) {
+    if (!std::isfinite(low[k]) || !std::isfinite(high[k]) || !(low[k] < high[k]))
+      throw ParameterError(
+          fmt::format("the box of a workspace goes from {} to {} along {}: give a lower and a higher end",
+                      low[k], high[k], "xyz"[k]));
+    if (cells[k] < 1)
+      throw ParameterError(fmt::format("{} cells along {}: one at least", cells[k], "xyz"[k]));
+    count *= cells[k];
+  }
+  if (count > kMostCells)
+    throw ParameterError(fmt::format(
+        "{:.3g} cells are more than {:.0e}: make the cells larger or the box smaller", count, kMostCells));
+}
+
+Eigen::Vector3d WorkspaceGrid::cell() const {
+  return (high - low).cwiseQuotient(Eigen::Vector3d(cells[0], cells[1], cells[2]));
+}
+
+Eigen::Vector3d WorkspaceCell::centre(const WorkspaceGrid& grid) const {
+  const Eigen::Vector3d middle(first[0] + 0.5 * size[0], first[1] + 0.5 * size[1], first[2] + 0.5 * size[2]);
+  return grid.low + middle.cwiseProduct(grid.cell());
+}
+
+double WorkspaceCell::volume(const WorkspaceGrid& grid) const {
+  return grid.cell().prod() * size[0] * size[1] * size[2];
+}
+
+PoseVerdict WorkspaceCell::verdict() const {
+  if (wrench == PoseVerdict::kFails || clear == PoseVerdict::kFails) return PoseVerdict::kFails;
+  return wrench == PoseVerdict::kHolds && clear == PoseVerdict::kHolds ? PoseVerdict::kHolds
+                                                                       : PoseVerdict::kUndecided;
+}
+
+PoseBall WorkspaceOptions::PoseAt(const Eigen::Vector3d& coordinates) const {
+  if (kind == WorkspaceKind::kPosition) return {.p_WB = coordinates, .R_WB = R_WB};
+  return {.p_WB = p_WB, .R_WB = RotationFromQuaternion(QuaternionFromRotationVector(coordinates)) * R_WB};
+}
+
+std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceOptions& options) {
+  options.grid.Validate();
+  return Mapper(robot, options).Map();
+}
+
+WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid) {
+  WorkspaceVolume volume;
+  for (const WorkspaceCell& cell : cells) {
+    const double v = cell.volume(grid);
+    if (cell.wrench == PoseVerdict::kHolds) volume.proven += v;
+    if (cell.wrench != PoseVerdict::kFails) volume.possible += v;
+    if (cell.margins.feasible()) volume.centres += v;
+  }
+  return volume;
+}
+
+WorkspaceVolume ClearVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
+                            double diameter) {
+  WorkspaceVolume volume;
+  for (const WorkspaceCell& cell : cells) {
+    const double v = cell.volume(grid);
+    if (cell.verdict() == PoseVerdict::kHolds) volume.proven += v;
+    if (cell.verdict() != PoseVerdict::kFails) volume.possible += v;
+    if (cell.margins.feasible() && cell.centre_clear(diameter)) volume.centres += v;
+  }
+  return volume;
+}
+
+}  // namespace tenon

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/pose_feasibility.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace tenon {
+
+/// A box of three coordinates, cut into equal cells.
+struct WorkspaceGrid {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();
+  Eigen::Vector3d high = Eigen::Vector3d::Zero();
+  std::array<int, 3> cells{1, 1, 1};
+
+  /// The grid with cells of about this size.
+  static WorkspaceGrid OfSize(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell);
+  Eigen::Vector3d cell() const;
+  double volume() const { return (high - low).prod(); }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// A part of the grid, one cell or many, with one verdict of wrenches and one of interference.
+struct WorkspaceCell {
+  std::array<int, 3> first{}, size{};  ///< in cells of the grid
+  PoseVerdict wrench = PoseVerdict::kUndecided;
+  PoseVerdict clear = PoseVerdict::kUndecided;
+  WrenchMargins margins{};     ///< at its centre
+  CableClearance clearance{};  ///< at its centre; where wrenches fail all over, of nothing
+
+  Eigen::Vector3d centre(const WorkspaceGrid& grid) const;
+  double volume(const WorkspaceGrid& grid) const;
+  bool centre_clear(double diameter) const { return clearance.cables >= diameter && clearance.platform >= 0; }
+  /// All of it, wrenches and clearance alike.
+  PoseVerdict verdict() const;
+};
+
+/// What the three coordinates of a grid are.
+enum class WorkspaceKind {
+  kPosition,  ///< of the CoM in W [m], at one attitude: the constant-orientation workspace
+  kAttitude,  ///< a rotation vector in W [rad] from one attitude, at one position: the orientation workspace
+};
+
+struct WorkspaceOptions {
+  WorkspaceKind kind = WorkspaceKind::kPosition;
+  WorkspaceGrid grid;
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< of kAttitude [m]
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  ///< of kPosition; of kAttitude that of the zero vector
+  double cable_diameter = 0;                           ///< [m]
+  /// Told now and then which share of the box is done; may throw.
+  std::function<void(double)> progress = {};
+
+  /// The one pose of three coordinates.
+  PoseBall PoseAt(const Eigen::Vector3d& coordinates) const;
+};
+
+/// Which parts of the box are feasible as a whole, which are not anywhere, and which are left undecided at
+/// the size of one cell: halved until one of the three. Parts do not overlap and fill the box.
+///
+/// Rotation vectors whose difference is delta are attitudes that differ by no more than |delta|, for the
+/// sphere of attitudes is curved.
+std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceOptions& options);
+
+/// A volume, in the coordinates of the grid cubed, between two bounds.
+struct WorkspaceVolume {
+  double proven = 0;    ///< of cells that are feasible as a whole
+  double possible = 0;  ///< of cells that are not proven to be infeasible
+  double centres = 0;   ///< of cells with a feasible centre: an estimate, without proof
+};
+WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid);
+/// The same of what is clear of interference as well.
+WorkspaceVolume ClearVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
+                            double diameter);
+
+}  // namespace tenon

@@ -1,0 +1,318 @@
+#include <fmt/core.h>
+#include <tenon/controllers/cdpr/pose_feasibility.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace tenon {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPoint = 1e-9;     // attachments that are nearer to the CoM are at it [m]
+constexpr double kRounding = 1e-9;  // of tensions, relative to their upper bound
+constexpr int kTighterBounds = 7;   // each half of the last one
+constexpr double kAway = 0.7;       // from the bounds, of what tensions can be
+
+double Lever(const CdprDescription& robot) {
+  double lever = 0;
+  for (const CableDescription& cable : robot.cables) lever = std::max(lever, cable.attachment_B.norm());
+  return lever;
+}
+
+int Rows(const CdprDescription& robot) {
+  const int rows = Lever(robot) > kPoint ? 6 : 3;
+  if (robot.num_cables() < rows) {
+    throw ParameterError(fmt::format(
+        "robot '{}' has {} cables, too few for a wrench-feasible workspace, which takes six: with fewer the "
+        "platform's attitude cannot be prescribed, and it rests at single attitudes",
+        robot.name, robot.num_cables()));
+  }
+  return rows;
+}
+
+/// The longest chord of what moves by no more than `angle` on a unit sphere.
+double Chord(double angle) {
+  return 2 * std::sin(std::min(angle, std::numbers::pi) / 2);
+}
+
+}  // namespace
+
+void PlatformDemand::Validate() const {
+  for (const auto& [value, name] :
+       {std::pair{load, "load [kg]"}, std::pair{acceleration, "acceleration [m/s^2]"},
+        std::pair{force, "force [N]"}, std::pair{torque, "torque [N m]"}}) {
+    if (!(value >= 0) || !std::isfinite(value))
+      throw ParameterError(
+          fmt::format("the {} that a platform needs is {}: give a finite number, 0 or more", name, value));
+  }
+}
+
+WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand) {
+  demand.Validate();
+  const double mass = robot.mass + demand.load;
+  WrenchBox box{-GravityWrench(robot) * (mass / robot.mass), Eigen::VectorXd(6)};
+  box.half_width.head(3).setConstant(mass * demand.acceleration + demand.force);
+  box.half_width.tail(3).setConstant(demand.torque);
+  return box;
+}
+
+PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& required)
+    : robot_(robot),
+      lever_(Lever(robot)),
+      rows_(Rows(robot)),
+      required_{required.centre.head(rows_), required.half_width.head(rows_)},
+      wrenches_(rows_, robot.num_cables()),
+      distributor_(robot.num_cables()),
+      interference_(robot),
+      structure_(rows_, robot.num_cables()),
+      turn_(robot.num_cables()),
+      change_(robot.num_cables()),
+      remainder_(robot.num_cables()),
+      derivative_(static_cast<std::size_t>(robot.num_cables()), Matrix6d::Zero()),
+      gain_(robot.num_cables()),
+      spread_(robot.num_cables()) {
+  robot.cable.Validate();
+  if (rows_ == 6) {
+    required_.centre.tail(3) /= lever_;
+    required_.half_width.tail(3) /= lever_;
+  } else if (required.centre.tail(3).norm() > 0 || required.half_width.tail(3).norm() > 0) {
+    throw ParameterError(fmt::format(
+        "robot '{}' has all attachments at its CoM and cannot produce torques: require none", robot.name));
+  }
+}
+
+/// False if a cable has no length there.
+bool PoseFeasibility::Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB) {
+  try {
+    CalcCableKinematics(robot_, p_WB, R_WB, &cables_);
+  } catch (const RunError&) {
+    return false;
+  }
+  structure_ = cables_.structure.topRows(rows_);
+  if (rows_ == 6) structure_.bottomRows(3) /= lever_;
+  return true;
+}
+
+WrenchMargins PoseFeasibility::At(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB) {
+  margins_ = {-kInfinity, -kInfinity, 0};
+  if (!Move(p_WB, R_WB)) return margins_;
+  wrenches_.SetStructure(structure_);
+  margins_ = wrenches_.Margins(required_, robot_.cable.tension_min, robot_.cable.tension_max);
+  return margins_;
+}
+
+/// False if a cable might come to have no length.
+bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
+  const double chord = Chord(poses.angle);
+  for (int i = 0; i < cables_.num_cables(); ++i) {
+    const double arm = cables_.arm_W.col(i).norm();
+    const double sine = (poses.distance + chord * arm) / cables_.length[i];
+    if (!(sine < 1)) return false;
+    turn_[i] = Chord(std::asin(sine));
+    // arm' x lambda' - arm x lambda = arm' x (lambda' - lambda) + (arm' - arm) x lambda
+    const double torque = rows_ == 6 ? arm * (turn_[i] + chord) / lever_ : 0;
+    change_[i] = std::hypot(turn_[i], torque);
+  }
+  return true;
+}
+
+/// The derivatives of [lambda; arm x lambda / lever], see CalcWrenchJacobian(), and half of what bounds its
+/// second derivative along any way of the set. With s = |db|, b the attachment, |lambda''| <= (1 + sqrt 5) /
+/// 2 s^2 / l^2 + |b''| / l, for of the second derivative of a unit vector that is the largest value.
+void PoseFeasibility::Differentiate(const PoseBall& poses) {
+  distance_ = poses.distance;
+  angle_ = poses.angle;
+  const auto cross = [](const Eigen::Vector3d& v) {
+    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+  };
+  for (int i = 0; i < cables_.num_cables(); ++i) {
+    const Eigen::Vector3d lambda = cables_.direction.col(i), arm_W = cables_.arm_W.col(i);
+    const double length = cables_.length[i], arm = arm_W.norm();
+    const Eigen::Matrix3d P = (Eigen::Matrix3d::Identity() - lambda * lambda.transpose()) / length,
+                          X = cross(arm_W);
+    Matrix6d& derivative = derivative_[static_cast<std::size_t>(i)];
+    derivative.topLeftCorner<3, 3>() = -P;
+    derivative.topRightCorner<3, 3>() = P * X;
+    if (rows_ == 6) {
+      derivative.bottomLeftCorner<3, 3>() = -X * P / lever_;
+      derivative.bottomRightCorner<3, 3>() = (X * P * X + cross(lambda) * X) / lever_;
+    }
+    const double nearest = length - distance_ - Chord(angle_) * arm, move = distance_ + angle_ * arm;
+    const double first = move / nearest;
+    const double second = std::numbers::phi * first * first + angle_ * angle_ * arm / nearest;
+    const double torque = rows_ == 6 ? arm * (angle_ * angle_ + 2 * angle_ * first + second) / lever_ : 0;
+    remainder_[i] = std::hypot(second, torque) / 2;
+  }
+}
+
+/// The largest |row . [dp; dtheta]| over the set.
+double PoseFeasibility::OverBall(const Eigen::Matrix<double, 1, 6>& row) const {
+  return row.head<3>().norm() * distance_ + row.tail<3>().norm() * angle_;
+}
+
+/// By how much c . w_i changes at most, of a unit vector c.
+double PoseFeasibility::ChangeAlong(const SmallVector& c, int cable) const {
+  const Matrix6d& derivative = derivative_[static_cast<std::size_t>(cable)];
+  const Eigen::Matrix<double, 1, 6> row = c.transpose() * derivative.topRows(rows_);
+  return std::min(change_[cable], OverBall(row) + remainder_[cable]);
+}
+
+PoseVerdict PoseFeasibility::Over(const PoseBall& poses) {
+  At(poses.p_WB, poses.R_WB);
+  if (!std::isfinite(margins_.tension) || !BoundChanges(poses)) return PoseVerdict::kUndecided;
+  Differentiate(poses);
+  if (HoldsOver()) return PoseVerdict::kHolds;
+  return FailsOver() ? PoseVerdict::kFails : PoseVerdict::kUndecided;
+}
+
+/// What tensions that produce a required wrench sum up to at most [N]: at the centre for 0, all over for 1.
+/// Infinite unless all cables pull upwards.
+double PoseFeasibility::TensionSum(double turned) const {
+  double least = kInfinity;
+  for (int i = 0; i < cables_.num_cables(); ++i)
+    least = std::min(least, cables_.direction(2, i) - turned * turn_[i]);
+  return least > 0 ? (required_.centre[2] + required_.half_width[2]) / least : kInfinity;
+}
+
+bool PoseFeasibility::HoldsOver() {
+  if (!(margins_.tension > 0)) return false;
+  const SmallMatrix gram = structure_ * structure_.transpose();
+  const Eigen::LLT<SmallMatrix> llt(gram);
+  if (llt.info() != Eigen::Success) return false;
+  const SmallMatrix inverse = llt.solve(SmallMatrix::Identity(rows_, rows_));
+  for (int i = 0; i < robot_.num_cables(); ++i) gain_[i] = SmallVector(inverse * structure_.col(i)).norm();
+  const double contraction = change_.dot(gain_);
+  if (!(contraction < 1)) return false;
+  return HoldsByMargin(gain_.maxCoeff() / (1 - contraction)) || HoldsByTensions(inverse, contraction);
+}
+
+/// `gain` times sum_j u_j d_j is by how much a tension has to change at most.
+bool PoseFeasibility::HoldsByMargin(double gain) const {
+  const CableProperties& cable = robot_.cable;
+  const double rounding = kRounding * cable.tension_max;
+  if (gain * TensionSum(0) * change_.maxCoeff() + rounding <= margins_.tension) return true;
+  double bound = cable.tension_max, margin = margins_.tension;
+  for (int i = 0; i <= kTighterBounds && margin > 0; ++i) {
+    if (gain * (bound - margin) * change_.sum() + rounding <= margin) return true;
+    bound /= 2;
+    if (bound <= cable.tension_min) return false;
+    margin = wrenches_.Margins(required_, cable.tension_min, bound).tension;
+  }
+  return false;
+}
+
+bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double contraction) {
+  const CableProperties& cable = robot_.cable;
+  const int n = robot_.num_cables();
+  // By how much tensions differ within the box of required wrenches.
+  double spread_max = 0, spread_change = 0;
+  for (int i = 0; i < n; ++i) {
+    const SmallVector row = gram_inverse * structure_.col(i);
+    spread_[i] = row.cwiseAbs().dot(required_.half_width);
+    spread_max = std::max(spread_max, spread_[i]);
+    spread_change += spread_[i] * change_[i];
+  }
+  const double away = kAway * margins_.tension + spread_max;
+  if (!(cable.tension_min + away < cable.tension_max - away)) return false;
+  Vector6d wrench = Vector6d::Zero();
+  wrench.head(rows_) = required_.centre;
+  if (rows_ == 6) wrench.tail(3) *= lever_;
+  const TensionDistribution& found =
+      distributor_.Solve(cables_.structure, wrench, cable.tension_min + away, cable.tension_max - away);
+  if (!found.feasible) return false;
+
+  Matrix6d first_order = Matrix6d::Zero();
+  for (int i = 0; i < n; ++i) first_order += found.tension[i] * derivative_[static_cast<std::size_t>(i)];
+  const double remainder = found.tension.dot(remainder_);
+  double square = 0;
+  for (int k = 0; k < rows_; ++k) square += std::pow(OverBall(first_order.row(k)), 2);
+  const double missing = std::min(std::sqrt(square) + remainder, found.tension.dot(change_)) + spread_change;
+  const double beyond = remainder + spread_change + missing * contraction / (1 - contraction);
+  for (int i = 0; i < n; ++i) {
+    const SmallVector row = gram_inverse * structure_.col(i);
+    const Eigen::Matrix<double, 1, 6> gradient = row.transpose() * first_order.topRows(rows_);
+    const double room =
+        std::min(found.tension[i] - cable.tension_min, cable.tension_max - found.tension[i]) - spread_[i];
+    if (!(OverBall(gradient) + gain_[i] * beyond + kRounding * cable.tension_max <= room)) return false;
+  }
+  return true;
+}
+
+bool PoseFeasibility::FailsOver() const {
+  if (!(margins_.tension < 0)) return false;
+  const CableProperties& cable = robot_.cable;
+  SmallVector c = wrenches_.normal(margins_.facet);
+  c.normalize();
+  double sum = 0;
+  for (int i = 0; i < robot_.num_cables(); ++i) sum += c.dot(structure_.col(i));
+  // Of the two facets the one that is violated more, and the required wrench that is farthest beyond.
+  if ((cable.tension_max + cable.tension_min) / 2 * sum > c.dot(required_.centre)) c = -c;
+  SmallVector wrench = required_.centre;
+  for (int k = 0; k < rows_; ++k) wrench[k] += c[k] < 0 ? -required_.half_width[k] : required_.half_width[k];
+  return FailsByFixedNormal(c, wrench) || FailsByMovingNormal(c, wrench);
+}
+
+bool PoseFeasibility::FailsByFixedNormal(const SmallVector& c, const SmallVector& wrench) const {
+  const double low = robot_.cable.tension_min, high = robot_.cable.tension_max;
+  double by_bounds = 0, at_least = 0, largest = 0;
+  for (int i = 0; i < robot_.num_cables(); ++i) {
+    const double x = c.dot(structure_.col(i)) + ChangeAlong(c, i);
+    by_bounds += x * (x > 0 ? high : low);
+    at_least += x * low;
+    largest = std::max(largest, x);
+  }
+  const double spare = TensionSum(1) - robot_.num_cables() * low;  // on top of the lowest tensions
+  const double by_sum = largest > 0 ? at_least + std::max(spare, 0.0) * largest : at_least;
+  return std::min(by_bounds, by_sum) + kRounding * high < c.dot(wrench);
+}
+
+/// The normal c + e of the same cables elsewhere: (c + e) . (w_j + D_j) = 0 for those in the facet, e normal
+/// to c, so |e| <= |c . D| / (sigma - |d|), where |d| is the norm of their d_j and sigma at most the least
+/// singular value of their columns A: 1 / sigma^2 is the trace of (A^T A)^-1.
+bool PoseFeasibility::FailsByMovingNormal(const SmallVector& c, const SmallVector& wrench) const {
+  const auto facet = wrenches_.cables(margins_.facet);
+  SmallMatrix columns(rows_, rows_ - 1);
+  double square = 0, square_along = 0;
+  for (int j = 0; j < rows_ - 1; ++j) {
+    columns.col(j) = structure_.col(facet[j]);
+    square += std::pow(change_[facet[j]], 2);
+    square_along += std::pow(ChangeAlong(c, facet[j]), 2);
+  }
+  const SmallMatrix gram = columns.transpose() * columns;
+  const Eigen::LLT<SmallMatrix> llt(gram);
+  if (llt.info() != Eigen::Success) return false;
+  const SmallMatrix inverse = llt.solve(SmallMatrix::Identity(rows_ - 1, rows_ - 1));
+  const double sigma = 1 / std::sqrt(inverse.trace()), change = std::sqrt(square);
+  if (!(change < sigma)) return false;
+  const double turn = std::sqrt(square_along) / (sigma - change);
+  double most = 0;
+  for (int i = 0; i < robot_.num_cables(); ++i) {
+    if ((facet.array() == i).any()) continue;
+    const double x =
+        c.dot(structure_.col(i)) + ChangeAlong(c, i) + turn * (structure_.col(i).norm() + change_[i]);
+    most += x * (x > 0 ? robot_.cable.tension_max : robot_.cable.tension_min);
+  }
+  return most + kRounding * robot_.cable.tension_max < c.dot(wrench) - turn * wrench.norm();
+}
+
+PoseVerdict PoseFeasibility::IsClearOver(const PoseBall& poses, double diameter) {
+  if (!Move(poses.p_WB, poses.R_WB) || !BoundChanges(poses)) {
+    clearance_ = {};
+    return PoseVerdict::kUndecided;
+  }
+  clearance_ = interference_.At(cables_, poses.R_WB);
+  const double chord = Chord(poses.angle), move = 2 * (poses.distance + chord * lever_),
+               turn = turn_.maxCoeff() + chord;
+  if (clearance_.cables >= diameter && clearance_.platform - turn >= 0 &&
+      (clearance_.cables - move >= diameter ||
+       interference_.LeastDistance(cables_, poses.distance, chord) >= diameter))
+    return PoseVerdict::kHolds;
+  if (clearance_.cables + move < diameter || clearance_.platform + turn < 0) return PoseVerdict::kFails;
+  return PoseVerdict::kUndecided;
+}
+
+}  // namespace tenon

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace tenon {
+
+/// Wrenches that the cables must be able to put on the platform: all within `half_width` of `centre`, row by
+/// row. Six rows, force [N] before torque [N m] about the CoM in W; three for a point mass, two in a plane.
+struct WrenchBox {
+  Eigen::VectorXd centre;
+  Eigen::VectorXd half_width;
+};
+
+/// How far required wrenches are from the bounds of what cables can do; negative if some are beyond.
+struct WrenchMargins {
+  /// By how much [N] both tension bounds can be tightened and every required wrench still be produced.
+  double tension = 0;
+  /// The largest wrench that can be added in any direction, sqrt(|force|^2 + |torque / lever|^2) [N]: the
+  /// capacity margin. Of a pose that is not feasible, how far the worst required wrench is beyond its facet.
+  double capacity = 0;
+  int facet = 0;  ///< which of the facets bounds the tension margin
+
+  bool feasible() const { return tension >= 0; }
+};
+
+/// Is there a tension within bounds for every wrench of a required set, and with how much to spare?
+///
+/// The wrenches that tensions lo <= u <= hi produce, Z = {W u}, form a zonotope: a convex polytope of which
+/// each facet is normal to d - 1 independent columns of W, d its rows. So Z is the intersection of
+/// half-spaces c . w <= h(c), one pair of them for each choice of columns, with the support function
+///
+///     h(c) = mid sum_i c.w_i + half sum_i |c.w_i|,      mid, half = (hi + lo) / 2, (hi - lo) / 2
+///
+/// This is the hyperplane shifting method (Bouchard, Gosselin, Moore, J. Mechanisms Robotics 2(1), 2010;
+/// Gouttefarde, Krut, Advances in Robot Kinematics, 2010). With r(c) = c . centre + sum_k half_width_k |c_k|
+/// the support function of the required wrenches, they are all produced if h(c) >= r(c) for each c, and the
+/// margins are the minima over all facets of
+///
+///     tension:  (h(c) - r(c)) / sum_i |c.w_i|         capacity:  (h(c) - r(c)) / |c|
+///
+/// The first follows from h once more: bounds that are tighter by m lower it by m sum_i |c.w_i|.
+///
+/// SetStructure() finds all normals by Gaussian elimination of [W | 1], one chosen column after the other:
+/// what remains of d rows after d - 1 steps is one row, [c.w_1 ... c.w_n | c]. Choices with a common
+/// beginning share their steps. Dependent columns bound no facet and are left out; a normal too many would do
+/// no harm, since h(c) >= r(c) is necessary for any c. Costs grow as n over d - 1: 56 choices for 8 cables in
+/// space, 792 for 12. Allocates in the constructor alone.
+class WrenchFeasibility {
+ public:
+  /// @throws ParameterError unless 2 <= rows <= cables.
+  WrenchFeasibility(int rows, int num_cables);
+
+  /// The structure matrix, see CableKinematics: a column for each cable, the wrench of a unit tension. Rows
+  /// of torques are divided by a lever [m] before, and so are those of the required wrenches, so that all are
+  /// forces: the size of the platform is a good one. The tension margin does not depend on it.
+  /// @throws ParameterError if the matrix has another size.
+  void SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& structure);
+
+  /// Tensions are within [tension_min, tension_max] [N]; both finite.
+  WrenchMargins Margins(const WrenchBox& required, double tension_min, double tension_max) const;
+
+  int num_facets() const { return num_facets_; }  ///< pairs of them, at most n over d - 1
+  /// Normal of a facet; its opposite is that of another one. Not of unit length.
+  auto normal(int facet) const { return normals_.col(facet); }
+  /// The cables of which the columns lie in the facet, one less than rows.
+  auto cables(int facet) const { return cables_.col(facet); }
+
+ private:
+  void Eliminate(int level, int first);
+  void AddFacet(const double* row);
+
+  int rows_, num_cables_, width_;            // width: columns of [W | 1]
+  std::vector<std::vector<double>> levels_;  // level k: d - k rows of that width
+  double smallest_pivot_ = 0;
+  int num_facets_ = 0;
+  Eigen::VectorXi chosen_;              // columns that are eliminated, in each level
+  Eigen::MatrixXd normals_;             // c, a column for each facet
+  Eigen::MatrixXi cables_;              // likewise
+  Eigen::VectorXd sum_, absolute_sum_;  // of c.w_i over the cables
+  Eigen::VectorXd norm_;                // |c|
+};
+
+}  // namespace tenon

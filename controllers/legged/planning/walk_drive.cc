@@ -1,0 +1,49 @@
+#include <tenon/controllers/legged/planning/walk_drive.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+
+void WalkDriveParams::Validate() const {
+  Demand(acceleration > 0, fmt::format("an acceleration of {} m/s^2: it must be positive", acceleration));
+  Demand(yaw_acceleration > 0,
+         fmt::format("a yaw acceleration of {} rad/s^2: it must be positive", yaw_acceleration));
+  Demand(height_bandwidth > 0 && height_bandwidth * rate.period() < 0.5,
+         fmt::format("a height bandwidth of {} rad/s: it must be positive, and below {} rad/s at this rate",
+                     height_bandwidth, 0.5 / rate.period()));
+}
+
+WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, bool active, const Vec<3>& velocity, Gait gait,
+                                   bool stands, double height, DriveProgress& progress) const {
+  if (!active) {
+    progress = {{planned.forward, planned.left, planned.yaw_rate}, planned.height[0], planned.height[1]};
+    return planned;
+  }
+  const double dt = params.rate.period();
+  const Vec<3> ordered = stands ? Vec<3>(Vec<3>::Zero()) : velocity;
+  Eigen::Vector2d change = (ordered - progress.velocity).head<2>();
+  if (change.norm() > params.acceleration * dt) change *= params.acceleration * dt / change.norm();
+  progress.velocity.head<2>() += change;
+  const double turn = params.yaw_acceleration * dt;
+  progress.velocity[2] += std::clamp(ordered[2] - progress.velocity[2], -turn, turn);
+
+  const double w = params.height_bandwidth;
+  const double acceleration = w * w * (height - progress.height) - 2 * w * progress.height_rate;
+  WalkCommand command;
+  command.height = {progress.height, progress.height_rate, acceleration};
+  progress.height += dt * progress.height_rate;
+  progress.height_rate += dt * acceleration;
+
+  command.gait = stands && progress.velocity.isZero(0) ? Gait::kStand : gait;
+  command.forward = progress.velocity[0];
+  command.left = progress.velocity[1];
+  command.yaw_rate = progress.velocity[2];
+  return command;
+}
+
+}  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::DriveProgress);

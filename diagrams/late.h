@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/primitives/sample_delay.h>
+
+namespace tenon {
+
+/// `from` as it arrives `samples` periods later, by a block NAME_delay in `diagram` that says `initial` until
+/// then; `from` itself if there are none.
+template <class T>
+const OutputPort<T>& Late(Subdiagram& diagram, const std::string& name, const OutputPort<T>& from,
+                          const T& initial, Rate rate, int samples) {
+  if (samples == 0) return from;
+  auto& delay = diagram.Add<SampleDelay<T>>(
+      name + "_delay", SampleDelayParams<T>{.samples = samples, .initial = initial, .rate = rate});
+  diagram.Connect(from, delay.u);
+  return delay.y;
+}
+
+}  // namespace tenon

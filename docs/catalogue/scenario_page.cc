@@ -1,0 +1,240 @@
+#include <tenon/docs/catalogue/scenario_page.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include <tenon/apps/campaign/campaign_file.h>
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/scenario_keys.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/observer_order_scenario.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+
+namespace tenon::docs {
+namespace {
+
+namespace fs = std::filesystem;
+using apps::ScenarioKey;
+
+/// What the members of one struct are, and which keys stand for them.
+struct Members {
+  std::string about;                            ///< of the struct
+  std::string base;                             ///< the struct that it derives from, if there is one
+  std::map<std::string, std::string> meanings;  ///< by member
+  std::vector<std::pair<std::string, std::string>> keys;  ///< key, member
+};
+
+std::vector<std::string> ReadLines(const fs::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// A line's docstring behind `slashes`, or nothing.
+std::string Docstring(const std::string& line, const std::string& slashes) {
+  const std::size_t at = line.find(slashes);
+  if (at == line.npos || (slashes == "/// " && line.find_first_not_of(' ') != at)) return "";
+  return line.substr(at + slashes.size());
+}
+
+std::string Joined(const std::string& text, const std::string& more) {
+  return text.empty() || more.empty() ? text + more : text + " " + more;
+}
+
+void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
+  static const std::regex kStruct(R"(^ *struct (\w+)(?: final)?(?: : (\w+))? \{.*)");
+  static const std::regex kName(R"((\w+)\s*(?:=|\{|,|;))");
+  std::string name, above, declaration;
+  bool trailing = false;  // a docstring may go on
+  std::vector<std::string> declared;
+  for (const std::string& line : ReadLines(file)) {
+    std::smatch match;
+    if (std::regex_match(line, match, kStruct)) {
+      name = match[1];
+      found[name].about = above;
+      found[name].base = match[2];
+      above.clear();
+      continue;
+    }
+    if (const std::string text = Docstring(line, "/// "); !text.empty()) {
+      above = Joined(above, text);
+      trailing = false;
+      continue;
+    }
+    Members& members = found[name];
+    const std::size_t code = line.find_first_not_of(' ');
+    const bool only_docstring = code != line.npos && line.compare(code, 4, "///<") == 0;
+    if (only_docstring) {
+      if (trailing)
+        for (const std::string& member : declared)
+          members.meanings[member] = Joined(members.meanings[member], Docstring(line, "///< "));
+      continue;
+    }
+    trailing = false;
+    const std::string text = line.substr(0, line.find("///<"));
+    declaration += text + " ";
+    const std::string trimmed = text.substr(0, text.find_last_not_of(' ') + 1);
+    const bool ends = trimmed.ends_with(';');
+    if (!ends && !trimmed.empty() && !trimmed.ends_with(" {") && !trimmed.ends_with('}')) continue;
+    // A declaration has ended.
+    declared.clear();
+    const std::size_t initial = declaration.find_first_of("({=");  // a function begins with a bracket
+    if (ends && (initial == declaration.npos || declaration[initial] != '(')) {
+      const std::string doc = Joined(above, Docstring(line, "///< "));
+      for (auto it = std::sregex_iterator(declaration.begin(), declaration.end(), kName);
+           it != std::sregex_iterator(); ++it) {
+        declared.push_back((*it)[1]);
+        members.meanings.emplace((*it)[1], doc);
+      }
+      trailing = true;
+    }
+    above.clear();
+    declaration.clear();
+  }
+}
+
+/// Which keys stand for which members: what the Fields() in a file say.
+void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
+  static const std::regex kBegin(
+      R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
+  static const std::regex kKey(R"re((?:\{|Required\()"(\w+)",\s*&(?:\w+::)*(\w+))re");
+  std::string text, name;
+  for (const std::string& line : ReadLines(file)) text += line + '\n';
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), kBegin); it != std::sregex_iterator(); ++it) {
+    const std::smatch& begin = *it;
+    if (begin[1].matched) {
+      name = begin[1];
+      continue;
+    }
+    const auto from = text.cbegin() + begin.position();
+    const std::size_t end = text.find("};", static_cast<std::size_t>(begin.position()));
+    const auto to = end == text.npos ? text.cend() : text.cbegin() + static_cast<std::ptrdiff_t>(end);
+    for (auto key = std::sregex_iterator(from, to, kKey); key != std::sregex_iterator(); ++key)
+      found[begin[2].matched ? begin[2].str() : name].keys.emplace_back((*key)[1], (*key)[2]);
+  }
+}
+
+/// Without the unit at its end, which the key says.
+std::string WithoutUnit(const std::string& meaning) {
+  static const std::regex kUnit(R"( ?\[[^\]]*\]$)");
+  return std::regex_replace(meaning, kUnit, "");
+}
+
+/// The structs that a type is made of, itself among them.
+void AddStructs(const internal::TypeInfo& type, std::set<std::string>& names) {
+  using Kind = internal::TypeInfo::Kind;
+  if (type.kind == Kind::kArray || type.kind == Kind::kList || type.kind == Kind::kOptional ||
+      type.kind == Kind::kMap)
+    return AddStructs(type.item(), names);
+  if (type.kind != Kind::kStruct) return;
+  names.insert(apps::StructName(type));
+  for (const Field& field : type.fields) AddStructs(field.type(), names);
+}
+
+struct Page {
+  const char* app;
+  const char* what;
+  const internal::TypeInfo& (*type)();
+  std::vector<ScenarioKey> (*keys)();
+};
+
+const Page kPages[] = {
+    {"tenon-cdpr", "the cable robot", &internal::TypeInfoOf<apps::CdprScenario>,
+     &apps::KeysOf<apps::CdprScenario>},
+    {"tenon-quadruped", "the quadruped; tenon-gait-stability reads the same",
+     &internal::TypeInfoOf<apps::QuadrupedScenario>, &apps::KeysOf<apps::QuadrupedScenario>},
+    {"tenon-guide-dog", "the quadruped with a person on a leash",
+     &internal::TypeInfoOf<apps::GuideDogScenario>, &apps::KeysOf<apps::GuideDogScenario>},
+    {"tenon-observer-order", "orders of the leg observer", &internal::TypeInfoOf<apps::ObserverOrderScenario>,
+     &apps::KeysOf<apps::ObserverOrderScenario>},
+    {"tenon-campaign", "a campaign's file, see [campaigns.md](campaigns.md)",
+     &internal::TypeInfoOf<apps::CampaignFile>, &apps::KeysOf<apps::CampaignFile>},
+};
+
+/// With a backslash before each of some characters.
+std::string Escaped(const std::string& text, std::string_view which) {
+  std::string escaped;
+  for (const char c : text) {
+    if (which.find(c) != which.npos) escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
+}
+
+constexpr const char* kHead = R"(# All keys of scenarios
+
+<!-- Written by tools/docs --blocks from the apps themselves. -->
+
+What a YAML file, or `--set KEY=VALUE`, may say; each app prints its own by `--keys`. A key in brackets' place: `forces[].start_s`
+is the start of any force, `--set forces.0.start_s=2` that of the first one.
+
+- **file**: the name of one that ships, a path, or a map of what differs, `robot: {file: cdpr_4, mass_kg: 6}`, which is also what
+  `--set robot.mass_kg=6` makes of `robot: cdpr_4`. A path starts from the file in which it stands, on the command line from the
+  working directory. It ends in `.yaml`.
+- `extends: NAME` takes over what another scenario, shipped or a file, says and this one does not; `format: 1` is the version
+  of the file's format, and may be left out.
+- A number may be left to chance, `{uniform: [low, high]}`, see [campaigns.md](campaigns.md).
+- scenario.yaml of a run has every key; files that it needs and that do not ship stand in `files` beside it, so that the run can be
+  repeated wherever the directory is moved to.
+)";
+
+}  // namespace
+
+std::string WriteMeanings(const fs::path& source) {
+  std::map<std::string, Members> found{{"", {}}};
+  std::vector<fs::path> files;
+  for (const char* room : {"systems", "plants", "controllers", "diagrams", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(source / room))
+      if (entry.path().extension() == ".h" || entry.path().extension() == ".cc")
+        files.push_back(entry.path());
+  std::ranges::sort(files, {}, [](const fs::path& file) {  // docstrings stand in headers
+    return std::pair(file.extension() != ".h", file);
+  });
+  for (const fs::path& file : files) {
+    ReadStructs(file, found);
+    ReadKeys(file, found);
+  }
+  std::set<std::string> names{"AppScenario"};
+  for (const Page& page : kPages) AddStructs(page.type(), names);
+
+  std::string text =
+      "# What the keys of scenarios mean; written by tools/docs --blocks from the docstrings.\nstructs:\n";
+  const auto quoted = [](const std::string& meaning) { return '"' + Escaped(meaning, "\"\\") + '"'; };
+  for (const std::string& name : names) {
+    const Members& members = found[name];
+    std::string lines;
+    const Members* const both[] = {&members, &found[members.base]};
+    for (const Members* each : both)
+      for (const auto& [key, member] : each->keys)
+        if (const auto meaning = each->meanings.find(member);
+            meaning != each->meanings.end() && !WithoutUnit(meaning->second).empty())
+          lines += fmt::format("    {}: {}\n", key, quoted(WithoutUnit(meaning->second)));
+    if (!members.about.empty()) lines += fmt::format("    about: {}\n", quoted(members.about));
+    if (!lines.empty()) text += fmt::format("  {}:\n{}", name, lines);
+  }
+  return text;
+}
+
+std::string WriteScenarioKeys() {
+  std::string text = kHead;
+  for (const Page& page : kPages) {
+    text += fmt::format(
+        "\n## {}\n\nOf {}.\n\n| key | type | unit | default | what it is |\n| --- | --- | --- | --- | --- "
+        "|\n",
+        page.app, page.what);
+    for (const ScenarioKey& key : page.keys())
+      text += fmt::format("| `{}` | {} | {} | {} | {} |\n", key.key, key.type, key.unit,
+                          key.initial.empty() ? "" : "`" + key.initial + "`", Escaped(key.meaning, "|"));
+  }
+  return text;
+}
+
+}  // namespace tenon::docs

@@ -1,0 +1,28 @@
+// One beginning, two futures; and back to a moment that was kept.
+
+#include <cstdio>
+
+#include "pendulum.h"
+
+int main() {
+  tenon::DiagramBuilder builder;
+  auto& pendulum = builder.Add<Pendulum>("pendulum");
+  tenon::Simulator simulator(builder.BuildWithOpenInputs());
+  auto& context = simulator.context();
+  context.Set(pendulum.torque, 0.0);
+  simulator.RunTo(1);
+
+  const auto moment = context.Save();  // bytes: keep them in memory, or SaveFile
+  tenon::Simulator other(context.Clone());
+  other.context().Set(pendulum.torque, -2.0);
+  other.RunTo(2);
+  simulator.RunTo(2);
+  const double first = context.Eval(pendulum.state)[0], second = other.context().Eval(pendulum.state)[0];
+
+  context.Restore(moment);  // this run is at 1 s again
+  simulator.RunTo(2);
+  const double again = context.Eval(pendulum.state)[0];
+  std::printf("%.6f rad without torque, %.6f rad with it; from the snapshot %.6f rad\n", first, second,
+              again);
+  return first == again && first != second ? 0 : 1;
+}

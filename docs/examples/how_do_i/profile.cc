@@ -1,0 +1,12 @@
+// Where the time of a run goes.
+
+#include "../compose/walk.h"
+
+int main() {
+  tenon::DiagramBuilder builder;
+  auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
+  tenon::Simulator simulator(builder.Build(), {.profile = true});
+  const int code = WalkFor(0.5, simulator, loop);
+  std::printf("%s", simulator.Profile().Text().c_str());
+  return code;
+}

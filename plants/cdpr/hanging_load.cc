@@ -1,0 +1,61 @@
+#include <tenon/plants/cdpr/hanging_load.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tenon {
+
+void HangingLoadParams::Validate() const {
+  const auto check = [](const char* name, double value, const char* unit) {
+    Demand(std::isfinite(value) && value > 0, fmt::format("{} = {} {} must be positive", name, value, unit));
+  };
+  check("mass", mass, "kg");
+  check("length", length, "m");
+  check("axial_stiffness", axial_stiffness, "N");
+  Demand(axial_damping >= 0,
+         fmt::format("axial_damping = {} N s must not be negative: the rope would swing up", axial_damping));
+  Demand(attachment_B.allFinite() && p_W.allFinite(), "attachment_B or p_W is not finite: give metres");
+}
+
+Geometry HangingLoad::MakeGeometry() {
+  return {Shape::Sphere(ShapeRole::kLoad, "hanging load", 0.05),
+          Shape::Segment(ShapeRole::kLine, "rope", 0.008, "N")};
+}
+
+HangingLoad::Rope HangingLoad::CalcRope(const PlatformState& platform, const HangingLoadState& state) const {
+  Rope rope;
+  rope.arm_W = platform.R_WB() * params.attachment_B;
+  const Vec<3> span = state.p_W - platform.p_WB - rope.arm_W;
+  const double length = span.norm();
+  if (length <= params.length) return rope;
+  const Vec<3> direction = span / length;
+  const double rate = direction.dot(state.v_W - platform.v_W - platform.w_W.cross(rope.arm_W));
+  const double tension =
+      (params.axial_stiffness * (length - params.length) + params.axial_damping * rate) / params.length;
+  rope.force_W = std::max(0.0, tension) * direction;
+  return rope;
+}
+
+PlatformWrench HangingLoad::CalcWrench(const Rope& rope, const PlatformWrench& others) const {
+  return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
+}
+
+HangingLoadState HangingLoad::CalcRate(const HangingLoadState& state, const Rope& rope) const {
+  return {state.v_W, -rope.force_W / params.mass - Vec<3>(0, 0, params.gravity)};
+}
+
+void HangingLoad::CalcGeometry(const PlatformState& platform, const HangingLoadState& state, const Rope& rope,
+                               Geometry* out) const {
+  Shape &ball = (*out)[0], &line = (*out)[1];
+  ball.p_W = state.p_W;
+  line.p_W = platform.p_WB + rope.arm_W;
+  line.vector_W = state.p_W - line.p_W;
+  line.value = rope.force_W.norm();
+}
+
+}  // namespace tenon
+
+TENON_DEFINE_SIGNAL(tenon::HangingLoadState);

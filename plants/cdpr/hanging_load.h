@@ -1,0 +1,78 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/system.h>
+#include <tenon/systems/geometry.h>
+
+namespace tenon {
+
+struct HangingLoadParams {
+  double mass = 1;                       ///< m [kg]
+  double length = 1;                     ///< l_0, of the rope without strain [m]
+  Vec<3> attachment_B = Vec<3>::Zero();  ///< of the rope at the platform, from its CoM [m]
+  double axial_stiffness = 27000;        ///< EA of the rope [N]; 27 kN has a polymer rope of 5 mm
+  double axial_damping = 135;            ///< EA times the material's damping time [N s]
+  Vec<3> p_W = Vec<3>::Zero();           ///< of the load at the start, when it is at rest [m]
+  double gravity = 9.81;                 ///< [m/s^2]
+  void Validate() const;                 ///< throws ParameterError
+};
+
+/// Where a load on a rope is, and how it moves.
+struct HangingLoadState {
+  Vec<3> p_W = Vec<3>::Zero();  ///< [m]
+  Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
+
+  static FieldList Fields() {
+    return {{"p_W", &HangingLoadState::p_W, "m"}, {"v_W", &HangingLoadState::v_W, "m/s"}};
+  }
+};
+
+/// A point mass that hangs from the platform on a rope, and swings. The rope pulls as the cables do, see
+/// CdprPlant: with l its length and e the direction from the attachment to the load,
+///
+///     T = max(0, EA / l_0 (l - l_0) + damping / l_0 dl/dt) if l > l_0, else 0
+///     m dv/dt = -T e + m g
+///
+/// and on the platform act T e and the torque of it about the CoM.
+///
+///     ports in   platform
+///                others    another wrench, which is added (optional)
+///     ports out  wrench    on the platform
+///                load      position and velocity
+///                tension   of the rope [N]
+///                geometry  what it looks like
+class HangingLoad final : public LeafSystem<HangingLoadParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<PlatformState> platform{this, {"platform"}};
+  InputPort<PlatformWrench> others{this, {"others"}, PlatformWrench{}};
+  ContinuousState<HangingLoadState> state{this, {"state"}, {params.p_W, Vec<3>::Zero()}};
+
+  /// The rope as it is now.
+  struct Rope {
+    Vec<3> arm_W = Vec<3>::Zero();    ///< from the platform's CoM to the attachment [m]
+    Vec<3> force_W = Vec<3>::Zero();  ///< on the platform [N]
+  };
+  Shared<Rope> rope{this, "rope", Uses(platform, state), &HangingLoad::CalcRope};
+  OutputPort<PlatformWrench> wrench{this, {"wrench"}, Uses(rope, others), &HangingLoad::CalcWrench};
+  OutputPort<HangingLoadState> load{this, {"load"}, state};
+  OutputPort<double> tension{
+      this, {"tension", "N"}, Uses(rope), [](const Rope& rope) { return rope.force_W.norm(); }};
+  OutputPort<Geometry> geometry{
+      this, {"geometry"}, MakeGeometry(), Uses(platform, state, rope), &HangingLoad::CalcGeometry};
+  TimeDerivative<HangingLoadState> rate{state, Uses(state, rope), &HangingLoad::CalcRate};
+
+ private:
+  static Geometry MakeGeometry();
+  Rope CalcRope(const PlatformState& platform, const HangingLoadState& state) const;
+  PlatformWrench CalcWrench(const Rope& rope, const PlatformWrench& others) const;
+  HangingLoadState CalcRate(const HangingLoadState& state, const Rope& rope) const;
+  void CalcGeometry(const PlatformState& platform, const HangingLoadState& state, const Rope& rope,
+                    Geometry* out) const;
+};
+
+}  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::HangingLoadState);

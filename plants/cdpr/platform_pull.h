@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+struct PlatformPullParams {
+  double stiffness = 0;  ///< k [N/m]
+  double damping = 0;    ///< d [N s/m]
+  double max_force = 0;  ///< [N]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Where a PlatformPull holds a platform, and where it pulls.
+struct PlatformGrip {
+  bool on = false;
+  Vec<3> p_B = Vec<3>::Zero();       ///< the point, from the CoM in the platform's axes [m]
+  Vec<3> target_W = Vec<3>::Zero();  ///< [m]
+
+  static FieldList Fields() {
+    return {{"on", &PlatformGrip::on},
+            {"p_B", &PlatformGrip::p_B, "m"},
+            {"target_W", &PlatformGrip::target_W, "m"}};
+  }
+};
+
+/// A hand that pulls at a point p = p_WB + R_WB p_B of a platform, by a spring and a damper, no stronger than
+/// F_max:
+///
+///     F = k (target - p) - d v,   v = v_WB + w x (p - p_WB),   |F| <= F_max,
+///
+/// as a wrench about the CoM, beside that of others. Without `on` it adds nothing.
+///
+///     ports in    platform
+///                 others      a wrench on the platform; none if not connected
+///     port out    wrench      both
+///     parameters  grip
+class PlatformPull final : public LeafSystem<PlatformPullParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<PlatformState> platform{this, {"platform"}};
+  InputPort<PlatformWrench> others{this, {"others"}, PlatformWrench{}};
+  Parameter<PlatformGrip> grip{this, {"grip"}, PlatformGrip{}, "what is held, and where it is pulled"};
+  OutputPort<PlatformWrench> wrench{
+      this, {"wrench"}, Uses(platform, others, grip), &PlatformPull::CalcWrench};
+
+  /// The force alone [N].
+  Vec<3> Force(const PlatformState& platform, const PlatformGrip& grip) const;
+
+ private:
+  PlatformWrench CalcWrench(const PlatformState& platform, const PlatformWrench& others,
+                            const PlatformGrip& grip) const;
+};
+
+}  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::PlatformGrip);

@@ -1,0 +1,96 @@
+#include <tenon/plants/legged/quadruped_clearance.h>
+#include <tenon/plants/legged/quadruped_geometry.h>
+#include <tenon/plants/model/segment_distance.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+
+namespace tenon {
+
+QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
+    : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
+  Eigen::Vector3d low = robot.legs[0].joints[0].p_PJ, high = low;
+  for (const LegDescription& leg : robot.legs) {
+    low = low.cwiseMin(leg.joints[0].p_PJ);
+    high = high.cwiseMax(leg.joints[0].p_PJ);
+  }
+  middle_ = (low + high) / 2;
+  half_ = (high - low) / 2;
+  middle_[2] = robot.trunk.com[2];
+  half_[2] = UniformBox(robot.trunk)[2] / 2;
+
+  const Points stance = PointsAt(robot.stance);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      for (std::size_t other = leg + 1; other < kNumLegs; ++other)
+        for (std::size_t j = 0; j < kJointsPerLeg; ++j)
+          if (Distance(stance, {leg, i}, {other, j}) > 0) pairs_.push_back({{leg, i}, {other, j}});
+      if (i > 0 && TrunkDistance(stance, {leg, i}) > 0) beside_trunk_.push_back({leg, i});
+    }
+  }
+}
+
+QuadrupedClearance::Points QuadrupedClearance::PointsAt(const Vec<kNumJoints>& q) const {
+  Points points;
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    const LegDescription& of = robot_.legs[leg];
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      points[leg][i] = p += R * of.joints[i].p_PJ;
+      R *= Eigen::AngleAxisd(q[static_cast<Eigen::Index>(kJointsPerLeg * leg + i)], of.joints[i].axis)
+               .toRotationMatrix();
+    }
+    points[leg][kJointsPerLeg] = p + R * of.foot_J;
+  }
+  return points;
+}
+
+double QuadrupedClearance::Distance(const Points& points, Link a, Link b) const {
+  const auto& p = points[a.leg];
+  const auto& q = points[b.leg];
+  return SegmentDistance(p[a.index], p[a.index + 1] - p[a.index], q[b.index], q[b.index + 1] - q[b.index]) -
+         2 * radius_;
+}
+
+double QuadrupedClearance::TrunkDistance(const Points& points, Link link) const {
+  const auto& p = points[link.leg];
+  return SegmentBoxDistance(p[link.index] - middle_, p[link.index + 1] - p[link.index], half_) - radius_;
+}
+
+QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const Points& points) const {
+  QuadrupedClearances::Gap least;
+  const Eigen::Matrix3d R_WB = x.R_WB();
+  const auto add = [&](const Eigen::Vector3d& p_B, double radius, int leg) {
+    const Eigen::Vector3d p_W = x.p_WB + R_WB * p_B;
+    const Terrain::Surface ground = terrain_.At(p_W[0], p_W[1]);
+    const double distance = (p_W[2] - ground.height) * ground.normal_W[2] - radius;
+    if (distance < least.distance) least = {distance, leg};
+  };
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sides((corner & 1) == 0 ? -1 : 1, (corner & 2) == 0 ? -1 : 1,
+                                (corner & 4) == 0 ? -1 : 1);
+    add(middle_ + half_.cwiseProduct(sides), 0, -1);
+  }
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    for (std::size_t i = 1; i < kJointsPerLeg; ++i) add(points[leg][i], radius_, static_cast<int>(leg));
+  return least;
+}
+
+QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
+  const Points points = PointsAt(x.q);
+  QuadrupedClearances clear;
+  for (const auto& [a, b] : pairs_) {
+    const double distance = Distance(points, a, b);
+    if (distance < clear.legs.distance)
+      clear.legs = {distance, static_cast<int>(a.leg), static_cast<int>(b.leg)};
+  }
+  for (const Link& link : beside_trunk_) {
+    const double distance = TrunkDistance(points, link);
+    if (distance < clear.trunk.distance) clear.trunk = {distance, static_cast<int>(link.leg)};
+  }
+  clear.ground = Ground(x, points);
+  return clear;
+}
+
+}  // namespace tenon

@@ -1,0 +1,36 @@
+#include <tenon/plants/model/segment_distance.h>
+
+#include <algorithm>
+
+namespace tenon {
+
+double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& q,
+                       const Eigen::Vector3d& v) {
+  // Nearest points p + s u and q + t v: both inside, or at least one at an end.
+  const Eigen::Vector3d w = p - q;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const double determinant = uu * vv - uv * uv;
+  const auto clamp = [](double x) { return std::clamp(x, 0.0, 1.0); };
+  const double s = determinant > 1e-14 * uu * vv ? clamp((uv * vw - vv * uw) / determinant) : 0;
+  const double t = vv > 0 ? clamp((uv * s + vw) / vv) : 0;
+  const double s_of_t = uu > 0 ? clamp((uv * t - uw) / uu) : 0;
+  return (w + s_of_t * u - t * v).norm();
+}
+
+double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half) {
+  // The distance is convex along the segment, so that the sign of its slope leads to the least.
+  const auto beyond = [&](double s) -> Eigen::Vector3d {
+    const Eigen::Vector3d x = p + s * u;
+    return x - x.cwiseMax(-half).cwiseMin(half);
+  };
+  double low = 0, high = 1;
+  if (beyond(low).dot(u) >= 0) return beyond(low).norm();
+  if (beyond(high).dot(u) <= 0) return beyond(high).norm();
+  for (int i = 0; i < 30; ++i) {
+    const double middle = (low + high) / 2;
+    (beyond(middle).dot(u) < 0 ? low : high) = middle;
+  }
+  return beyond(low).norm();
+}
+
+}  // namespace tenon

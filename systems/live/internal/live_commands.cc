@@ -1,0 +1,265 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/live/internal/live_run.h>
+
+namespace tenon::internal {
+namespace {
+
+/// A command that makes sense, but not now.
+struct NotNow {
+  int status;
+  std::string why;
+};
+
+/// How long a driver without a stream of events is waited for.
+constexpr std::chrono::seconds kDriverWaits(5);
+
+double Number(const Json& command, const char* key) {
+  const Json& value = command.at(key);
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    throw ParameterError(fmt::format("'{}' must be a number", key));
+  return value.get<double>();
+}
+
+Vec<3> Point(const Json& command, const char* key) {
+  const Json& value = command.at(key);
+  if (!value.is_array() || value.size() != 3)
+    throw ParameterError(fmt::format("'{}' must be three numbers", key));
+  Vec<3> point;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!value[i].is_number() || !std::isfinite(value[i].get<double>()))
+      throw ParameterError(fmt::format("'{}' must be three numbers", key));
+    point[static_cast<Eigen::Index>(i)] = value[i].get<double>();
+  }
+  return point;
+}
+
+template <class Control>
+const Control& Have(const std::optional<Control>& control, const std::string& what) {
+  if (!control) throw ParameterError(fmt::format("this run has no '{}'", what));
+  return *control;
+}
+
+LiveSets Choose(const LiveControls::Choice& choice, const std::string& name) {
+  for (std::size_t i = 0; i < choice.names.size(); ++i) {
+    if (choice.names[i] == name) return choice.set(i);
+  }
+  throw ParameterError(
+      fmt::format("there is no '{}'; did you mean '{}'?", name, NearestName(name, choice.names)));
+}
+
+void DemandWithin(const char* what, double value, const std::array<double, 2>& range, const char* unit) {
+  if (value >= range[0] && value <= range[1]) return;
+  throw ParameterError(fmt::format("{} = {} {}: give {} to {}", what, value, unit, range[0], range[1]));
+}
+
+}  // namespace
+
+void LiveRun::ServeRequests() {
+  while (auto request = channel_.TakeRequest()) {
+    LiveReply reply;
+    try {
+      reply = Execute(request->client, request->json);
+    } catch (...) {
+      request->reply.set_value(Refusal(500, "the run failed"));
+      throw;
+    }
+    request->reply.set_value(std::move(reply));
+  }
+}
+
+LiveReply LiveRun::Execute(const std::string& client, const std::string& json) {
+  const Json command = Json::parse(json, nullptr, false);
+  if (!command.is_object() || !command.contains("command") || !command["command"].is_string())
+    return Refusal(400, R"(a command is an object: {"command": "pause"})");
+  try {
+    Json answer = Do(client, command);
+    answer["ok"] = true;
+    return {200, Dump(answer)};
+  } catch (const NotNow& refused) {
+    return Refusal(refused.status, refused.why);
+  } catch (const OutputError&) {
+    throw;  // the recording cannot be written
+  } catch (const Error& error) {
+    return Refusal(400, error.what());
+  } catch (const Json::exception&) {
+    return Refusal(400, fmt::format("the command '{}' lacks something, or has it as another type",
+                                    command["command"].get<std::string>()));
+  }
+}
+
+bool LiveRun::HasDriver() const {
+  return !driver_.empty() && (channel_.IsConnected(driver_) || Clock::now() - driver_seen_ < kDriverWaits);
+}
+
+void LiveRun::DemandDriver(const std::string& client) {
+  if (HasDriver() && driver_ == client) {
+    driver_seen_ = Clock::now();
+    return;
+  }
+  throw NotNow{403, HasDriver() ? fmt::format("'{}' drives", driver_) : "nobody drives: take it first"};
+}
+
+Json LiveRun::Do(const std::string& client, const Json& command) {
+  const auto name = command.at("command").get<std::string>();
+  if (name == "take") {
+    if (HasDriver() && driver_ != client) throw NotNow{403, fmt::format("'{}' drives", driver_)};
+    driver_ = client;
+    driver_seen_ = Clock::now();
+    PublishStatus();
+    return Json::object();
+  }
+  DemandDriver(client);
+  Json answer = Json::object();
+  if (name == "leave") {
+    driver_.clear();
+  } else if (name == "pause") {
+    if (state_ == State::kEnded) throw NotNow{409, "the run has ended"};
+    state_ = State::kPaused;
+  } else if (name == "resume") {
+    if (state_ == State::kEnded) throw NotNow{409, "the run has ended: set it back first"};
+    state_ = State::kRunning;
+    RestartClock();
+  } else if (name == "tick") {
+    Tick();
+  } else if (name == "rate") {
+    const double rate = command.at("value").is_null() ? 0 : Number(command, "value");
+    if (rate != 0 || !command.at("value").is_null()) DemandWithin("rate", rate, {0.001, 1000}, "");
+    wanted_rate_ = rate;
+    RestartClock();
+  } else if (name == "back") {
+    Back(Number(command, "to_s"));
+  } else if (name == "reset") {
+    Reset(command.at("seed").get<std::uint64_t>());
+  } else if (name == "save") {
+    answer["yaml"] = SaveScenario();
+  } else if (name == "stop") {
+    stop_ = true;
+  } else if (name == "parameter") {
+    SetParameter(command);
+  } else {
+    Steer(command, name);
+  }
+  PublishStatus();
+  return answer;
+}
+
+void LiveRun::Steer(const Json& command, const std::string& name) {
+  const LiveControls& controls = view_.controls;
+  if (state_ == State::kEnded) throw NotNow{409, "the run has ended: set it back first"};
+  if (name == "drive") {
+    const auto& drive = Have(controls.drive, name);
+    const Vec<3> velocity = Point(command, "velocity");
+    DemandWithin("velocity[0]", velocity[0], drive.forward, "m/s");
+    DemandWithin("velocity[1]", velocity[1], drive.sideways, "m/s");
+    DemandWithin("velocity[2]", velocity[2], drive.yaw, "rad/s");
+    Apply(drive.set(velocity));
+  } else if (name == "gait") {
+    Apply(Choose(Have(controls.gaits, name), command.at("name")));
+  } else if (name == "posture") {
+    Apply(Choose(Have(controls.postures, name), command.at("name")));
+  } else if (name == "goal") {
+    const auto& goal = Have(controls.goal, name);
+    const Vec<3> position = Point(command, "position");
+    for (int i = 0; i < 3; ++i)
+      DemandWithin(fmt::format("position[{}]", i).c_str(), position[i], {goal.box_W[0][i], goal.box_W[1][i]},
+                   "m");
+    Apply(goal.set(position));
+  } else if (name == "pull") {
+    const auto& pull = Have(controls.pull, name);
+    const auto shape = command.at("shape").get<std::size_t>();
+    const auto body = pull.bodies.find(shape);
+    if (body == pull.bodies.end()) throw ParameterError(fmt::format("shape {} cannot be pulled", shape));
+    const Vec<3> target = Point(command, "target_W");
+    Apply(pull.set(context(), shape, Point(command, "point_W"), target, !pulls_));
+    pulls_ = true;
+    pull_ = {{"body", body->second}, {"target_W", {target[0], target[1], target[2]}}};
+  } else if (name == "release") {
+    Apply(Have(controls.pull, name).release());
+    pulls_ = false;
+  } else if (name == "load") {
+    const auto& load = Have(controls.load, name);
+    const double mass = Number(command, "mass_kg");
+    if (mass != 0) DemandWithin("mass_kg", mass, load.mass, "kg");
+    Apply(load.set(context(), mass));
+    SayEvent(mass == 0 ? load.name + " off" : fmt::format("{} of {:.3g} kg", load.name, mass));
+  } else {
+    throw ParameterError(fmt::format("there is no command '{}'", name));
+  }
+}
+
+void LiveRun::Apply(LiveSets sets) {
+  LiveEntry entry{time(), std::move(sets)};
+  ApplyEntry(context(), entry);
+  file_.Add(std::move(entry));
+}
+
+void LiveRun::SetParameter(const Json& command) {
+  const auto path = command.at("path").get<std::string>();
+  std::vector<std::string> paths;
+  for (const ParameterSource* parameter : parameters_) paths.push_back(parameter->path());
+  const auto found = std::ranges::find(paths, path);
+  if (found == paths.end())
+    throw ParameterError(
+        fmt::format("there is no parameter '{}'; did you mean '{}'?", path, NearestName(path, paths)));
+  const ParameterSource& parameter = *parameters_[static_cast<std::size_t>(found - paths.begin())];
+  const Json& value = command.at("value");
+  std::vector<double> values;
+  if (value.is_array()) {
+    values = value.get<std::vector<double>>();
+  } else if (value.is_boolean()) {
+    values = {value.get<bool>() ? 1.0 : 0.0};
+  } else {
+    values = {Number(command, "value")};
+  }
+  Apply({{path, values}});
+  tuned_.insert(path);
+  SayChangedParameters();
+  SayEvent(fmt::format("{} = {}", path, Dump(ParameterValue(parameter, context()))));
+}
+
+/// Tells the pages of all that are no longer as they have them.
+void LiveRun::SayChangedParameters() {
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    Json value = ParameterValue(*parameters_[i], context());
+    if (value == shown_[i]) continue;
+    shown_[i] = std::move(value);
+    channel_.Say(time(), "parameter", Dump({{"path", parameters_[i]->path()}, {"value", shown_[i]}}));
+  }
+}
+
+void LiveRun::SayEvent(const std::string& label) {
+  channel_.Append(time(), "\"events\":" + Dump(Json::array({{{"time", time()}, {"label", label}}})));
+}
+
+void LiveRun::Tick() {
+  if (state_ == State::kEnded) throw NotNow{409, "the run has ended: set it back first"};
+  state_ = State::kPaused;
+  const double next = simulator_.next_tick_time();
+  if (std::isfinite(next)) {
+    Advance(next, true);
+    if (state_ != State::kEnded) Advance(simulator_.next_tick_time());
+  } else {
+    Advance(NextFrame());
+  }
+  Publish(true);
+}
+
+std::string LiveRun::SaveScenario() {
+  if (!view_.save) throw ParameterError("this run comes from no scenario: there is none to save");
+  LiveSets sets;
+  for (const ParameterSource* parameter : parameters_) {
+    if (tuned_.contains(parameter->path()))
+      sets.push_back({parameter->path(), context().EvalDoubles(*parameter)});
+  }
+  return view_.save(sets);
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,198 @@
+#include <tenon/systems/live/internal/live_http.h>
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/live/internal/live_channel.h>
+
+namespace tenon::internal {
+namespace {
+
+constexpr int kPortsTried = 20;
+constexpr std::size_t kThreads = 48;         // a stream of events takes one as long as it lasts
+constexpr std::size_t kMaxBody = 1 << 16;    // of a command [bytes]
+constexpr std::size_t kMaxName = 64;         // of a client [bytes]
+constexpr std::chrono::seconds kBegins(10);  // within which a run begins after its address is known
+constexpr time_t kWriteTimeout = 5;          // for a client that does not read [s]
+
+std::string RandomToken() {
+  std::random_device random;
+  std::string token;
+  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", random());
+  return token;
+}
+
+}  // namespace
+
+struct LiveHttp::Impl {
+  LiveChannel& channel;
+  httplib::Server server;
+  std::string url, token;
+  int port = 0;
+  std::vector<std::string> hosts;  // that a browser may call this server by; any if there is a token
+  std::mutex mutex;
+  std::condition_variable changed;  // the page is there, or is not to be waited for any more
+  std::string page;
+  bool ends = false;
+  std::thread thread;
+
+  explicit Impl(LiveChannel& channel) : channel(channel) {}
+
+  void Answer(httplib::Response& response, const LiveReply& reply) {
+    if (reply.status >= 400) channel.CountRefused();
+    response.status = reply.status;
+    response.set_content(reply.json, "application/json");
+  }
+
+  /// Whether the request comes from the page itself or from no page at all. A page of another origin names
+  /// that, and one whose name was made to lead here (DNS rebinding) names a host that is none of ours.
+  bool Admit(const httplib::Request& request, httplib::Response& response) {
+    const std::string host = request.get_header_value("Host");
+    const std::string origin = request.get_header_value("Origin");
+    if (token.empty() && std::ranges::find(hosts, host) == hosts.end()) {
+      Answer(response, Refusal(403, fmt::format("this server is not called '{}': open {}", host, url)));
+    } else if (!origin.empty() && origin != "http://" + host) {
+      Answer(response, Refusal(403, fmt::format("commands from the page of '{}' are refused", origin)));
+    } else if (request.get_param_value("token") != token) {
+      Answer(response, Refusal(403, "the token is wrong: open the address that the run printed"));
+    } else {
+      return true;
+    }
+    return false;
+  }
+
+  /// The name that the page gave itself; empty if it is none.
+  static std::string Client(const httplib::Request& request) {
+    std::string client = request.get_param_value("client");
+    return client.size() <= kMaxName ? client : "";
+  }
+
+  void Serve() {
+    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server.set_payload_max_length(kMaxBody);
+    server.set_write_timeout(kWriteTimeout);
+    server.set_read_timeout(kWriteTimeout);
+    server.set_keep_alive_max_count(1);  // so that nothing but streams is open when the run ends
+    server.set_tcp_nodelay(true);
+    server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
+      if (!Admit(request, response)) return;
+      std::unique_lock lock(mutex);
+      if (!changed.wait_for(lock, kBegins, [this] { return ends || !page.empty(); }) || page.empty())
+        return Answer(response, Refusal(503, "the run has not begun: load the page again"));
+      response.set_header("Cache-Control", "no-store");
+      response.set_content(page, "text/html; charset=utf-8");
+    });
+    server.Get("/events", [this](const httplib::Request& request, httplib::Response& response) {
+      if (!Admit(request, response)) return;
+      const auto reader = std::make_shared<LiveChannel::Reader>(channel, Client(request));
+      if (!reader->admitted()) return Answer(response, Refusal(503, "too many browsers look on: close one"));
+      response.set_header("Cache-Control", "no-store");
+      response.set_chunked_content_provider("text/event-stream",
+                                            [reader](std::size_t, httplib::DataSink& sink) {
+                                              const std::string text = reader->Next();
+                                              if (text.empty()) {
+                                                sink.done();
+                                                return true;
+                                              }
+                                              return sink.write(text.data(), text.size());
+                                            });
+    });
+    server.Post("/command", [this](const httplib::Request& request, httplib::Response& response) {
+      if (!Admit(request, response)) return;
+      const std::string type = request.get_header_value("Content-Type");
+      if (type != "application/json" && !type.starts_with("application/json;"))
+        return Answer(response, Refusal(415, "a command has Content-Type application/json"));
+      const std::string client = Client(request);
+      if (client.empty())
+        return Answer(response, Refusal(400, "name yourself: /command?client=ID, at most 64 characters"));
+      Answer(response, channel.Ask(client, request.body));
+    });
+    server.set_error_handler([this](const httplib::Request&, httplib::Response& response) {
+      if (!response.body.empty()) return;
+      const char* const why = response.status == 404   ? "there is nothing here: open /"
+                              : response.status == 413 ? "a command has 64 kB at most"
+                                                       : "this is no request that is understood";
+      Answer(response, Refusal(response.status, why));
+    });
+    server.set_exception_handler(
+        [this](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
+          Answer(response, Refusal(500, "the server failed"));
+        });
+    thread = std::thread([this] { server.listen_after_bind(); });
+    while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // else no stop
+  }
+};
+
+LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
+    : impl_(std::make_unique<Impl>(channel)) {
+  // A port that is taken must be seen to be: httplib would share it (SO_REUSEPORT).
+  impl_->server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  const bool local = address == "127.0.0.1" || address == "localhost";
+  if (port == 0) {
+    impl_->port = impl_->server.bind_to_any_port(address);
+  } else {
+    for (int tried = port; tried < port + kPortsTried && tried < 65536 && impl_->port == 0; ++tried) {
+      if (impl_->server.bind_to_port(address, tried)) impl_->port = tried;
+    }
+  }
+  if (impl_->port <= 0) {
+    throw OutputError(
+        fmt::format("cannot listen at {} on port {} or the next ones: choose another port, or an "
+                    "address of this machine",
+                    address, port));
+  }
+  if (!local) impl_->token = RandomToken();
+  std::string shown = address;
+  if (std::array<char, 256> name{}; address == "0.0.0.0" && gethostname(name.data(), name.size() - 1) == 0)
+    shown = name.data();
+  impl_->url = fmt::format("http://{}:{}/", shown, impl_->port);
+  if (!local) impl_->url += "?token=" + impl_->token;
+  for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), address})
+    impl_->hosts.push_back(fmt::format("{}:{}", name, impl_->port));
+  impl_->Serve();
+}
+
+LiveHttp::~LiveHttp() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->ends = true;
+  }
+  impl_->changed.notify_all();
+  impl_->channel.Close();
+  impl_->server.stop();
+  impl_->thread.join();
+}
+
+void LiveHttp::SetPage(std::string html) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->page = std::move(html);
+  impl_->changed.notify_all();
+}
+
+const std::string& LiveHttp::url() const {
+  return impl_->url;
+}
+const std::string& LiveHttp::token() const {
+  return impl_->token;
+}
+int LiveHttp::port() const {
+  return impl_->port;
+}
+
+}  // namespace tenon::internal

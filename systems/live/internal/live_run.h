@@ -1,0 +1,94 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/live/internal/live_channel.h>
+#include <tenon/systems/live/internal/live_file.h>
+#include <tenon/systems/live/internal/live_messages.h>
+#include <tenon/systems/live/live_server.h>
+
+namespace tenon::internal {
+
+/// One run of a LiveServer, from its beginning to its end, in one thread. Between two frames (a hundredth of
+/// a second of the run, say) it does what browsers ask for.
+class LiveRun {
+ public:
+  LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& options, LiveChannel& channel);
+  RunStatus Run(std::optional<double> duration);
+  /// Does what a command says and returns the answer; never throws for what is wrong with the command.
+  LiveReply Execute(const std::string& client, const std::string& json);
+  LiveStatus status() const;
+  std::optional<std::uint64_t> reset_seed() const { return reset_seed_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class State { kRunning, kPaused, kEnded };
+  /// A place to which the run can be set back.
+  struct Snapshot {
+    double time;
+    std::vector<std::byte> bytes;
+    std::size_t entries;  // that had been recorded
+  };
+
+  Context& context() { return simulator_.context(); }
+  double time() const { return simulator_.context().time(); }
+  void Begin();
+  void ServeRequests();
+  void Advance(double until, bool to_tick = false);
+  double NextFrame() const;
+  Clock::time_point Due() const;
+  void RestartClock();
+  void TakeSnapshot();
+  void Publish(bool now);
+  void PublishStatus();
+  void MeasureRate();
+  RunStatus Finish(RunStatus status, bool tick);
+
+  Json Do(const std::string& client, const Json& command);
+  void Steer(const Json& command, const std::string& name);
+  void DemandDriver(const std::string& client);
+  void Apply(LiveSets sets);
+  void SetParameter(const Json& command);
+  void Tick();
+  void Back(double to);
+  void Reset(std::uint64_t seed);
+  std::string SaveScenario();
+  void SayChangedParameters();
+  void SayEvent(const std::string& label);
+  bool HasDriver() const;
+
+  Simulator& simulator_;
+  const LiveView& view_;
+  const LiveOptions& options_;
+  LiveChannel& channel_;
+  LiveFile file_;
+  std::vector<const ParameterSource*> parameters_;
+  std::vector<Json> shown_;  // values of them, as the pages have them
+  std::set<std::string> tuned_;
+  std::shared_ptr<LiveRows> signals_ = std::make_shared<LiveRows>(), frames_ = std::make_shared<LiveRows>();
+  std::deque<Snapshot> snapshots_;
+  std::vector<std::byte> start_;  // of the run, before anything happened
+
+  State state_ = State::kRunning;
+  RunStatus ended_;
+  std::exception_ptr failure_;
+  double wanted_rate_;  // 0: as fast as it can
+  Clock::time_point clock_start_;
+  double clock_start_time_ = 0;
+  std::deque<std::pair<Clock::time_point, double>> pace_;  // what the clock showed, and the run
+  double rate_ = 0;
+  Clock::time_point published_, status_published_;
+  std::string driver_;
+  Clock::time_point driver_seen_;
+  bool pulls_ = false, stop_ = false;
+  Json pull_;  // as the pages have it
+  std::optional<std::uint64_t> reset_seed_;
+  std::string message_;
+};
+
+}  // namespace tenon::internal

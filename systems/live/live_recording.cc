@@ -1,0 +1,141 @@
+#include <tenon/systems/live/live_recording.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/live/internal/live_file.h>
+
+namespace tenon {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int kFormat = 1;  // of the file; another number for each change that Read cannot read
+
+double FiniteTime(const Json& json, double least) {
+  const double time = json.get<double>();
+  if (!(std::isfinite(time) && time >= least)) throw std::out_of_range("a time goes back");
+  return time;
+}
+
+void ReadLine(const Json& json, bool first, LiveRecording& recording) {
+  if (first) {
+    if (json.at("tenon_live") != kFormat) throw std::out_of_range("another format");
+    recording.seed = json.at("seed").get<std::uint64_t>();
+    return;
+  }
+  if (recording.end) throw std::out_of_range("a line behind the end");
+  const double last = recording.entries.empty() ? 0 : recording.entries.back().time;
+  if (json.contains("end")) {
+    recording.end = FiniteTime(json.at("end"), last);
+    recording.end_tick = json.at("tick").get<bool>();
+    return;
+  }
+  LiveEntry entry{FiniteTime(json.at("time"), last), {}};
+  for (const auto& [path, values] : json.at("set").items())
+    entry.sets.push_back({path, values.get<std::vector<double>>()});
+  recording.entries.push_back(std::move(entry));
+}
+
+std::string EntryLine(const LiveEntry& entry) {
+  Json sets = Json::object();
+  for (const LiveSet& set : entry.sets) sets[set.path] = set.values;
+  return Json{{"time", entry.time}, {"set", std::move(sets)}}.dump();
+}
+
+}  // namespace
+
+LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw ParameterError(fmt::format("cannot read the recording '{}'", file.string()));
+  LiveRecording recording;
+  std::string line;
+  int number = 0;
+  while (std::getline(in, line)) {
+    ++number;
+    try {
+      ReadLine(Json::parse(line), number == 1, recording);
+    } catch (const std::exception&) {
+      if (in.eof() && number > 1 && !recording.end) break;  // of a run that was killed while it wrote
+      throw ParameterError(
+          fmt::format("{}:{}: {} is no line of a recording: give the live.jsonl of a live run", file.string(),
+                      number, internal::Excerpt(line)));
+    }
+  }
+  if (number == 0) throw ParameterError(fmt::format("the recording '{}' is empty", file.string()));
+  return recording;
+}
+
+RunStatus Replay(Simulator& simulator, const LiveRecording& recording, std::optional<double> duration) {
+  RunStatus status = simulator.Initialize();
+  for (const LiveEntry& entry : recording.entries) {
+    if (status.ended || (duration && entry.time >= *duration)) break;
+    status = simulator.AdvanceToBefore(entry.time);
+    if (status.ended) break;
+    try {
+      internal::ApplyEntry(simulator.context(), entry);
+    } catch (const Error& error) {
+      throw ParameterError(
+          fmt::format("the recording cannot be replayed at t = {} s: {}", entry.time, error.what()));
+    }
+  }
+  if (status.ended) return status;
+  if (duration && !(recording.end && *recording.end < *duration)) return simulator.AdvanceTo(*duration);
+  if (!recording.end)
+    throw ParameterError(
+        "the recording has no end, as of a run that was killed: say how long, by a duration");
+  return recording.end_tick ? simulator.AdvanceTo(*recording.end) : simulator.AdvanceToBefore(*recording.end);
+}
+
+namespace internal {
+
+void ApplyEntry(Context& context, const LiveEntry& entry) {
+  for (const LiveSet& set : entry.sets) context.SetDoubles(context.diagram().Find(set.path), set.values);
+}
+
+LiveFile::LiveFile(std::filesystem::path file, std::uint64_t seed) : file_(std::move(file)) {
+  recording_.seed = seed;
+  Rewrite();
+}
+
+void LiveFile::Rewrite() {
+  if (file_.empty()) return;
+  out_ = std::ofstream(file_, std::ios::trunc);
+  Line(Json{{"tenon_live", kFormat}, {"seed", recording_.seed}}.dump());
+  for (const LiveEntry& entry : recording_.entries) Line(EntryLine(entry));
+}
+
+void LiveFile::Line(const std::string& text) {
+  if (file_.empty()) return;
+  out_ << text << std::endl;
+  if (!out_)
+    throw OutputError(
+        fmt::format("cannot write '{}': is the disk full, the directory gone?", file_.string()));
+}
+
+void LiveFile::Add(LiveEntry entry) {
+  Line(EntryLine(entry));
+  recording_.entries.push_back(std::move(entry));
+}
+
+void LiveFile::DropFrom(double time) {
+  auto& entries = recording_.entries;
+  const std::size_t before = entries.size();
+  while (!entries.empty() && entries.back().time >= time) entries.pop_back();
+  if (entries.size() != before) Rewrite();
+}
+
+void LiveFile::End(double time, bool tick) {
+  Line(Json{{"end", time}, {"tick", tick}}.dump());
+}
+
+}  // namespace internal
+}  // namespace tenon

@@ -1,0 +1,265 @@
+#include <tenon/systems/report/internal/run.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/report/internal/shapes_json.h>
+
+namespace tenon {
+
+namespace {
+
+using internal::Base64;
+using internal::ColumnLog;
+using internal::FindColumns;
+using Json = nlohmann::ordered_json;
+
+// What one page holds, shared by its runs, so that it stays below 10 MB.
+constexpr std::size_t kPlotRows = 12000;      // of one plot; at most half of them of one run
+constexpr std::size_t kPlotSamples = 400000;  // of what is plotted at once, 4 bytes each before base64
+constexpr std::size_t kRestSamples = 180000;  // of the other signals, 6 bytes each
+constexpr std::size_t kRestRows = 4000;       // of one of them
+constexpr std::size_t kFrameBytes = 2700000;  // of the replay, before base64
+constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
+
+std::string Number(double value) {
+  return fmt::format("{:.4g}", value);
+}
+
+/// "loop.load.load.mass" is marked as "load.mass".
+std::string LastTwo(const std::string& name) {
+  const std::size_t last = name.rfind('.');
+  if (last == std::string::npos || last == 0) return name;
+  const std::size_t before = name.rfind('.', last - 1);
+  return before == std::string::npos ? name : name.substr(before + 1);
+}
+
+/// [low, high], null where there is no bound.
+Json ToJson(const Limits& limits) {
+  const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  return {bound(limits.low), bound(limits.high)};
+}
+Limits LimitsFrom(const Json& json) {
+  const auto bound = [](const Json& value) {
+    return value.is_null() ? std::nullopt : std::optional<double>(value);
+  };
+  return {bound(json.at(0)), bound(json.at(1))};
+}
+
+/// Columns of a log at common rows: without those that say only that nothing changed.
+Json Group(const ColumnLog& log, const std::vector<std::size_t>& columns, std::size_t max_rows) {
+  const std::vector<std::size_t> all = internal::DecimatePeaks(log, columns, max_rows);
+  const auto same = [&](std::size_t a, std::size_t b) {
+    return std::ranges::all_of(columns, [&](std::size_t c) { return log.at(a, c) == log.at(b, c); });
+  };
+  std::vector<std::uint16_t> rows;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i == 0 || i + 1 == all.size() || !same(all[i], all[i - 1]) || !same(all[i], all[i + 1]))
+      rows.push_back(static_cast<std::uint16_t>(all[i]));
+  }
+  Json list = Json::array();
+  for (const std::size_t column : columns) {
+    std::vector<float> values;
+    for (const std::uint16_t row : rows) values.push_back(log.at(row, column));
+    list.push_back(
+        {{"name", log.names()[column]}, {"unit", log.units()[column]}, {"values", Base64(values)}});
+  }
+  return {{"rows", Base64(rows)}, {"columns", std::move(list)}};
+}
+
+/// {start, step, count} if that says it all, else all times.
+Json Times(const ColumnLog& log) {
+  std::vector<double> time;
+  for (std::size_t row = 0; row < log.rows(); ++row) time.push_back(log.time(row));
+  const double step =
+      time.size() > 1 ? (time.back() - time.front()) / static_cast<double>(time.size() - 1) : 0;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    if (std::abs(time[row] - (time.front() + static_cast<double>(row) * step)) > 1e-9) return Base64(time);
+  }
+  return {{"start", time.empty() ? 0 : time.front()}, {"step", step}, {"count", time.size()}};
+}
+
+Json BandJson(const Band& band, const ColumnLog& log) {
+  Json intervals = Json::array();
+  for (const std::size_t column : FindColumns(log.names(), band.signal)) {
+    for (std::size_t row = 0; row < log.rows() && intervals.size() < kChangesMarked; ++row) {
+      const float value = log.at(row, column);
+      if (row > 0 && value == log.at(row - 1, column)) continue;
+      const auto index = static_cast<std::size_t>(std::max(value, 0.0F));
+      const bool named = index < band.names.size() && value == static_cast<float>(index);
+      intervals.push_back(
+          {{"time", log.time(row)}, {"value", value}, {"name", named ? band.names[index] : Number(value)}});
+    }
+  }
+  return intervals;
+}
+
+template <class E>
+E EnumFrom(const Json& name) {
+  for (const auto& [value, text] : EnumNames(E{})) {
+    if (name == text) return value;
+  }
+  throw ParameterError(fmt::format("unknown name {}", name.dump()));
+}
+
+}  // namespace
+
+std::vector<Plot> Report::Run::DefaultPlots() const {
+  const auto stem = [&](std::size_t i) {
+    return signals->names()[i].substr(0, signals->names()[i].rfind('.'));
+  };
+  std::vector<Plot> result;
+  for (std::size_t i = 0; i < signals->columns(); ++i) {
+    if (i == 0 || stem(i) != stem(i - 1) || signals->units()[i] != signals->units()[i - 1])
+      result.push_back({.title = stem(i)});
+    result.back().signals.push_back(signals->names()[i]);
+  }
+  return result;
+}
+
+/// {time, groups: [{rows, columns: [{name, unit, values}]}]}: a column is in one group, at rows of the time.
+/// The columns of a plot are one group, so that a signal and its reference are of the same times.
+Json Report::Run::Samples(const std::vector<Plot>& plots, std::size_t num_runs) const {
+  std::vector<bool> taken(signals->columns());
+  std::vector<std::vector<std::size_t>> groups;
+  std::size_t num_plotted = 0;
+  for (const Plot& plot : plots) {
+    std::vector<std::size_t> group;
+    for (const auto& names : {plot.signals, plot.references}) {
+      for (const std::string& name : names) {
+        for (const std::size_t column : FindColumns(signals->names(), name)) {
+          if (!taken[column]) group.push_back(column);
+          taken[column] = true;
+        }
+      }
+    }
+    num_plotted += group.size();
+    if (!group.empty()) groups.push_back(std::move(group));
+  }
+  const std::size_t plot_rows = std::min(kPlotRows / std::max<std::size_t>(2, num_runs),
+                                         kPlotSamples / num_runs / std::max<std::size_t>(1, num_plotted));
+  const std::size_t num_rest = std::max<std::size_t>(1, signals->columns() - num_plotted);
+  const std::size_t rest_rows = std::min(kRestRows, kRestSamples / num_runs / num_rest);
+
+  Json json = Json::array();
+  for (const auto& group : groups) json.push_back(Group(*signals, group, plot_rows));
+  for (std::size_t column = 0; column < signals->columns(); ++column)
+    if (!taken[column]) json.push_back(Group(*signals, {column}, rest_rows));
+  return {{"time", Times(*signals)}, {"groups", std::move(json)}};
+}
+
+Json Report::Run::Frames(std::size_t max_bytes) const {
+  std::vector<std::size_t> moving;
+  std::vector<float> first;
+  for (std::size_t column = 0; frames->rows() > 0 && column < frames->columns(); ++column) {
+    first.push_back(frames->at(0, column));
+    for (std::size_t row = 1; row < frames->rows(); ++row) {
+      if (frames->at(row, column) == first.back()) continue;
+      moving.push_back(column);
+      break;
+    }
+  }
+  const std::size_t bytes = frames->rows() * moving.size() * sizeof(float);
+  const std::size_t stride = 1 + bytes / max_bytes;
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < frames->rows(); row += stride) rows.push_back(row);
+  if (!rows.empty() && rows.back() + 1 < frames->rows()) rows.push_back(frames->rows() - 1);
+
+  std::vector<double> time;
+  std::vector<float> data;
+  for (const std::size_t row : rows) time.push_back(frames->time(row));
+  for (const std::size_t column : moving) {
+    for (const std::size_t row : rows) data.push_back(frames->at(row, column));
+  }
+  return {{"shapes", internal::ShapesJson(*shapes)},
+          {"time", Base64(time)},
+          {"first", Base64(first)},
+          {"moving", moving},
+          {"data", Base64(data)}};
+}
+
+Json Report::Run::Events() const {
+  Json list = Json::array();
+  for (const auto& [time, label] : events) list.push_back({{"time", time}, {"label", label}});
+  for (const std::string& name : event_signals) {
+    for (const std::size_t column : FindColumns(signals->names(), name)) {
+      std::size_t changes = 0;
+      for (std::size_t row = 1; row < signals->rows() && changes < kChangesMarked; ++row) {
+        const float before = signals->at(row - 1, column), after = signals->at(row, column);
+        if (before == after) continue;
+        ++changes;
+        list.push_back({{"time", signals->time(row)},
+                        {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]),
+                                              Number(before), Number(after), signals->units()[column])}});
+      }
+    }
+  }
+  return list;
+}
+
+Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) const {
+  Json json{{"verdict", verdict}, {"good", good ? Json(*good) : Json(nullptr)}, {"figures", Json::array()}};
+  for (const Figure& figure : figures) {
+    Json item{{"name", figure.name}, {"value", figure.value}};
+    if (figure.limits.low || figure.limits.high) item["limits"] = tenon::ToJson(figure.limits);
+    json["figures"].push_back(std::move(item));
+  }
+  if (signals == nullptr) return json;
+  json["samples"] = Samples(plots, num_runs);
+  json["frames"] = Frames(kFrameBytes / num_runs);
+  json["events"] = Events();
+  json["bands"] = Json::array();
+  for (const Band& band : bands)
+    json["bands"].push_back(
+        {{"signal", band.signal}, {"names", band.names}, {"intervals", BandJson(band, *signals)}});
+  json["limits"] = Json::array();
+  for (const auto& [signal, bounds] : limits)
+    json["limits"].push_back({{"signal", signal}, {"limits", tenon::ToJson(bounds)}});
+  return json;
+}
+
+Report::Run Report::Run::FromJson(const Json& json) {
+  Run run;
+  run.verdict = json.at("verdict");
+  if (!json.at("good").is_null()) run.good = json.at("good").get<bool>();
+  for (const Json& item : json.at("figures")) {
+    run.figures.push_back({item.at("name"), item.at("value"),
+                           item.contains("limits") ? LimitsFrom(item.at("limits")) : Limits{}});
+  }
+  for (const Json& event : json.at("events")) run.events.emplace_back(event.at("time"), event.at("label"));
+  for (const Json& band : json.at("bands")) run.bands.push_back({band.at("signal"), band.at("names")});
+  for (const Json& item : json.at("limits"))
+    run.limits.push_back({item.at("signal"), LimitsFrom(item.at("limits"))});
+
+  const Json& frames = json.at("frames");
+  for (const Json& item : frames.at("shapes")) {
+    Shape shape;
+    shape.kind = EnumFrom<ShapeKind>(item.at("kind"));
+    shape.role = EnumFrom<ShapeRole>(item.at("role"));
+    shape.name = item.at("name");
+    for (std::size_t k = 0; k < 3; ++k) shape.size[static_cast<Eigen::Index>(k)] = item.at("size").at(k);
+    shape.scale = item.at("scale");
+    shape.unit = item.at("unit");
+    run.shapes->push_back(std::move(shape));
+  }
+  const auto time = internal::FromBase64<double>(frames.at("time").get<std::string>());
+  const auto first = internal::FromBase64<float>(frames.at("first").get<std::string>());
+  const auto data = internal::FromBase64<float>(frames.at("data").get<std::string>());
+  const auto moving = frames.at("moving").get<std::vector<std::size_t>>();
+  std::vector<double> row(1 + first.size());
+  std::ranges::copy(first, row.begin() + 1);
+  run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, ColumnLog::kFrames, nullptr);
+  run.frames->Begin(std::vector<std::string>(row.size()), std::vector<std::string>(row.size()));
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    row[0] = time[i];
+    for (std::size_t k = 0; k < moving.size(); ++k) row.at(1 + moving[k]) = data.at(k * time.size() + i);
+    run.frames->Row(row);
+  }
+  return run;
+}
+
+}  // namespace tenon

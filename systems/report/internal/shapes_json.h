@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <tenon/systems/geometry.h>
+
+namespace tenon::internal {
+
+/// What stays the same of shapes, as the scripts of the pages read it.
+inline nlohmann::ordered_json ShapesJson(const Geometry& shapes) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Shape& shape : shapes) {
+    list.push_back({{"kind", EnumName(shape.kind)},
+                    {"role", EnumName(shape.role)},
+                    {"name", shape.name},
+                    {"size", {shape.size[0], shape.size[1], shape.size[2]}},
+                    {"scale", shape.scale},
+                    {"unit", shape.unit}});
+  }
+  return list;
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,137 @@
+// What may be done to a run that goes on, and who does it: a bar below the header.
+
+'use strict';
+
+const RATES = [0.1, 0.25, 0.5, 1, 2, null];  // of the clock; null: as fast as it can
+
+class RunBar {
+  constructor(live) {
+    this.live = live;
+    this.follower = null;  // once there is a page
+    this.box = element('section');
+    this.box.id = 'run-bar';
+    this.box.setAttribute('role', 'toolbar');
+    this.box.setAttribute('aria-label', 'run');
+    this.state = element('span', 'verdict');
+    this.who = element('span', 'who');
+    this.take = button('take over', 'drive this run', () => this.ask({command: live.drives ? 'leave' : 'take'}));
+    this.run = element('fieldset');
+    this.run.setAttribute('aria-label', 'time of the run');
+    this.pause = button('pause', 'pause or resume the run (space)', () => this.togglePause());
+    this.tick = button('one tick', 'one tick of the paused run (.)', () => this.ask({command: 'tick'}));
+    this.back = button('5 s back', 'set the run back by 5 s, to go on from there (b)', () => this.goBack(live.run.end - 5));
+    this.backHere = button('back', 'set the run back', () => this.goBack(this.shownTime()));
+    this.seed = element('input');
+    Object.assign(this.seed, {type: 'number', min: 0, step: 1, value: 1, title: 'seed of the random numbers'});
+    this.seed.setAttribute('aria-label', 'seed');
+    this.run.append(this.pause, this.tick);
+    chooser(this.run, 'speed', RATES.map((rate) => rate === null ? 'as fast as it can' : `${rate}×`), RATES.indexOf(1),
+            (i) => this.ask({command: 'rate', value: RATES[i]}));
+    this.rate = this.run.querySelector('select');
+    const reset = button('reset', 'start again with this seed', () => this.ask({command: 'reset', seed: Number(this.seed.value)}));
+    const seedLabel = element('label', '', 'seed ');
+    seedLabel.append(this.seed);
+    this.stop = button('stop', 'end the run, which writes its results', () => this.confirmStop());
+    document.querySelector('#transport').prepend(this.backHere);
+    this.run.append(this.back, seedLabel, reset,
+                    button('save scenario', 'a file that starts with what holds now', () => this.save()), this.stop);
+    this.note = element('output', 'note');
+    this.box.append(this.state, this.who, this.take, this.run, this.note);
+    live.on('change', () => this.show());
+    live.on('status', () => this.showState());
+    live.on('step', () => this.showBack());
+    live.on('answer', ({command, answer}) => this.showAnswer(command, answer));
+    this.show();
+  }
+
+  ask(command) {
+    return this.live.send(command);
+  }
+
+  togglePause() {
+    this.ask({command: this.live.status.state === 'paused' ? 'resume' : 'pause'});
+  }
+  changeRate(step) {
+    const i = Math.min(Math.max(this.rate.selectedIndex + step, 0), RATES.length - 1);
+    if (this.live.drives) this.ask({command: 'rate', value: RATES[i]});
+  }
+
+  shownTime() {
+    return Number(document.querySelector('#scrub').value);
+  }
+  async goBack(to) {
+    const answer = await this.ask({command: 'back', to_s: Math.max(to, 0)});
+    if (answer.ok && this.follower) this.follower.join();
+  }
+
+  async save() {
+    const answer = await this.ask({command: 'save'});
+    if (answer.yaml === undefined) return;
+    const link = element('a');
+    link.href = URL.createObjectURL(new Blob([answer.yaml], {type: 'text/yaml'}));
+    link.download = 'scenario.yaml';
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+
+  // Asks once more, for some seconds.
+  confirmStop() {
+    if (this.stop.textContent === 'really stop?') {
+      this.ask({command: 'stop'});
+      this.stop.textContent = 'stop';
+      return;
+    }
+    this.stop.textContent = 'really stop?';
+    setTimeout(() => this.stop.textContent = 'stop', 4000);
+  }
+
+  // A refusal stays until the next command; that of a parameter stands at its field.
+  showAnswer(command, {error}) {
+    if (command.command === 'parameter') return;
+    this.refusal = error || '';
+    this.showNote();
+  }
+  showNote() {
+    const text = this.refusal || this.live.status.message || '';
+    if (this.note.textContent !== text) this.note.textContent = text;
+    this.note.classList.toggle('bad', !!this.refusal);
+  }
+
+  showState() {
+    const {state, rate, end_reason} = this.live.status, {connected, ended} = this.live;
+    const speed = Number.isFinite(rate) ? ` at ${rate.toFixed(2)}×` : '';
+    const text = ended ? `ended${end_reason ? `: ${end_reason}` : ''}` : !connected && this.live.run ? 'connection lost, trying again …' :
+        !connected ? 'connecting …' : state === 'running' ? `running${speed}` : state;
+    if (this.state.textContent !== text) this.state.textContent = text;
+    this.state.className = `verdict ${ended ? '' : connected ? state === 'running' ? 'good' : '' : this.live.run ? 'bad' : ''}`;
+  }
+
+  showBack() {
+    const {run, history_s} = this.live;
+    this.backHere.hidden = !this.follower || this.follower.on || this.run.disabled;
+    if (this.backHere.hidden) return;
+    const time = this.shownTime(), text = `back to ${time.toFixed(2)} s`;
+    if (this.backHere.textContent !== text) this.backHere.textContent = text;
+    this.backHere.disabled = run.end - time > history_s;
+    this.backHere.title = this.backHere.disabled ? `further back than the ${history_s} s that the run remembers` :
+        'set the run back to the time that is shown, to go on from there';
+  }
+
+  show() {
+    const {live} = this, {driver, state, rate_wanted} = live.status;
+    this.showState();
+    this.showNote();
+    this.who.textContent = !live.connected ? '' : live.drives ? 'you drive' : driver ? 'another browser drives' : 'nobody drives';
+    this.who.title = driver || '';
+    this.take.textContent = live.drives ? 'leave' : 'take over';
+    this.take.title = live.drives ? 'let others drive' : 'drive this run';
+    this.take.hidden = !live.connected;
+    this.run.disabled = !live.drives;
+    this.pause.disabled = live.ended;  // it can still be set back
+    this.pause.textContent = state === 'paused' ? 'resume' : 'pause';
+    this.tick.disabled = state !== 'paused';
+    this.showBack();
+    const at = RATES.indexOf(rate_wanted === undefined ? 1 : rate_wanted);
+    if (at >= 0) this.rate.selectedIndex = at;
+  }
+}

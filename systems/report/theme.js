@@ -1,0 +1,47 @@
+// Light or dark: as the browser says, or as the button says. Style sheets see it as data-theme; canvases ask for colours.
+
+'use strict';
+
+const Theme = (() => {
+  const root = document.documentElement;
+  const dark = window.matchMedia('(prefers-color-scheme: dark)');
+  const listeners = [];
+  let style = getComputedStyle(root);
+  const known = new Map();  // values of the style
+  let chosen = null;  // by the button; null: the browser's
+  let printing = false;
+
+  function apply() {
+    const theme = printing ? 'light' : chosen || (dark.matches ? 'dark' : 'light');
+    if (root.dataset.theme === theme) return;
+    root.dataset.theme = theme;
+    style = getComputedStyle(root);
+    known.clear();
+    for (const listener of listeners) listener();
+  }
+  function print(on) {
+    printing = on;
+    apply();
+  }
+
+  // '--grid' -> '#e8ebef'
+  function color(name) {
+    if (!known.has(name)) known.set(name, style.getPropertyValue(name).trim());
+    return known.get(name);
+  }
+
+  dark.addEventListener('change', apply);
+  window.addEventListener('beforeprint', () => print(true));
+  window.addEventListener('afterprint', () => print(false));
+  apply();
+  return {
+    color,
+    series: (i) => color(`--series-${i % 8}`),
+    band: (i) => color(`--band-${i % 5}`),
+    toggle() {
+      chosen = root.dataset.theme === 'dark' ? 'light' : 'dark';
+      apply();
+    },
+    onChange: (listener) => listeners.push(listener),
+  };
+})();

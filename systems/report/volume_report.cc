@@ -1,0 +1,70 @@
+#include <fmt/core.h>
+#include <tenon/systems/report/volume_report.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/run_log.h>
+#include <tenon/systems/report/internal/shapes_json.h>
+
+namespace tenon {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using internal::Base64;
+
+/// Shapes that stand still: a replay of one frame.
+Json FramesJson(const Geometry& shapes) {
+  std::vector<float> first;
+  for (const Shape& shape : shapes) {
+    for (int k = 0; k < 3; ++k) first.push_back(static_cast<float>(shape.p_W[k]));
+    for (int k = 0; k < 4; ++k) first.push_back(static_cast<float>(shape.q_W[k]));
+    for (int k = 0; k < 3; ++k) first.push_back(static_cast<float>(shape.vector_W[k]));
+    first.push_back(static_cast<float>(shape.value));
+    first.push_back(shape.visible ? 1 : 0);
+  }
+  return {{"shapes", internal::ShapesJson(shapes)},
+          {"time", Base64(std::vector<double>{0})},
+          {"first", Base64(first)},
+          {"moving", Json::array()},
+          {"data", Base64(std::vector<float>{})}};
+}
+
+Json MapJson(const VolumeReport::Map& map) {
+  std::vector<float> rows;
+  for (const VolumeReport::Part& part : map.parts) {
+    if (part.values.size() != map.quantities.size()) {
+      throw ParameterError(fmt::format("map '{}': a part has {} values, there are {} quantities", map.title,
+                                       part.values.size(), map.quantities.size()));
+    }
+    for (const int index : part.first) rows.push_back(static_cast<float>(index));
+    for (const int count : part.size) rows.push_back(static_cast<float>(count));
+    rows.push_back(static_cast<float>(part.state));
+    for (const double value : part.values) rows.push_back(static_cast<float>(value));
+  }
+  return {{"title", map.title},
+          {"coordinates", map.coordinates},
+          {"low", {map.low[0], map.low[1], map.low[2]}},
+          {"high", {map.high[0], map.high[1], map.high[2]}},
+          {"cells", map.cells},
+          {"quantities", map.quantities},
+          {"parts", Base64(rows)},
+          {"frames", FramesJson(map.shapes)}};
+}
+
+}  // namespace
+
+void VolumeReport::Write(const std::filesystem::path& file) const {
+  Json data{
+      {"title", title}, {"description", description}, {"figures", Json::array()}, {"maps", Json::array()}};
+  for (const auto& [name, value] : figures)
+    data["figures"].push_back({name, value ? Json(*value) : Json(nullptr)});
+  for (const Map& map : maps) data["maps"].push_back(MapJson(map));
+  internal::WritePage(file, title, data.dump(-1, ' ', false, Json::error_handler_t::replace),
+                      internal::PageKind::kVolume);
+}
+
+}  // namespace tenon

@@ -1,0 +1,53 @@
+// Whoever controls, the sensors err alike: what --compare compares are controllers, not draws.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/simulation/simulator.h>
+
+namespace tenon::apps {
+namespace {
+
+struct Errors {
+  std::vector<Eigen::Vector3d> position, angular_velocity;
+};
+
+/// What the sensors add to the truth, 0.2 s of D1.
+Errors ErrorsUnder(CdprController controller) {
+  auto scenario = LoadScenario("D1", {}, "tenon-cdpr").Read<CdprScenario>();
+  scenario.controller = controller;
+  DiagramBuilder builder;
+  auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  Errors errors;
+  for (int tick = 0; tick < 40; ++tick) {
+    simulator.RunTo(tick / 200.0);
+    const auto& context = simulator.context();
+    const PlatformState& state = context.Eval(loop.plant.platform);
+    errors.position.emplace_back(context.Eval(loop.pose_sensor.pose).p_WB - state.p_WB);
+    errors.angular_velocity.emplace_back(context.Eval(loop.imu.measurement).angular_velocity_B -
+                                         state.R_WB().transpose() * state.w_W);
+  }
+  return errors;
+}
+
+TEST(SameNoiseTest, ForEveryController) {
+  const Errors reference = ErrorsUnder(CdprController::kMpcEquilibrium);
+  EXPECT_GT(reference.position.front().norm(), 1e-4);
+  EXPECT_NE(reference.position[0], reference.position[1]);
+  for (const auto& [controller, name] : EnumNames(CdprController{})) {
+    const Errors errors = ErrorsUnder(controller);
+    for (std::size_t i = 0; i < errors.position.size(); ++i) {
+      EXPECT_LT((errors.position[i] - reference.position[i]).norm(), 1e-12) << name << " at tick " << i;
+      EXPECT_LT((errors.angular_velocity[i] - reference.angular_velocity[i]).norm(), 1e-12) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tenon::apps

@@ -1,0 +1,63 @@
+// Runs the binary as its users do.
+
+#include <fstream>
+
+#include <tenon/tests/apps/run_app.h>
+
+namespace tenon {
+namespace {
+
+using test::Result;
+using test::RunCommand;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kApp = TENON_TUNE_PD;
+
+TEST(TenonTunePdTest, SaysWhatEachTrialOfGainsCameTo) {
+  const Result result = RunCommand(kApp + " --evaluations 1");
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(result.text, AllOf(HasSubstr("K_p N/m"), HasSubstr("     400.0       60.0"),
+                                 HasSubstr("best: stiffness_N_per_m: 400, damping_N_s_per_m: 60")));
+}
+
+// A tenth as large and heavy, in all its lengths: the motions scale with it, where those of the large robot
+// would lead through its anchors.
+TEST(TenonTunePdTest, MotionsScaleWithTheRobot) {
+  const std::filesystem::path robot = test::TemporaryPath("small.yaml");
+  std::ofstream(robot)
+      << "name: small\nmass_kg: 1.5\ninertia_kg_m2: [2e-4, 2e-4, 2e-4]\ncables:\n"
+         "  - {anchor_m: [ 0.35,  0.45, 0.4], attachment_m: [ 0.0075,  0.0075, 0.0093]}\n"
+         "  - {anchor_m: [-0.35,  0.45, 0.4], attachment_m: [-0.0075,  0.0075, 0.0093]}\n"
+         "  - {anchor_m: [-0.35, -0.45, 0.4], attachment_m: [-0.0075, -0.0075, 0.0093]}\n"
+         "  - {anchor_m: [ 0.35, -0.45, 0.4], attachment_m: [ 0.0075, -0.0075, 0.0093]}\n"
+         "cable_properties: {axial_stiffness_N: 2700, axial_damping_N_s: 13.5, tension_min_N: 0, "
+         "tension_max_N: 80}\n"
+         "winch: {mode: tension, time_constant_s: 0.02, reel_damping_N_s_per_m: 90}\n";
+  const Result result = RunCommand(kApp + " --evaluations 1 --robot " + robot.string());
+  EXPECT_THAT(result.text, AllOf(HasSubstr("     400.0       60.0"), Not(HasSubstr("failure"))));
+  std::filesystem::remove(robot);
+}
+
+TEST(TenonTunePdTest, SaysWhyItCannotSearch) {
+  const auto refused = [](const std::string& arguments, const char* why) {
+    const Result result = RunCommand(kApp + " " + arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.text;
+    EXPECT_THAT(result.text, HasSubstr(why));
+  };
+  refused("--evaluations 0", "--evaluations: 0 must be an integer from 1 to 2147483647");
+  refused("--robot dogbot", "there is no 'dogbot' in robots; did you mean 'c");
+  // A load that no cable of this robot can carry: what the statics say, not "nlopt failure".
+  const std::filesystem::path weak = test::TemporaryPath("weak.yaml");
+  std::string text = test::Read(std::string(TENON_ROBOTS_DIR) + "/cdpr_4.yaml");
+  text.replace(text.find("tension_max_N: 800"), 18, "tension_max_N: 8  ");
+  std::ofstream(weak) << text;
+  const Result result = RunCommand(kApp + " --evaluations 1 --robot " + weak.string());
+  EXPECT_THAT(result.text, AllOf(HasSubstr("outside its bounds [0, 8] N"), Not(HasSubstr("nlopt"))));
+  EXPECT_NE(result.exit_code, 0);
+  std::filesystem::remove(weak);
+}
+
+}  // namespace
+}  // namespace tenon

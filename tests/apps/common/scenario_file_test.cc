@@ -1,0 +1,201 @@
+// What files name starts from them, wherever the program runs; a run's files start from anywhere.
+
+#include <tenon/apps/common/scenario_file.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/resources.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Key;
+using ::testing::Not;
+
+struct Scenario {
+  std::string app;
+  YamlFile robot{"dogbot"};
+  YamlFile profile{"standard"};
+  std::vector<YamlFile> others;
+  double speed = 0;
+  static FieldList Fields() {
+    return {{"app", &Scenario::app},
+            {"robot", &Scenario::robot},
+            {"profile", &Scenario::profile},
+            {"others", &Scenario::others},
+            {"speed_m_per_s", &Scenario::speed}};
+  }
+};
+
+std::string ReadText(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// A directory of the user's: two robots that do not ship, and scenarios that extend each other across
+/// directories.
+class ScenarioFileTest : public ::testing::Test {
+ protected:
+  ScenarioFileTest() {
+    Write("base/base.yaml", "app: mine\nrobot: ../robots/mine.yaml\nspeed_m_per_s: 1\n");
+    Write("deep/er/top.yaml", "extends: ../middle.yaml\nspeed_m_per_s: 3\n");
+    Write("deep/middle.yaml", "extends: ../base/base.yaml\nspeed_m_per_s: 2\n");
+    const fs::path shipped = DataDirectory() / "robots";
+    std::string robot = ReadText(shipped / "dogbot.yaml");
+    const std::size_t urdf = robot.find("dogbot.urdf");
+    Write("robots/mine.yaml", robot.replace(urdf, 11, "bodies/dog.urdf"));
+    Write("robots/bodies/dog.urdf", ReadText(shipped / "dogbot.urdf"));
+  }
+  ~ScenarioFileTest() override { fs::remove_all(home); }
+  void Write(const fs::path& name, const std::string& text) const {
+    fs::create_directories((home / name).parent_path());
+    std::ofstream(home / name) << text;
+  }
+  std::string At(const char* name) const { return (home / name).string(); }
+
+  const fs::path home =
+      fs::canonical(fs::temp_directory_path()) / test::TemporaryPath("scenario_files").filename();
+};
+
+TEST_F(ScenarioFileTest, PathsStartFromTheFileThatNamesThem) {
+  const auto scenario = LoadScenario(At("deep/er/top.yaml"), {}, "mine").Read<Scenario>();
+  EXPECT_EQ(scenario.speed, 3);
+  EXPECT_EQ(scenario.robot.text, At("robots/mine.yaml"));
+  EXPECT_EQ(LoadQuadruped(scenario.robot).name, "dogbot");
+  EXPECT_EQ(ResourceName(scenario.robot), At("robots/mine.yaml"));
+}
+
+TEST_F(ScenarioFileTest, PathsOfTheCommandLineStartFromTheWorkingDirectory) {
+  const auto scenario =
+      LoadScenario(At("base/base.yaml"), {"robot=other/robot.yaml", "profile=./mine"}, "mine")
+          .Read<Scenario>();
+  EXPECT_EQ(scenario.robot.text, (fs::current_path() / "other/robot.yaml").string());
+  EXPECT_EQ(scenario.profile.text, (fs::current_path() / "mine").string());
+}
+
+TEST_F(ScenarioFileTest, MessagesNameFileLineAndKey) {
+  Write("lost.yaml", "app: mine\nextends: nowhere/lost.yaml\n");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
+      At("lost.yaml") + ":2:10: extends: cannot read '" + At("nowhere/lost.yaml") +
+          "': no such file; check the path: a path in a file starts from the directory of that file"));
+  Write("word.yaml", "extends: flt\n");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("word.yaml"), {}, "tenon-quadruped"); },
+      "word.yaml:1:10: extends: there is no 'flt' in scenarios; did you mean 'flat'?"));
+  Write("ring.yaml", "extends: deep/ring.yaml\n");
+  Write("deep/ring.yaml", "extends: ../ring.yaml\n");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("ring.yaml"), {}, "mine"); },
+      "deep/ring.yaml:1:10: extends: scenario '" + At("ring.yaml") + "' extends itself"));
+}
+
+TEST_F(ScenarioFileTest, ScenariosOfOtherAppsAreNotSuggested) {
+  try {
+    LoadScenario("flt", {}, "tenon-cdpr");
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("D1, D1-sag, D2, "));
+    EXPECT_THAT(error.what(), Not(HasSubstr("flat")));
+  }
+  EXPECT_THAT(ListScenarios("tenon-cdpr"), Contains(Key("D1")));
+  EXPECT_THAT(ListScenarios("tenon-cdpr"), Not(Contains(Key("flat"))));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario("flt", {}, "mine"); },
+                                     "there is no 'flt': no scenario of mine ships, give a .yaml file"));
+}
+
+TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
+  const auto by_set =
+      LoadScenario(At("base/base.yaml"), {"robot.foot_radius_m=0.03"}, "mine").Read<Scenario>();
+  EXPECT_EQ(by_set.robot.text, "{\"file\": " + At("robots/mine.yaml") + ", \"foot_radius_m\": 0.03}");
+  EXPECT_EQ(LoadQuadruped(by_set.robot).foot_radius, 0.03);
+  EXPECT_EQ(ResourceName(by_set.robot), At("robots/mine.yaml") + ", changed");
+  // A scenario that extends says the same; one that names no robot means the standard one.
+  Write("own.yaml", "extends: base/base.yaml\nrobot: {foot_radius_m: 0.04}\n");
+  EXPECT_EQ(LoadQuadruped(LoadScenario(At("own.yaml"), {}, "mine").Read<Scenario>().robot).foot_radius, 0.04);
+  Write("plain.yaml", "app: mine\n");
+  const auto plain = LoadScenario(At("plain.yaml"), {"robot.foot_radius_m=0.05"}, "mine").Read<Scenario>();
+  EXPECT_EQ(plain.robot.text, "{\"file\": dogbot, \"foot_radius_m\": 0.05}");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        LoadQuadruped(LoadScenario(At("plain.yaml"), {"robot.foot_radius=1"}, "mine").Read<Scenario>().robot);
+      },
+      "give the value in m as 'foot_radius_m'"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("plain.yaml"), {"robot=[1, 2]"}, "mine").Read<Scenario>(); },
+      "--set robot=[1, 2]: robot: expected a name, a path, or a map such as {file: standard"));
+}
+
+TEST_F(ScenarioFileTest, WhatDiffersNeedsAFileWhereThereIsNoDefault) {
+  Write("list.yaml", "app: mine\nothers: [{mass_kg: 1}]\n");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("list.yaml"), {}, "mine").Read<Scenario>(); },
+      "list.yaml:2:10: others.0: a map of what is different has to say in which file"));
+}
+
+TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
+  const std::vector<std::string> walkers = ListResources("robots", "urdf"),
+                                 cable_robots = ListResources("robots", "cables");
+  EXPECT_THAT(walkers, AllOf(Contains("a1"), Contains("dogbot"), Not(Contains("cdpr_4"))));
+  EXPECT_THAT(cable_robots, AllOf(Contains("cdpr_4"), Contains("cdpr_8"), Not(Contains("dogbot"))));
+  EXPECT_EQ(walkers.size() + cable_robots.size(), ListResources("robots").size());
+  try {
+    LoadCdpr(YamlFile{"dogbot"});
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("There are: "), HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
+  }
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_4"}); }, "there is no 'cdpr_4' in robots"));
+}
+
+TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
+  auto scenario = LoadScenario(At("deep/er/top.yaml"), {}, "mine").Read<Scenario>();
+  scenario.others = {{"standard"}, {"{file: dogbot, urdf: " + At("robots/bodies/dog.urdf") + "}"}};
+  const ScenarioFiles files(scenario);
+  fs::create_directories(home / "run/files");
+  Write("run/files/stale.yaml", "of an earlier run");
+  files.Write(home / "run");
+  fs::rename(home / "run", home / "moved");
+  for (const char* gone : {"base", "deep", "robots"}) fs::remove_all(home / gone);
+
+  const auto again = LoadScenario(At("moved/scenario.yaml"), {}, "mine").Read<Scenario>();
+  EXPECT_EQ(again.speed, 3);
+  EXPECT_EQ(LoadQuadruped(again.robot).name, "dogbot");
+  EXPECT_EQ(again.profile.text, "standard");
+  EXPECT_EQ(LoadQuadruped(again.others[1]).name, "dogbot");
+  EXPECT_THAT(ReadText(home / "moved/scenario.yaml"),
+              AllOf(HasSubstr("format: 1\n"), HasSubstr("files/robot.yaml"), HasSubstr("files/robot.urdf"),
+                    HasSubstr("files/others.1.urdf"), Not(HasSubstr(home.string()))));
+  EXPECT_FALSE(fs::exists(home / "moved/files/stale.yaml"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}), 3);
+}
+
+TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {
+  Write("newer.yaml", "format: 2\napp: mine\n");
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
+      "newer.yaml:1:9: format: 2 is not known, this Tenon reads formats up to 1: take a newer Tenon"));
+  Write("extends.yaml", "format: 1\nextends: newer.yaml\n");
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("extends.yaml"), {}, "mine"); },
+                                     "newer.yaml:1:9: format: 2"));
+  Write("robots/newer.yaml", "format: 2\n" + ReadText(home / "robots/mine.yaml"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{At("robots/newer.yaml")}); }, "format: 2"));
+}
+
+}  // namespace
+}  // namespace tenon::apps

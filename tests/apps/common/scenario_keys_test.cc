@@ -1,0 +1,100 @@
+#include <tenon/apps/common/scenario_keys.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <tenon/apps/common/scenario_app.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/yaml/yaml.h>
+
+namespace tenon::apps {
+namespace {
+
+enum class Mode { kOff, kOn };
+constexpr auto EnumNames(Mode) {
+  return std::array{Named{Mode::kOff, "off"}, Named{Mode::kOn, "on"}};
+}
+
+struct Push {
+  Eigen::Vector3d force_N{1, 2, 3};
+  double duration_s = 0;
+  static FieldList Fields() {
+    return {{"force_N", &Push::force_N}, Required("duration_s", &Push::duration_s)};
+  }
+};
+
+struct Scenario : AppScenario {
+  Mode mode = Mode::kOn;
+  YamlFile robot{"dogbot"};
+  std::optional<Push> push;
+  std::vector<Push> pushes;
+  std::map<std::string, Push> named;
+  bool loud = false;
+  int count = 3;
+  static FieldList Fields() {
+    return With({{"mode", &Scenario::mode},
+                 {"robot", &Scenario::robot},
+                 {"push", &Scenario::push},
+                 {"pushes", &Scenario::pushes},
+                 {"named", &Scenario::named},
+                 {"loud", &Scenario::loud},
+                 {"count", &Scenario::count}});
+  }
+};
+
+TEST(ScenarioKeysTest, EveryKeyWithTypeUnitAndDefault) {
+  std::map<std::string, std::string> keys;
+  for (const ScenarioKey& key : KeysOf<Scenario>())
+    keys[key.key] = key.type + "; " + key.unit + "; " + key.initial;
+  const std::map<std::string, std::string> expected{{"app", "text; ; required"},
+                                                    {"case", "text; ; required"},
+                                                    {"duration_s", "number; s; 10"},
+                                                    {"seed", "integer; ; 1"},
+                                                    {"log_rate_hz", "number; Hz; 100"},
+                                                    {"report.events", "list: text; ; []"},
+                                                    {"mode", "off, on; ; on"},
+                                                    {"robot", "file; ; dogbot"},
+                                                    {"push", "map; ; none"},
+                                                    {"push.force_N", "3 numbers; N; [1, 2, 3]"},
+                                                    {"push.duration_s", "number; s; required"},
+                                                    {"pushes", "list: map; ; []"},
+                                                    {"pushes[].force_N", "3 numbers; N; [1, 2, 3]"},
+                                                    {"named.NAME.duration_s", "number; s; required"},
+                                                    {"loud", "true or false; ; false"},
+                                                    {"count", "integer; ; 3"}};
+  for (const auto& [key, what] : expected) EXPECT_EQ(keys[key], what) << key;
+}
+
+// What the table names can be set: nothing but what Read takes stands in it.
+TEST(ScenarioKeysTest, KeysAreThoseThatAreRead) {
+  auto document = YamlDocument::Parse("app: a\ncase: b\n", "scenario.yaml");
+  document.Set("push.duration_s", "2");
+  document.Set("log_rate_hz", "50");
+  const auto scenario = document.Read<Scenario>();
+  EXPECT_EQ(scenario.push->duration_s, 2);
+  EXPECT_EQ(scenario.log_rate_hz, 50);
+}
+
+TEST(ScenarioKeysTest, UnitsAreThoseOfTheNames) {
+  const std::map<std::string, std::string> units{{"mass_kg", "kg"},
+                                                 {"inertia_kg_m2", "kg m^2"},
+                                                 {"rate_hz", "Hz"},
+                                                 {"speed_m_per_s", "m/s"},
+                                                 {"gains_per_s", "1/s"},
+                                                 {"damping_N_m_s_per_rad", "N m s/rad"},
+                                                 {"walk_rad_per_s_per_sqrt_s", "rad/s/√s"},
+                                                 {"limit_rad_per_s2", "rad/s^2"},
+                                                 {"friction", ""},
+                                                 {"max_steps", ""}};
+  for (const auto& [key, unit] : units) EXPECT_EQ(internal::UnitOfKey(key), unit) << key;
+}
+
+}  // namespace
+}  // namespace tenon::apps

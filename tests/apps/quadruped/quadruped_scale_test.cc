@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/plants/model/robot_scale.h>
+
+namespace tenon::apps {
+namespace {
+
+QuadrupedScenario Load(const char* name, std::vector<std::string> settings) {
+  return LoadScenario(name, settings, "tenon-quadruped").Read<QuadrupedScenario>();
+}
+
+// A1: 12.78 kg and legs of 0.4 m, by hand from its URDF; DogBot: 21.256 kg and 0.617 m.
+constexpr double kWeight = (6 + 4 * (0.595 + 0.888 + 0.151 + 0.06)) / 21.256,
+                 kLength = 0.4 / 0.6170347662107791;
+
+TEST(QuadrupedScaleTest, ForcesGoWithTheWeightAndBlocksWithTheLegs) {
+  const QuadrupedWalkParams dogbot = MakeWalkParams(Load("B1", {})),
+                            a1 = MakeWalkParams(Load("B1", {"robot=a1", "scale_forces=true"}));
+  EXPECT_NEAR(a1.world.plant.payload.mass, kWeight * dogbot.world.plant.payload.mass, 1e-9);
+  EXPECT_NEAR(a1.world.plant.terrain.field->kinds[1].height, kLength * 0.035, 1e-12);
+  EXPECT_NEAR(a1.locomotion.swing_planner.step.height, kLength * dogbot.locomotion.swing_planner.step.height,
+              1e-12);
+  const QuadrupedWalkParams pushed = MakeWalkParams(Load("A3", {"robot=a1", "scale_forces=true"}));
+  EXPECT_NEAR(pushed.world.pulses[0].push.force_W[0], kWeight * 80, 1e-9);
+}
+
+TEST(QuadrupedScaleTest, DogBotIsItsOwnMeasure) {
+  const QuadrupedScenario scenario = ScaledToRobot(Load("B2", {"scale_forces=true"}));
+  EXPECT_EQ(scenario.random_forces[1].upper_N, 40);
+  EXPECT_FALSE(scenario.scale_forces);
+  EXPECT_EQ(RatioOf(Load("B2", {"robot=a1"})).weight, 1);  // not asked for
+}
+
+// The stiffness over what gravity does to a leg: alike for all.
+TEST(QuadrupedScaleTest, JointsAreAsStiffAsTheRobotIsHeavy) {
+  const auto stiffness = [](const QuadrupedScenario& scenario) {
+    const QuadrupedStandParams params = MakeStandParams(scenario);
+    const RobotScale scale = ScaleOf(params.pd.robot);
+    return Eigen::Vector2d(params.pd.stiffness / (scale.Weight() * scale.length),
+                           params.pd.damping / params.pd.stiffness / scale.Time());
+  };
+  EXPECT_TRUE(stiffness(Load("stand", {"robot=a1"})).isApprox(stiffness(Load("stand", {})), 1e-9));
+  EXPECT_NEAR(MakeStandParams(Load("stand", {})).pd.stiffness, 500, 1e-4);
+  EXPECT_NEAR(MakeStandParams(Load("stand", {})).pd.damping, 10, 1e-6);
+  EXPECT_EQ(MakeStandParams(Load("stand", {"pd.stiffness_N_m_per_rad=70"})).pd.stiffness, 70);
+}
+
+}  // namespace
+}  // namespace tenon::apps

@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+#include <tenon/controllers/cdpr/cdpr_workspace.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// A point mass on cables from the corners of a polygon 4 m high; its cables may not push, and carry what it
+/// takes.
+CdprDescription PointMass(const std::vector<Eigen::Vector2d>& corners) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.cable.tension_min = 0;
+  robot.cable.tension_max = 1e5;
+  robot.cables.clear();
+  for (const auto& corner : corners) robot.cables.push_back({{corner.x(), corner.y(), 4}, Vector3d::Zero()});
+  return robot;
+}
+
+double Volume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid) {
+  double sum = 0;
+  for (const WorkspaceCell& cell : cells) sum += cell.volume(grid);
+  return sum;
+}
+
+// A hanging point mass can rest exactly below the polygon of its anchors.
+TEST(CdprWorkspaceTest, StaticWorkspaceOfAPointMassIsThePrismBelowItsAnchors) {
+  struct Shape {
+    std::vector<Eigen::Vector2d> corners;
+    double area;
+  };
+  for (const Shape& shape :
+       {Shape{{{-2, -1}, {2, -1}, {0, 2}}, 6}, Shape{{{-2, -1.5}, {2, -1.5}, {2, 1.5}, {-2, 1.5}}, 12},
+        Shape{{{-2, 0}, {-1, -1.5}, {1, -1.5}, {2, 0}, {1, 1.5}, {-1, 1.5}}, 9}}) {
+    const CdprDescription robot = PointMass(shape.corners);
+    PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+    const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.5, -2.5, 0}, {2.5, 2.5, 3}, 0.1);
+    const auto cells = MapWorkspace(feasibility, {.grid = grid});
+    EXPECT_NEAR(Volume(cells, grid), 75, 1e-9);
+    const WorkspaceVolume volume = WrenchFeasibleVolume(cells, grid);
+    EXPECT_LE(volume.proven, 3 * shape.area);
+    EXPECT_GE(volume.possible, 3 * shape.area);
+    EXPECT_NEAR(volume.centres, 3 * shape.area, 0.03 * 3 * shape.area);
+    EXPECT_GT(volume.proven, 0.7 * 3 * shape.area);
+    EXPECT_LT(volume.possible, 1.3 * 3 * shape.area);
+  }
+}
+
+// Finer cells close in on the volume from both sides.
+TEST(CdprWorkspaceTest, BoundsConverge) {
+  const CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
+  PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+  double gap = 1e9;
+  for (const double cell : {0.4, 0.2, 0.1}) {
+    const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.4, -1.6, 0.8}, {2.4, 2.4, 2.4}, cell);
+    const WorkspaceVolume volume = WrenchFeasibleVolume(MapWorkspace(feasibility, {.grid = grid}), grid);
+    EXPECT_LT(volume.possible - volume.proven, 0.6 * gap);
+    gap = volume.possible - volume.proven;
+  }
+}
+
+// 10^4 random points of cells next to the boundary: all feasible where the cell is said to hold, none where
+// it is said to fail, by the quadratic program of tension_distribution.h.
+TEST(CdprWorkspaceTest, NoPointOfAFeasibleCellIsNot) {
+  const CdprDescription robot = test::EightCableRobot();
+  const WrenchBox required = RequiredWrenches(robot, {.load = 5});
+  PoseFeasibility feasibility(robot, required);
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize({-3.5, -4.5, 0}, {3.5, 4.5, 4}, 0.25);
+  const auto cells = MapWorkspace(feasibility, {.grid = grid});
+  EXPECT_NEAR(Volume(cells, grid), grid.volume(), 1e-9 * grid.volume());
+
+  // The smallest cells are the ones at the boundary.
+  std::vector<const WorkspaceCell*> near;
+  for (const WorkspaceCell& cell : cells) {
+    if (cell.wrench != PoseVerdict::kUndecided && cell.size[0] * cell.size[1] * cell.size[2] <= 4)
+      near.push_back(&cell);
+  }
+  ASSERT_GT(near.size(), 100U);
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  TensionDistributor distributor(8);
+  int holds = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const WorkspaceCell& cell = *near[random() % near.size()];
+    Vector3d p = cell.centre(grid);
+    for (int k = 0; k < 3; ++k) {
+      // Every other point on a face.
+      const double share = i % 6 == 2 * k ? 0.5 : uniform(random);
+      p[k] += share * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+    }
+    const CableMatrix6 W = CalcCableKinematics(robot, p, Matrix3d::Identity()).structure;
+    const bool feasible =
+        distributor.Solve(W, required.centre, robot.cable.tension_min, robot.cable.tension_max).feasible;
+    ASSERT_EQ(feasible, cell.wrench == PoseVerdict::kHolds) << p.transpose();
+    holds += feasible ? 1 : 0;
+  }
+  EXPECT_GT(holds, 3000);
+  EXPECT_LT(holds, 9500);
+}
+
+// The platform of the eight cables, at one place and turned about any axis: the same test of the same kind.
+TEST(CdprWorkspaceTest, NoAttitudeOfAFeasibleCellIsNot) {
+  const CdprDescription robot = test::EightCableRobot();
+  const WrenchBox required = RequiredWrenches(robot, {});
+  PoseFeasibility feasibility(robot, required);
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize(Vector3d::Constant(-1), Vector3d::Constant(1), 0.05);
+  const WorkspaceOptions options{.kind = WorkspaceKind::kAttitude, .grid = grid, .p_WB = {0.4, -0.5, 1.8}};
+  const auto cells = MapWorkspace(feasibility, options);
+  const WorkspaceVolume volume = WrenchFeasibleVolume(cells, grid);
+  EXPECT_GT(volume.proven, 0.1);
+  EXPECT_LT(volume.possible, 0.95 * grid.volume());
+  std::mt19937_64 random(19);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  TensionDistributor distributor(8);
+  for (int i = 0; i < 3000; ++i) {
+    const WorkspaceCell& cell = cells[random() % cells.size()];
+    if (cell.wrench == PoseVerdict::kUndecided) continue;
+    Vector3d rotation = cell.centre(grid);
+    for (int k = 0; k < 3; ++k)
+      rotation[k] += uniform(random) * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+    const Matrix3d R = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
+    const CableMatrix6 W = CalcCableKinematics(robot, options.p_WB, R).structure;
+    EXPECT_EQ(
+        distributor.Solve(W, required.centre, robot.cable.tension_min, robot.cable.tension_max).feasible,
+        cell.wrench == PoseVerdict::kHolds)
+        << rotation.transpose();
+  }
+}
+
+// What is clear is a part of what is feasible. The attachments are 0.3 m apart: cables thicker than that
+// touch.
+TEST(CdprWorkspaceTest, ThickCablesLeaveNothing) {
+  CdprDescription robot = test::EightCableRobot();
+  for (CableDescription& cable : robot.cables) cable.attachment_B.z() *= -1;  // crossed ones touch everywhere
+  PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize({-0.3, -0.3, 1.5}, {0.3, 0.3, 2.1}, 0.05);
+  WorkspaceVolume thin, thick;
+  for (const auto& [diameter, volume] : {std::pair{0.02, &thin}, std::pair{0.31, &thick}}) {
+    const auto cells = MapWorkspace(feasibility, {.grid = grid, .cable_diameter = diameter});
+    *volume = ClearVolume(cells, grid, diameter);
+    EXPECT_LE(volume->proven, volume->centres);
+    EXPECT_LE(volume->centres, volume->possible);
+    EXPECT_LE(volume->centres, WrenchFeasibleVolume(cells, grid).centres);
+  }
+  EXPECT_GT(thin.proven, 0);
+  EXPECT_EQ(thick.centres, 0);
+}
+
+TEST(CdprWorkspaceTest, TellsHowFarItIs) {
+  const CdprDescription robot = test::EightCableRobot();
+  PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+  std::vector<double> shares;
+  MapWorkspace(feasibility, {.grid = WorkspaceGrid::OfSize({-2, -3, 0.5}, {2, 3, 3.5}, 0.25),
+                             .progress = [&](double share) { shares.push_back(share); }});
+  ASSERT_GT(shares.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GT(shares.front(), 0);
+  EXPECT_LE(shares.back(), 1 + 1e-9);
+}
+
+TEST(CdprWorkspaceTest, RefusesGridsThatAreNone) {
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        WorkspaceGrid::OfSize({0, 0, 0}, {1, 0, 1}, 0.1);
+      },
+      "from 0 to 0 along y"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WorkspaceGrid::OfSize({0, 0, 0}, {1, 1, 1}, 0); }, "cells of 0"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] {
+        WorkspaceGrid::OfSize({0, 0, 0}, {10, 10, 10}, 0.01);
+      },
+      "make the cells larger"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/controllers/cdpr/wrench_feasibility.h>
+#include <tenon/plants/model/euler.h>
+#include <tenon/systems/framework/errors.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+std::mt19937_64& Random() {
+  static std::mt19937_64 random(5);
+  return random;
+}
+double Uniform(double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(Random());
+}
+
+WrenchBox Point(const VectorXd& wrench) {
+  return {wrench, VectorXd::Zero(wrench.size())};
+}
+
+/// Unit vectors from a point mass in the vertical plane to its anchors.
+MatrixXd Directions(const std::vector<Vector2d>& anchors, const Vector2d& p) {
+  MatrixXd W(2, anchors.size());
+  for (std::size_t i = 0; i < anchors.size(); ++i) W.col(static_cast<int>(i)) = (anchors[i] - p).normalized();
+  return W;
+}
+
+// Two cables leave no choice: the tensions are known, and the margin is how far they are from the bounds.
+TEST(WrenchFeasibilityTest, TwoCablesInAPlane) {
+  WrenchFeasibility feasibility(2, 2);
+  int feasible = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const MatrixXd W = Directions({{-3, 4}, {3, 4}}, {Uniform(-4, 4), Uniform(0, 3.9)});
+    const Vector2d weight(0, 100), u = W.inverse() * weight;
+    feasibility.SetStructure(W);
+    const WrenchMargins margins = feasibility.Margins(Point(weight), 10, 200);
+    EXPECT_NEAR(margins.tension, std::min({u[0] - 10, u[1] - 10, 200 - u[0], 200 - u[1]}), 1e-9 * u.norm());
+    feasible += margins.feasible() ? 1 : 0;
+  }
+  EXPECT_GT(feasible, 200);
+  EXPECT_LT(feasible, 800);
+}
+
+double Cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+// Of three cables in a plane, wrenches fill a hexagon: the convex hull of the eight corners of the tensions.
+TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
+  constexpr double kLow = 5, kHigh = 60;
+  WrenchFeasibility feasibility(2, 3);
+  for (int k = 0; k < 300; ++k) {
+    const MatrixXd W = Directions({{-3, 4}, {3, 4.5}, {0.5, 0}}, {Uniform(-3, 3), Uniform(0.5, 4)});
+    std::vector<Vector2d> corners;
+    for (int bits = 0; bits < 8; ++bits) {
+      Vector3d u;
+      for (int i = 0; i < 3; ++i) u[i] = (bits >> i & 1) != 0 ? kHigh : kLow;
+      corners.emplace_back(W * u);
+    }
+    const Vector2d wrench(Uniform(-60, 60), Uniform(-40, 100));
+    // Lines through two corners with all others on one side are edges; the least distance inwards counts.
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector2d& a : corners) {
+      for (const Vector2d& b : corners) {
+        if ((b - a).norm() < 1e-9) continue;
+        const Vector2d along = (b - a).normalized();
+        if (std::ranges::all_of(corners, [&](const Vector2d& c) { return Cross(along, c - a) > -1e-9; }))
+          least = std::min(least, Cross(along, wrench - a));
+      }
+    }
+    feasibility.SetStructure(W);
+    EXPECT_EQ(feasibility.num_facets(), 3);
+    EXPECT_NEAR(feasibility.Margins(Point(wrench), kLow, kHigh).capacity, least, 1e-9 * kHigh);
+  }
+}
+
+/// Whether the quadratic program of tension_distribution.h finds tensions for all corners of the box.
+bool Produces(const CableMatrix6& W, const WrenchBox& box, double low, double high) {
+  TensionDistributor distributor(static_cast<int>(W.cols()));
+  for (int bits = 0; bits < 64; ++bits) {
+    Vector6d wrench = box.centre;
+    bool seen = false;
+    for (int k = 0; k < 6; ++k) {
+      const bool up = (bits >> k & 1) != 0;
+      wrench[k] += (up ? 1 : -1) * box.half_width[k];
+      seen |= up && box.half_width[k] == 0;
+    }
+    if (!seen && !distributor.Solve(W, wrench, low, high).feasible) return false;
+  }
+  return true;
+}
+
+class MarginTest : public ::testing::TestWithParam<int> {};
+
+// With bounds tighter by less than the margin a quadratic program finds tensions for every corner of the
+// required wrenches, with bounds tighter by more it does not; if the margin is negative, bounds are wider by
+// it.
+TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
+  const CdprDescription robot = test::RobotWithCables(GetParam());
+  WrenchFeasibility feasibility(6, robot.num_cables());
+  int feasible = 0, checked = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vector3d p(Uniform(-2.5, 2.5), Uniform(-3, 3), Uniform(0.5, 3)),
+        euler(Uniform(-0.3, 0.3), Uniform(-0.3, 0.3), Uniform(-0.3, 0.3));
+    const CableMatrix6 W = CalcCableKinematics(robot, p, RotationFromEuler(euler)).structure;
+    WrenchBox box = Point(-GravityWrench(robot));
+    if (k % 2 == 1) box.half_width << 20, 10, 30, 0, 2, 0;
+    const double low = 10, high = 400;
+    feasibility.SetStructure(W);
+    const double margin = feasibility.Margins(box, low, high).tension;
+    if (std::abs(margin) > 150) continue;  // bounds would meet, or be far from what cables do
+    const double step = 1e-6 * high;
+    EXPECT_TRUE(Produces(W, box, low + margin - step, high - margin + step)) << k << ": " << margin;
+    EXPECT_FALSE(Produces(W, box, low + margin + step, high - margin - step)) << k << ": " << margin;
+    feasible += margin > 0 ? 1 : 0;
+    ++checked;
+  }
+  EXPECT_GT(checked, 20);
+  EXPECT_GT(checked, feasible);
+  EXPECT_GT(feasible, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cables, MarginTest, ::testing::Values(6, 8, 12));
+
+// Wrenches nearer than the capacity margin are produced in any direction; the normal of the facet is one in
+// which nothing beyond is.
+TEST(WrenchFeasibilityTest, CapacityIsTheRadiusOfTheLargestBall) {
+  const CdprDescription robot = test::EightCableRobot();
+  const CableMatrix6 W = CalcCableKinematics(robot, {0.3, -0.4, 1.7}, Eigen::Matrix3d::Identity()).structure;
+  WrenchFeasibility feasibility(6, 8);
+  feasibility.SetStructure(W);
+  const Vector6d weight = -GravityWrench(robot);
+  const double capacity = feasibility.Margins(Point(weight), 10, 800).capacity;
+  ASSERT_GT(capacity, 0);
+  int beyond = 0;
+  for (int facet = 0; facet < feasibility.num_facets(); ++facet) {
+    const Vector6d direction = feasibility.normal(facet).normalized();
+    for (const double sign : {1, -1}) {
+      EXPECT_TRUE(DistributeTension(W, weight + 0.999 * sign * capacity * direction, 10, 800).feasible);
+      beyond += DistributeTension(W, weight + 1.001 * sign * capacity * direction, 10, 800).feasible ? 0 : 1;
+    }
+  }
+  EXPECT_GE(beyond, 1);
+}
+
+// Pairs of parallel cables, as for a platform that only translates, have fewer facets, and the margin still
+// holds.
+TEST(WrenchFeasibilityTest, ParallelCables) {
+  MatrixXd W(2, 4);
+  W << 1, 1, -1, 0, 0, 0, 0, 1;
+  WrenchFeasibility feasibility(2, 4);
+  feasibility.SetStructure(W);
+  const WrenchMargins margins = feasibility.Margins(Point(Vector2d(0, 4)), 0, 10);
+  EXPECT_NEAR(margins.tension, 10.0 / 3, 1e-12);  // the first two together against the third: 2 m = 10 - m
+  EXPECT_NEAR(margins.capacity, 4, 1e-12);        // down, the last one goes slack
+}
+
+TEST(WrenchFeasibilityTest, NothingIsProducedOutOfThePlaneOfAllCables) {
+  MatrixXd W = MatrixXd::Zero(3, 4);
+  W.topRows(2) << 1, -1, 0, 0, 0, 0, 1, -1;
+  WrenchFeasibility feasibility(3, 4);
+  feasibility.SetStructure(W);
+  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(0, 0, 1)), 0, 10).feasible());
+  EXPECT_NEAR(feasibility.Margins(Point(Vector3d(0, 0, 1)), 0, 10).capacity, -1, 1e-12);
+  feasibility.SetStructure(MatrixXd::Ones(3, 4));
+  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(1, 1, 1)), 0, 10).feasible());
+}
+
+TEST(WrenchFeasibilityTest, AllocatesInTheConstructorAlone) {
+  const CdprDescription robot = test::EightCableRobot();
+  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 1.7}, Eigen::Matrix3d::Identity());
+  WrenchFeasibility feasibility(6, 8);
+  const WrenchBox weight = Point(-GravityWrench(robot));
+  const AllocationGuard guard;
+  feasibility.SetStructure(cables.structure);
+  const double margin = feasibility.Margins(weight, 10, 800).tension;
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(margin, 0);
+}
+
+TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { WrenchFeasibility(6, 5); }, "5 cables with 6 rows", "at least as many"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(1, 5); }, "two rows or more"));
+  WrenchFeasibility feasibility(6, 8);
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { feasibility.SetStructure(MatrixXd::Zero(6, 7)); }, "6 x 7", "6 x 8"));
+}
+
+}  // namespace
+}  // namespace tenon

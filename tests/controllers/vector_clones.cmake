@@ -1,0 +1,12 @@
+# cmake -D NM=… -D LIBRARY=… -P vector_clones.cmake: the hot loops stand in the library for AVX2, too. GCC 12 leaves
+# out clones of templates in some cases, without a warning.
+execute_process(COMMAND ${NM} -C ${LIBRARY} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+foreach(cables 4 5 6 7 8 -1)
+  foreach(function
+      "KinoCentroidalModel<${cables}>::Derivative" "KinoCentroidalModel<${cables}>::Linearize"
+      "KinoCentroidalModel<${cables}>::Linearization::Multiply" "Slq<tenon::CdprTrackingProblem<${cables}> >::Backward")
+    if(NOT symbols MATCHES "tenon::${function}\\([^\n]*\\[clone \\.arch_x86_64_v3\\]")
+      message(SEND_ERROR "no clone of ${function} in ${LIBRARY}")
+    endif()
+  endforeach()
+endforeach()

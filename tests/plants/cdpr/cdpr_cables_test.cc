@@ -1,0 +1,244 @@
+// CdprPlant with cables that sag, pulleys, drums with layers and differentials.
+
+#include <tenon/plants/cdpr/cdpr_plant.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
+
+namespace tenon {
+namespace {
+
+using test::FourCableRobot;
+using test::Hanging;
+using Rig = TestRig<CdprPlant>;
+
+CdprDescription Robot(double mass_per_length, double pulley_radius) {
+  CdprDescription robot = FourCableRobot();
+  robot.cable.mass_per_length = mass_per_length;
+  robot.winch.pulley_radius = pulley_radius;
+  return robot;
+}
+
+// --- Sag and pulleys ------------------------------------------------------------------------------------
+
+struct Kind {
+  double mass_per_length, pulley_radius;
+};
+class CdprCablesOfKinds : public ::testing::TestWithParam<Kind> {};
+INSTANTIATE_TEST_SUITE_P(Cables, CdprCablesOfKinds,
+                         ::testing::Values(Kind{0, 0}, Kind{0, 0.05}, Kind{0.05, 0}, Kind{0.05, 0.05}));
+
+TEST_P(CdprCablesOfKinds, AnUndampedDropKeepsItsEnergy) {
+  CdprDescription robot = Robot(GetParam().mass_per_length, GetParam().pulley_radius);
+  robot.cable.axial_damping = 0;
+  CdprPlantParams params = Hanging(robot);
+  params.lock_winches = true;
+  Rig rig(params);
+  const CdprPlant& plant = rig.system();
+  rig.Fix(plant.command, CableVector::Zero(4));
+  PlatformState x = rig[plant.platform_state];
+  x.p_WB += Vec<3>(0.01, 0.005, 0.1);  // all slack without weight
+  x.w_W = {0.2, -0.3, 0.1};
+  rig.Set(plant.platform_state, x);
+  const double before = rig[plant.energy].total();
+  const double tension_before = rig[plant.cables].tension.maxCoeff();
+  EXPECT_LT(tension_before, 20);
+  double hardest = 0;
+  for (int i = 1; i <= 20; ++i) {
+    rig.RunTo(0.05 * i);
+    EXPECT_NEAR(rig[plant.energy].total(), before, 2e-6);
+    hardest = std::max(hardest, rig[plant.cables].tension.maxCoeff());
+  }
+  EXPECT_GT(hardest, 200);  // it fell into the cables
+}
+
+TEST_P(CdprCablesOfKinds, DampingTakesEnergy) {
+  CdprPlantParams params = Hanging(Robot(GetParam().mass_per_length, GetParam().pulley_radius));
+  params.lock_winches = true;
+  params.v_W = {0, 0, 0.3};
+  Rig rig(params);
+  rig.Fix(rig->command, CableVector::Zero(4));
+  const double start = rig[rig->energy].total();
+  double before = start;
+  for (int i = 1; i <= 20; ++i) {
+    rig.RunTo(0.05 * i);
+    EXPECT_LE(rig[rig->energy].total(), before + 1e-9);
+    before = rig[rig->energy].total();
+  }
+  EXPECT_LT(before, start - 0.1);
+}
+
+TEST_P(CdprCablesOfKinds, StartsWithItsTensionsAndTellsTheIdealLengths) {
+  CdprPlantParams params = Hanging(Robot(GetParam().mass_per_length, GetParam().pulley_radius));
+  params.p_WB = {0.3, -0.4, 1.2};
+  params.euler = {0.1, -0.2, 0.7};
+  params.initial_tension = Eigen::Vector4d(40, 50, 60, 70);
+  Rig rig(params), ideal([&] {
+    CdprPlantParams other = params;
+    other.robot = Robot(0, 0);
+    return other;
+  }());
+  EXPECT_THAT(rig[rig->cables].tension, IsNear(params.initial_tension, 1e-7));
+  EXPECT_THAT(rig[rig->cables].length, IsNear(ideal[ideal->cables].length, 1e-10));
+}
+
+TEST(CdprCablesTest, CablesHangOnThePlatformWithTheirWeight) {
+  // Held in the air by its cables alone, each of which the platform carries half of, and a bit less, since
+  // the lower end of a cable pulls less than the upper one.
+  CdprPlantParams params = Hanging(Robot(0.05, 0));
+  params.lock_winches = true;
+  Rig light(Hanging(Robot(0, 0))), heavy(params);
+  light.Fix(light->command, CableVector::Zero(4));
+  heavy.Fix(heavy->command, CableVector::Zero(4));
+  const double weights = 4 * 0.05 * heavy[heavy->rest_length][0];
+  const double lost = 15 * (light[light->acceleration].a_W[2] - heavy[heavy->acceleration].a_W[2]) / 9.81;
+  EXPECT_GT(lost, 0.45 * weights);
+  EXPECT_LT(lost, 0.75 * weights);
+}
+
+// --- Drums ----------------------------------------------------------------------------------------------
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGrooves = 0.005 * 0.8660254037844386;
+
+/// Winches with two layers at the start, the second of which has `second` of cable on it.
+CdprPlantParams Layered(double second, WinchMode mode = WinchMode::kTension) {
+  CdprPlantParams params = Hanging();
+  params.robot.winch.mode = mode;
+  const double rest = Rig(params)->start.rest_length[0];
+  params.robot.winch.drum = DrumProperties{.radius = 0.036,
+                                           .cable_diameter = 0.005,
+                                           .turns_per_layer = 10,
+                                           .cable_length = rest + 20 * kPi * 0.036 + second};
+  return params;
+}
+
+TEST(CdprCablesTest, ADrumTellsItsTurnsAsLengthOfTheFirstRadius) {
+  Rig rig(Layered(0.1));
+  const double length = rig[rig->cables].length[0], rest = rig[rig->rest_length][0];
+  for (const double more : {-0.2, 0.05, 0.1, 0.3, 1.0}) {
+    rig.Set(rig->rest_length, Eigen::VectorXd::Constant(4, rest + more));
+    const double told = more <= 0.1 ? more : 0.1 + (more - 0.1) * (0.036 + kGrooves) / 0.036;
+    EXPECT_NEAR(rig[rig->cables].length[0] - length, told - more, 1e-12);  // the true length is what it was
+  }
+}
+
+TEST(CdprCablesTest, ADrumPaysOutByTheRadiusOfItsLayer) {
+  const double ratio = 0.036 / (0.036 + kGrooves);
+  for (const WinchMode mode : {WinchMode::kTension, WinchMode::kTorque}) {
+    Rig plain(Hanging([&] {
+      CdprDescription robot = FourCableRobot();
+      robot.winch.mode = mode;
+      return robot;
+    }()));
+    Rig layered(Layered(0.002, mode));  // soon on the first layer
+    const double rest = plain[plain->rest_length][0] + 0.003;
+    for (Rig* rig : {&plain, &layered}) {
+      rig->Set((*rig)->rest_length, Eigen::VectorXd::Constant(4, rest));
+      rig->Set((*rig)->reel_speed, Eigen::VectorXd::Constant(4, 0.1));
+      rig->Fix((*rig)->command, CableVector::Zero(4));
+    }
+    const double T_m = plain[plain->motor_tension][0];
+    const double plain_tension = plain[plain->cables].tension[0],
+                 tension = layered[layered->cables].tension[0];
+    const double rate = layered.Derivative(layered->rest_length)[0];
+    if (mode == WinchMode::kTorque) {
+      EXPECT_NEAR(rate, 0.1 * ratio, 1e-15);
+      EXPECT_NEAR(tension, plain_tension + 135 / rest * 0.1 * (1 - ratio), 1e-9);
+      EXPECT_NEAR(layered.Derivative(layered->reel_speed)[0], (tension * ratio - T_m - 90 * 0.1) / 8, 1e-9);
+      // No power is lost at the drum: m v dv/dt = T dl0/dt - T_m v - b v^2.
+      EXPECT_NEAR(8 * 0.1 * layered.Derivative(layered->reel_speed)[0],
+                  tension * rate - T_m * 0.1 - 90 * 0.1 * 0.1, 1e-9);
+    } else {
+      EXPECT_NEAR(rate, ratio * (tension - T_m) / 90, 1e-12);
+      // With the cable's damping for the speed that it has now.
+      const double strained =
+          27e3 / rest *
+          (layered->start.rest_length[0] * (1 + layered->params.initial_tension[0] / 27e3) - rest);
+      EXPECT_NEAR(tension, strained - 135 / rest * rate, 1e-9);
+    }
+  }
+}
+
+TEST(CdprCablesTest, TheRateThatADrumTellsIsThatOfItsLength) {
+  Rig rig(Layered(0.0005));
+  rig.Fix(rig->command, CableVector::Constant(4, 30));  // it sinks
+  rig.RunTo(0.2);
+  ASSERT_GT(rig[rig->rest_length][0], rig->start.rest_length[0] + 0.0005);
+  const double before = rig[rig->cables].length[0], rate = rig[rig->cables].length_rate[0];
+  rig.RunTo(0.2001);
+  EXPECT_NEAR((rig[rig->cables].length[0] - before) / 1e-4, (rate + rig[rig->cables].length_rate[0]) / 2,
+              1e-5 * std::abs(rate));
+}
+
+// --- Differentials --------------------------------------------------------------------------------------
+
+TEST(CdprCablesTest, ADifferentialSharesItsMotors) {
+  CdprPlantParams params = Hanging();
+  params.robot.winch.differential = DifferentialProperties{.pairs = {{0, 2}}, .motor_tension_max = 100};
+  Rig rig(params);
+  const auto asked = [&](const Eigen::Vector4d& command) -> Eigen::Vector4d {
+    rig.Fix(rig->command, command);
+    return rig.Derivative(rig->motor_tension) * 0.02 + rig[rig->motor_tension];
+  };
+  const auto gets = [&](const Eigen::Vector4d& command, const Eigen::Vector4d& expected) {
+    EXPECT_THAT(asked(command), IsNear(expected, 1e-12)) << command.transpose();
+  };
+  gets({60, 500, 90, 700}, {60, 500, 90, 700});  // 150 N of the 200 N; the others have a motor each
+  gets({200, 0, 0, 0}, {200, 0, 0, 0});          // one cable alone has both motors
+  gets({250, 0, 0, 0}, {200, 0, 0, 0});
+  gets({150, 0, 100, 0}, {125, 0, 75, 0});  // the sum is what is lacking, the difference stays
+  gets({-50, 0, 300, -10}, {0, 0, 200, 0});
+}
+
+// --- As a block -----------------------------------------------------------------------------------------
+
+TEST(CdprCablesTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  CdprPlantParams params = Layered(0.1);
+  params.robot.cable.mass_per_length = 0.05;
+  params.robot.winch.pulley_radius = 0.04;
+  params.robot.winch.differential =
+      DifferentialProperties{.pairs = {{0, 1}, {2, 3}}, .motor_tension_max = 400};
+  Rig rig(params);
+  rig.Fix(rig->command, CableVector::Constant(4, 60));
+  rig.RunTo(0.1);
+  AllocationGuard guard;
+  rig.RunTo(0.2);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(CdprCablesTest, RefusesWhatCannotStart) {
+  const auto refuses = [](const CdprPlantParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { CdprPlant plant(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses(Hanging(Robot(0, 4)), "at the start cable 0 ends", "whose radius is 4 m"));
+  CdprPlantParams params = Hanging(Robot(1, 0));
+  params.initial_tension.setConstant(5);
+  EXPECT_TRUE(refuses(params, "at the start cable 0 is to pull with 5 N", "by its own weight"));
+  params.gravity = -9.81;
+  EXPECT_TRUE(refuses(params, "gravity is -9.81 m/s^2, but cables with mass hang downwards"));
+  params = Layered(0.1);
+  params.robot.winch.drum->cable_length = 2;
+  EXPECT_TRUE(refuses(params, "at the start cable 0 is paid out by", "more than the 2 m that it has",
+                      "give more cable_length_m"));
+}
+
+TEST(CdprCablesTest, SaysWhyItCannotGoOn) {
+  Rig rig(Layered(0.1));
+  rig.Set(rig->rest_length, Eigen::VectorXd::Constant(4, 30));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig[rig->cables]; }, "cable 0 is paid out by 30 m", "move the platform"));
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+#include <tenon/plants/legged/quadruped_clearance.h>
+#include <tenon/plants/legged/quadruped_geometry.h>
+#include <tenon/plants/model/resources.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <tenon/tests/testing/allocation_guard.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::Vector3d;
+
+class QuadrupedClearanceTest : public ::testing::Test {
+ protected:
+  LeggedState Standing() const {
+    LeggedState x;
+    x.p_WB[2] = robot.StanceHeight();
+    x.q = robot.stance;
+    return x;
+  }
+  /// The least distance between points on the axes of two links' capsules, as the replay draws them, less
+  /// their radii.
+  double DrawnDistance(const LeggedState& x, int joint, int other) const {
+    Geometry shapes = MakeQuadrupedGeometry(robot, {}, {});
+    MoveQuadrupedGeometry(robot, {}, x, {}, {}, &shapes);
+    const Shape *a = nullptr, *b = nullptr;
+    for (const Shape& shape : shapes) {
+      if (shape.name == "link of " + robot.joint(joint).name) a = &shape;
+      if (shape.name == "link of " + robot.joint(other).name) b = &shape;
+    }
+    constexpr int kPoints = 100;
+    const auto point = [&](const Shape& shape, int i) -> Vector3d {
+      const Vector3d axis = RotationFromQuaternion(shape.q_W).col(2);
+      return shape.p_W + (static_cast<double>(i) / kPoints - 0.5) * shape.size[1] * axis;
+    };
+    double least = 1e9;
+    for (int i = 0; i <= kPoints; ++i)
+      for (int j = 0; j <= kPoints; ++j) least = std::min(least, (point(*a, i) - point(*b, j)).norm());
+    return least - a->size[0] - b->size[0];
+  }
+
+  /// The same of any two legs.
+  double LeastDrawn(const LeggedState& x) const {
+    double least = 1e9;
+    for (int i = 0; i < kNumJoints; ++i)
+      for (int j = 0; j < kJointsPerLeg * (i / kJointsPerLeg); ++j)
+        least = std::min(least, DrawnDistance(x, i, j));
+    return least;
+  }
+
+  const QuadrupedDescription robot = LoadQuadruped(FindResource("robots", "dogbot"));
+  const QuadrupedClearance clearance{robot, {}};
+};
+
+TEST_F(QuadrupedClearanceTest, AStandingRobotIsClear) {
+  for (const char* name : {"dogbot", "a1"}) {
+    const QuadrupedDescription other = LoadQuadruped(FindResource("robots", name));
+    LeggedState x;
+    x.p_WB[2] = other.StanceHeight();
+    x.q = other.stance;
+    const QuadrupedClearances clear = QuadrupedClearance(other, {}).At(x);
+    EXPECT_GT(clear.legs.distance, 0.02) << name;
+    EXPECT_GT(clear.trunk.distance, 0.005) << name;
+    EXPECT_GT(clear.ground.distance, 0.05) << name;
+  }
+}
+
+// The front left shank swings backwards, and meets the rear leg; the distance is that of what is drawn.
+TEST_F(QuadrupedClearanceTest, LegsThatMeetAreTold) {
+  LeggedState x = Standing();
+  x.q.segment<3>(0) << 0, 1.5, 0;               // front left: straight, backwards
+  x.q.segment<3>(3 * kRearLeft) << 0, -1.2, 0;  // rear left: straight, forwards
+  const QuadrupedClearances clear = clearance.At(x);
+  EXPECT_LT(clear.legs.distance, -0.02);
+  EXPECT_EQ(clear.legs.leg, kFrontLeft);
+  EXPECT_EQ(clear.legs.other, kRearLeft);
+  EXPECT_NEAR(clear.legs.distance, LeastDrawn(x), 0.002);
+
+  x.q.segment<3>(0) << 0, 0.7, -0.5;
+  x.q.segment<3>(3 * kRearLeft) << 0, 0.5, -0.5;
+  const QuadrupedClearances apart = clearance.At(x);
+  EXPECT_GT(apart.legs.distance, 0.01);
+  EXPECT_NEAR(apart.legs.distance, LeastDrawn(x), 0.002);
+}
+
+// An upper leg turned inwards under the trunk, and up into it.
+TEST_F(QuadrupedClearanceTest, ALegInTheTrunkIsTold) {
+  LeggedState x = Standing();
+  x.q.segment<3>(3 * kRearRight) << 1.3, 0, 0;  // abduction of a right leg, inwards
+  EXPECT_GT(clearance.At(x).trunk.distance, -0.03);
+  x.q.segment<3>(3 * kRearRight) << 2.2, 0, 0;
+  const QuadrupedClearances clear = clearance.At(x);
+  EXPECT_LE(clear.trunk.distance, -0.5 * LinkRadius(robot));
+  EXPECT_EQ(clear.trunk.leg, kRearRight);
+  EXPECT_GT(clearance.At(Standing()).trunk.distance, 0.005);
+}
+
+// Knees of a robot that is let down, on the level, on a box, and on a slope.
+TEST_F(QuadrupedClearanceTest, KneesInTheGroundAreTold) {
+  LeggedState x = Standing();
+  const double standing = clearance.At(x).ground.distance;
+  x.p_WB[2] -= 0.1;
+  EXPECT_NEAR(clearance.At(x).ground.distance, standing - 0.1, 1e-12);
+  x.p_WB[2] = 0.15;
+  EXPECT_LT(clearance.At(x).ground.distance, -0.05);
+  EXPECT_GE(clearance.At(x).ground.leg, 0);
+
+  TerrainParams box;
+  box.boxes.push_back({.centre = {0.05, 0.2}, .size = {0.3, 0.3}, .height = 0.06, .friction = 1});
+  const QuadrupedClearances on_box = QuadrupedClearance(robot, box).At(Standing());
+  EXPECT_NEAR(on_box.ground.distance, standing - 0.06, 1e-12);
+  EXPECT_EQ(on_box.ground.leg, kFrontLeft);
+
+  TerrainParams slope;
+  slope.grade = {0.2, 0};
+  const double radius = LinkRadius(robot), x_knee = 0.2875 - 0.315 * std::sin(0.886);
+  EXPECT_NEAR(QuadrupedClearance(robot, slope).At(Standing()).ground.distance,
+              (standing + radius - 0.2 * x_knee) / std::sqrt(1.04) - radius, 1e-9);
+}
+
+TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
+  if (!AllocationGuard::Available()) GTEST_SKIP();
+  const LeggedState x = Standing();
+  const AllocationGuard guard;
+  clearance.At(x);
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,162 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <tenon/systems/live/internal/live_http.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include <tenon/systems/live/internal/live_channel.h>
+
+namespace tenon::internal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A server without a run: a thread answers commands with what was asked.
+class LiveHttpTest : public testing::Test {
+ protected:
+  LiveHttpTest() : client_("127.0.0.1", http_.port()) {
+    run_ = std::thread([this] {
+      while (!stop_) {
+        channel_.WaitUntil(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+        while (auto request = channel_.TakeRequest())
+          request->reply.set_value({200, "{\"heard\":" + request->json + "}"});
+      }
+    });
+    http_.SetPage("<h1>page</h1>");
+  }
+  ~LiveHttpTest() override {
+    stop_ = true;
+    run_.join();
+  }
+  httplib::Result Post(const std::string& body, const httplib::Headers& headers = {},
+                       const char* type = "application/json") {
+    return client_.Post("/command?client=me", headers, body, type);
+  }
+  /// What a stream of events says until `end` came.
+  std::string Listen(const std::string& end) {
+    std::string all;
+    httplib::Client client("127.0.0.1", http_.port());
+    client.Get("/events?client=me", [&](const char* data, std::size_t size) {
+      all.append(data, size);
+      return all.find(end) == all.npos;
+    });
+    return all;
+  }
+
+  LiveChannel channel_{10};
+  LiveHttp http_{"127.0.0.1", 0, channel_};
+  httplib::Client client_;
+  std::atomic<bool> stop_ = false;
+  std::thread run_;
+};
+
+TEST_F(LiveHttpTest, ServesThePageAndCommands) {
+  EXPECT_EQ(client_.Get("/")->body, "<h1>page</h1>");
+  const auto answer = Post(R"({"command":"pause"})");
+  EXPECT_EQ(answer->status, 200);
+  EXPECT_EQ(answer->body, R"({"heard":{"command":"pause"}})");
+  EXPECT_EQ(client_.Get("/else")->status, 404);
+}
+
+// The address is printed before the run is built.
+TEST(LiveHttpStartTest, ThePageIsWaitedFor) {
+  LiveChannel channel(10);
+  LiveHttp http("127.0.0.1", 0, channel);
+  std::atomic<bool> asked = false;
+  std::thread browser([&] {
+    httplib::Client client("127.0.0.1", http.port());
+    asked = true;
+    EXPECT_EQ(client.Get("/")->body, "<h1>page</h1>");
+  });
+  while (!asked) std::this_thread::yield();
+  std::this_thread::yield();
+  http.SetPage("<h1>page</h1>");
+  browser.join();
+}
+
+TEST_F(LiveHttpTest, OtherOriginsAndHostsAreRefused) {
+  const std::string own = "http://127.0.0.1:" + std::to_string(http_.port());
+  EXPECT_EQ(Post("{}", {{"Origin", own}})->status, 200);
+  const auto foreign = Post("{}", {{"Origin", "http://evil.example"}});
+  EXPECT_EQ(foreign->status, 403);
+  EXPECT_THAT(foreign->body, HasSubstr("evil.example"));
+  EXPECT_EQ(Post("{}", {{"Host", "evil.example:8080"}})->status, 403);
+  EXPECT_EQ(client_.Get("/events?client=me", {{"Host", "evil.example"}})->status, 403);
+  EXPECT_EQ(channel_.refused(), 3);
+}
+
+TEST_F(LiveHttpTest, BodiesAreChecked) {
+  EXPECT_EQ(Post("{}", {}, "text/plain")->status, 415);
+  EXPECT_EQ(Post(std::string(100000, ' '))->status, 413);
+  EXPECT_EQ(client_.Post("/command", "{}", "application/json")->status, 400);
+  EXPECT_EQ(client_.Post("/command?client=" + std::string(65, 'a'), "{}", "application/json")->status, 400);
+}
+
+TEST_F(LiveHttpTest, OtherMachinesNeedTheToken) {
+  LiveChannel channel(10);
+  LiveHttp http("0.0.0.0", 0, channel);
+  http.SetPage("page");
+  httplib::Client client("127.0.0.1", http.port());
+  EXPECT_EQ(client.Get("/")->status, 403);
+  EXPECT_EQ(client.Get("/?token=wrong")->status, 403);
+  EXPECT_EQ(client.Get("/?token=" + http.token())->status, 200);
+  EXPECT_THAT(http.url(), HasSubstr("?token=" + http.token()));
+  EXPECT_EQ(http.token().size(), 32U);
+}
+
+TEST_F(LiveHttpTest, ATakenPortIsLeftForTheNext) {
+  LiveChannel channel(10);
+  EXPECT_GT(LiveHttp("127.0.0.1", http_.port(), channel).port(), http_.port());
+}
+
+TEST_F(LiveHttpTest, EventsComeInOrderAndLateOnesFromTheBeginning) {
+  channel_.Begin(R"({"run":{}})", R"("names":["a"],"units":["m"])");
+  channel_.Append(0.1, R"("time":[0.1],"values":[[1]])");
+  channel_.Append(0.2, R"("time":[0.2],"values":[[2]])");
+  channel_.SetStatus(R"({"time":0.2})");
+  channel_.SetPull("{}");
+  const std::string all = Listen("pull");
+  EXPECT_EQ(all,
+            "event: hello\ndata: {\"run\":{}}\n\n"
+            "event: append\ndata: {\"names\":[\"a\"],\"units\":[\"m\"],\"time\":[0.1],\"values\":[[1]]}\n\n"
+            "event: append\ndata: {\"time\":[0.2],\"values\":[[2]]}\n\n"
+            "event: status\ndata: {\"time\":0.2}\n\n"
+            "event: pull\ndata: {}\n\n");
+  EXPECT_EQ(channel_.refused(), 0);
+}
+
+TEST_F(LiveHttpTest, WhatIsOldIsForgotten) {
+  channel_.Begin("{}", "\"names\":[]");
+  for (int i = 0; i <= 30; ++i) channel_.Append(i, "\"n\":" + std::to_string(i));
+  channel_.SetStatus("{}");
+  const std::string all = Listen("status");
+  EXPECT_THAT(all, Not(HasSubstr("\"n\":19}")));
+  EXPECT_THAT(all, HasSubstr("{\"names\":[],\"n\":20}"));
+}
+
+TEST(LiveChannel, AReaderThatFallsBehindBeginsAnew) {
+  LiveChannel channel(10);
+  LiveChannel::Reader reader(channel, "slow");
+  channel.Begin("{}", "\"names\":[]");
+  channel.Append(0, "\"n\":0");
+  EXPECT_THAT(reader.Next(), HasSubstr("\"n\":0"));
+  for (int i = 1; i <= 30; ++i) channel.Append(i, "\"n\":" + std::to_string(i));
+  EXPECT_THAT(reader.Next(),
+              testing::StartsWith("event: reset\ndata: {}\n\nevent: append\ndata: {\"names\":[],\"n\":20}"));
+}
+
+TEST(LiveChannel, AClientIsThereAsLongAsItListens) {
+  LiveChannel channel(10);
+  {
+    const LiveChannel::Reader first(channel, "me"), second(channel, "me");
+    EXPECT_EQ(channel.clients(), 2U);
+    EXPECT_TRUE(channel.IsConnected("me"));
+  }
+  EXPECT_FALSE(channel.IsConnected("me"));
+}
+
+}  // namespace
+}  // namespace tenon::internal

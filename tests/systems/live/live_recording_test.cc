@@ -1,0 +1,77 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/live/live_recording.h>
+
+#include <fstream>
+
+#include <tenon/systems/live/internal/live_file.h>
+#include <tenon/tests/systems/live/live_diagram.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+class LiveRecordingTest : public testing::Test {
+ protected:
+  ~LiveRecordingTest() override { std::filesystem::remove(file_); }
+  LiveRecording Read(const std::string& text) {
+    std::ofstream(file_) << text;
+    return LiveRecording::Read(file_);
+  }
+  const std::filesystem::path file_ = test::TemporaryPath("recording.jsonl");
+};
+
+TEST_F(LiveRecordingTest, ReadsWhatWasWritten) {
+  internal::LiveFile file(file_, 18446744073709551615U);
+  file.Add({0.1, {{"a.b", {0.1 + 0.2, -1e-300}}, {"a.c", {3}}}});
+  file.Add({0.1, {{"a.b", {5}}}});
+  file.Add({0.7, {{"a.b", {6}}}});
+  file.DropFrom(0.5);
+  file.End(0.9, true);
+  const LiveRecording read = LiveRecording::Read(file_);
+  EXPECT_EQ(read.seed, 18446744073709551615U);
+  ASSERT_EQ(read.entries.size(), 2U);
+  EXPECT_EQ(read.entries[0].time, 0.1);
+  EXPECT_EQ(read.entries[0].sets[0].values, (std::vector<double>{0.1 + 0.2, -1e-300}));
+  EXPECT_EQ(read.entries[0].sets[1].path, "a.c");
+  EXPECT_EQ(read.end, 0.9);
+  EXPECT_TRUE(read.end_tick);
+}
+
+TEST_F(LiveRecordingTest, WrongLinesAreNamed) {
+  const std::string head = "{\"tenon_live\": 1, \"seed\": 1}\n";
+  EXPECT_THAT([&] { Read(head + "{\"time\": 1, \"set\": {\"a\": [1]}}\n{\"time\": 0, \"set\": {}}\nx\n"); },
+              ThrowsMessage<ParameterError>(AllOf(HasSubstr("recording.jsonl:3:"), HasSubstr("live.jsonl"))));
+  EXPECT_THAT([&] { Read("{\"tenon_live\": 9, \"seed\": 1}\n"); },
+              ThrowsMessage<ParameterError>(HasSubstr("recording.jsonl:1:")));
+  EXPECT_THAT([&] { Read(""); }, ThrowsMessage<ParameterError>(HasSubstr("is empty")));
+  EXPECT_THAT([&] { LiveRecording::Read("nowhere.jsonl"); },
+              ThrowsMessage<ParameterError>(HasSubstr("cannot read the recording 'nowhere.jsonl'")));
+  // A run that was killed leaves half a line.
+  EXPECT_EQ(Read(head + "{\"time\": 1, \"set\": {\"a\": [1]}}\n{\"time\": 2, \"se").entries.size(), 1U);
+}
+
+TEST_F(LiveRecordingTest, AnotherDiagramIsRefused) {
+  test::LiveCart cart;
+  Simulator simulator(*cart.diagram);
+  EXPECT_THAT(
+      [&] {
+        Replay(simulator, {0, {{0.5, {{"engine.farce", {1}}}}}, 1, true});
+      },
+      ThrowsMessage<ParameterError>(
+          AllOf(HasSubstr("cannot be replayed at t = 0.5 s"), HasSubstr("engine.force"))));
+  Simulator other(*cart.diagram);
+  EXPECT_THAT(
+      [&] {
+        Replay(other, {0, {}, {}, false});
+      },
+      ThrowsMessage<ParameterError>(HasSubstr("the recording has no end")));
+}
+
+}  // namespace
+}  // namespace tenon

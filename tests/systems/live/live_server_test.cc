@@ -1,0 +1,200 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/live/live_server.h>
+
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include <tenon/tests/systems/live/live_diagram.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+/// Runs are as fast as they can, and commands come at times of the run: nothing depends on the clock.
+class LiveServerTest : public testing::Test {
+ protected:
+  ~LiveServerTest() override { std::filesystem::remove_all(directory_); }
+
+  /// Calls `act(step)` when the run first comes to times[step].
+  RunStatus Run(const std::vector<double>& times, const std::function<void(std::size_t step)>& act,
+                double duration, const std::string& name = "live", std::uint64_t seed = 7) {
+    std::filesystem::create_directory(directory_);
+    std::size_t step = 0;
+    LiveServer server({.port = 0, .rate = 0, .recording = directory_ / (name + ".jsonl")});
+    server.options().stop = [&] {
+      if (step < times.size() && server.status().time >= times[step] - 1e-9) act(step++);
+      return false;
+    };
+    server_ = &server;
+    Simulator simulator(*cart_.diagram, {.seed = seed});
+    simulator_ = &simulator;
+    simulator.AddLog(Hz(100), cart_.view.signals, {std::make_shared<CsvLog>(directory_ / (name + ".csv"))});
+    const RunStatus status = server.Run(simulator, cart_.view, duration);
+    reset_ = server.reset_seed();
+    return status;
+  }
+  Json Command(const Json& command) { return Json::parse(server_->Command("test", command.dump())); }
+  void Take() { EXPECT_EQ(Command({{"command", "take"}}), Json({{"ok", true}})); }
+  std::string Csv(const std::string& name) const {
+    std::ostringstream text;
+    text << std::ifstream(directory_ / (name + ".csv")).rdbuf();
+    return text.str();
+  }
+  std::string ReplayedCsv(const std::string& name) {
+    const LiveRecording recording = LiveRecording::Read(directory_ / (name + ".jsonl"));
+    Simulator simulator(*cart_.diagram, {.seed = recording.seed});
+    simulator.AddLog(Hz(100), cart_.view.signals, {std::make_shared<CsvLog>(directory_ / "again.csv")});
+    Replay(simulator, recording);
+    return Csv("again");
+  }
+
+  const std::filesystem::path directory_ = test::TemporaryPath("live_server");
+  test::LiveCart cart_;
+  LiveServer* server_ = nullptr;
+  Simulator* simulator_ = nullptr;
+  std::optional<std::uint64_t> reset_;
+};
+
+TEST_F(LiveServerTest, RunsLikeAnyOther) {
+  EXPECT_FALSE(Run({}, {}, 1).ended);
+  Simulator simulator(*cart_.diagram, {.seed = 7});
+  simulator.AddLog(Hz(100), cart_.view.signals, {std::make_shared<CsvLog>(directory_ / "plain.csv")});
+  simulator.RunTo(1);
+  EXPECT_EQ(Csv("live"), Csv("plain"));
+}
+
+TEST_F(LiveServerTest, CommandsAreReplayedBitForBit) {
+  const auto act = [&](std::size_t step) {
+    if (step == 0) Take();
+    Json answer{{"ok", true}};
+    if (step == 1) answer = Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
+    if (step == 2) answer = Command({{"command", "load"}, {"mass_kg", 1.5}});
+    if (step == 3) answer = Command({{"command", "parameter"}, {"path", "engine.force"}, {"value", -2}});
+    EXPECT_EQ(answer, Json({{"ok", true}}));
+  };
+  Run({0, 0.205, 0.51, 0.512}, act, 1);
+  const std::string csv = Csv("live");
+  EXPECT_EQ(ReplayedCsv("live"), csv);
+  Run({}, {}, 1, "still");
+  EXPECT_NE(Csv("still"), csv);
+}
+
+TEST_F(LiveServerTest, GoesBackAndBranches) {
+  double came = 0;
+  const auto act = [&](std::size_t step) {
+    if (step == 0) Take();
+    if (step == 1) Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
+    if (step == 2) Command({{"command", "drive"}, {"velocity", {-1, 0, 0}}});
+    if (step == 3) {
+      EXPECT_TRUE(Command({{"command", "back"}, {"to_s", 0.7}}).contains("ok"));
+      came = simulator_->context().time();
+      EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 5);
+    }
+  };
+  Run({0, 0.25, 0.8, 1.25}, act, 2, "branch");
+  EXPECT_NEAR(came, 0.7, 1e-9);
+  const std::string csv = Csv("branch");
+  EXPECT_EQ(ReplayedCsv("branch"), csv);
+  // The branch is the run in which the second command never came.
+  Run(
+      {0, 0.25}, [&](std::size_t step) { act(step); }, 2, "straight");
+  EXPECT_EQ(Csv("straight"), csv);
+}
+
+TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
+  Run(
+      {0, 1},
+      [&](std::size_t step) {
+        if (step == 0) return Take();
+        EXPECT_THAT(Command({{"command", "back"}, {"to_s", 5}})["error"], HasSubstr("can only go back"));
+        EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"],
+                    HasSubstr("goes back to 0 s at most"));
+      },
+      1.1);
+}
+
+TEST_F(LiveServerTest, OneTickAtATime) {
+  Run(
+      {0, 0.5},
+      [&](std::size_t step) {
+        if (step == 0) return Take();
+        const double before = simulator_->context().time();
+        Command({{"command", "tick"}});
+        EXPECT_NEAR(simulator_->context().time(), before + 0.01, 1e-9);
+        EXPECT_EQ(server_->status().state, "paused");
+        Command({{"command", "resume"}});
+        EXPECT_EQ(server_->status().state, "running");
+      },
+      1);
+}
+
+TEST_F(LiveServerTest, ResetsToAnotherSeed) {
+  Run(
+      {0, 0.4},
+      [&](std::size_t step) {
+        if (step == 0) return Take();
+        EXPECT_TRUE(Command({{"command", "reset"}, {"seed", 8}}).contains("ok"));
+        EXPECT_EQ(simulator_->context().time(), 0);
+      },
+      1, "reset");
+  Run({}, {}, 1, "fresh", 8);
+  EXPECT_EQ(Csv("reset"), Csv("fresh"));
+  EXPECT_EQ(ReplayedCsv("reset"), Csv("fresh"));
+}
+
+TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
+  const auto refused = [&](const Json& command, const char* why) {
+    EXPECT_THAT(Command(command).value("error", "nothing"), HasSubstr(why));
+  };
+  Run(
+      {0, 0.1},
+      [&](std::size_t step) {
+        if (step == 0) {
+          refused({{"command", "pause"}}, "nobody drives");
+          Take();
+          EXPECT_THAT(server_->Command("other", R"({"command":"pause"})"), HasSubstr("'test' drives"));
+          EXPECT_THAT(server_->Command("other", R"({"command":"take"})"), HasSubstr("'test' drives"));
+          return;
+        }
+        refused({{"command", "fly"}}, "there is no command 'fly'");
+        refused({{"command", "gait"}, {"name", "trot"}}, "has no 'gait'");
+        refused({{"command", "drive"}, {"velocity", {2, 0, 0}}}, "give -1 to 1");
+        refused({{"command", "drive"}, {"velocity", {0, 0}}}, "three numbers");
+        refused({{"command", "drive"}}, "lacks something");
+        refused({{"command", "load"}, {"mass_kg", 3}}, "give 1 to 2");
+        refused({{"command", "parameter"}, {"path", "engine.force"}, {"value", 11}}, "10 N at most");
+        refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}},
+                "did you mean 'engine.force'");
+        refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
+        refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
+        refused({{"command", "reset"}, {"seed", "x"}}, "another type");
+        refused({{"command", "save"}}, "comes from no scenario");
+        refused({"command"}, "a command is an object");
+        EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
+      },
+      0.2);
+}
+
+TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
+  const RunStatus status = Run(
+      {0, 0.3},
+      [&](std::size_t step) {
+        if (step == 0) return Take();
+        Command({{"command", "stop"}});
+      },
+      1);
+  EXPECT_TRUE(status.ended);
+  EXPECT_NEAR(status.time, 0.3, 1e-9);
+  const LiveRecording recording = LiveRecording::Read(directory_ / "live.jsonl");
+  EXPECT_EQ(recording.end, status.time);
+  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
+}
+
+}  // namespace
+}  // namespace tenon

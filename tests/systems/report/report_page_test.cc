@@ -1,0 +1,392 @@
+// The page of a report as people use it: by mouse and keys, in windows of several sizes, in the dark, on
+// paper.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/report/report.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using testing::Browser;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+/// A run with something of everything, and a browser that shows it.
+class RunPageTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (Browser::IsInstalled()) return;
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
+    GTEST_SKIP() << "needs chromium";
+  }
+  ~RunPageTest() override { fs::remove(file); }
+
+  static Report Run(bool drawn, double load) {
+    DiagramBuilder builder;
+    auto& tension = builder.AddFunction({"tension", "N"}, Uses(builder.time), [load](double t) {
+      return Vec<24>(Vec<24>::LinSpaced(100, 330) * (1 + load * t));
+    });
+    auto& truth =
+        builder.AddFunction({"truth", "N"}, Uses(builder.time), [](double t) { return std::sin(6 * t); });
+    auto& measured = builder.AddFunction({"measured", "N"}, Uses(builder.time), [](double t) {
+      return std::sin(6 * t) + 0.3 * std::sin(1.2e4 * t);
+    });
+    auto& angle = builder.AddFunction({"angle", "rad"}, Uses(builder.time), [](double t) { return t; });
+    auto& error = builder.AddFunction({"error", "m"}, Uses(builder.time), [](double t) { return 1e-3 * t; });
+    Geometry shapes{Shape::Box(ShapeRole::kBody, "box", {0.3, 0.2, 0.1}),
+                    Shape::Trace(ShapeRole::kReference, "path")};
+    auto& look = builder.AddFunction({"look"}, Uses(builder.time), [shapes](double t) {
+      Geometry now = shapes;
+      for (Shape& shape : now) shape.p_W = {t, 0, 0.1};
+      return now;
+    });
+    const auto diagram = builder.Build();
+    Report report({.title = "workshop",
+                   .plots = {{"cables", {"tension.output"}, {}, "forces"},
+                             {"force", {"truth.output"}, {"measured.output"}, "forces"},
+                             {"angle", {"angle.output"}, {}},
+                             {"error", {"error.output"}, {}}},
+                   .limits = {{"tension.output", {.low = 0, .high = 250}},
+                              {"angle.output", {.high = 0.5}},
+                              {"error.output", {.high = 7}}}});
+    Simulator simulator(*diagram);
+    report.Log(
+        simulator, {&tension, &truth, &measured, &angle, &error},
+        drawn ? std::vector<const OutputPort<Geometry>*>{&look} : std::vector<const OutputPort<Geometry>*>{});
+    report.Conclude(simulator.AdvanceTo(1));
+    report.AddFigure("com_error_max_m", 0.0123);
+    report.AddFigure("tilt_max_rad", 0.5);
+    report.AddFigure("tension_max_N", 330 * (1 + load), {.low = 0, .high = 250});
+    for (const auto& [leg, value] : {std::pair{"front_left", 0.001},
+                                     {"front_right", 0.002},
+                                     {"rear_left", 0.003},
+                                     {"rear_right", 0.004}})
+      report.AddFigure(std::string("foot_error_max_m.") + leg, value);
+    report.AddFigure("force_mean_N.x", 2.5);
+    report.AddFigure("force_mean_N.y", -0.0001);
+    report.AddEvent(0.25, "push");
+    report.AddEvent(0.75, "pull");
+    return report;
+  }
+
+  void Open(const Report& report) {
+    report.Write(file);
+    browser.Open(file);
+    ASSERT_EQ(browser.Evaluate("!!window.tenonReport && tenonReport.ready"), true)
+        << Json(browser.complaints());
+    browser.Evaluate("window.plot = (title) => tenonReport.plots.plots.find((p) => p.spec.title === title)");
+    browser.Evaluate(
+        "window.press = (node, text) => [...node.querySelectorAll('button')].find((b) => "
+        "b.textContent.includes(text)).click()");
+  }
+  /// Draws what is to be drawn, and waits for it.
+  Json Settle(const std::string& expression) {
+    browser.Evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+    return browser.Evaluate(expression);
+  }
+
+  const fs::path file = test::TemporaryPath("tenon_report_page.html");
+  Browser browser;
+};
+
+TEST_F(RunPageTest, TheReplayStaysInViewInWindowsOfAnySize) {
+  Open(Run(true, 0));
+  for (const auto& [width, height] : {std::pair{480, 900}, {1920, 700}, {1280, 800}}) {
+    browser.Resize(width, height);
+    browser.Evaluate("scrollTo(0, 0)");
+    EXPECT_LE(Settle("document.documentElement.scrollWidth").get<int>(), width) << "no scrolling sideways";
+    const std::string inside =
+        "(() => { const a = document.querySelector('#stage').getBoundingClientRect(), b = "
+        "document.querySelector('#transport').getBoundingClientRect(); "
+        "return a.height > 150 && a.top >= 0 && b.bottom <= innerHeight; })()";
+    EXPECT_EQ(Settle(inside), true) << width << " at first";
+    EXPECT_GT(browser.Evaluate("(scrollTo(0, 1e6), scrollY)").get<double>(), 100)
+        << "there is something to scroll";
+    EXPECT_EQ(Settle(inside), true) << width << " at the end of the plots";
+  }
+  const std::string share = "document.querySelector('#side').clientWidth / innerWidth";
+  EXPECT_LT(Settle(share).get<double>(), 0.6);
+  browser.Press("h");
+  EXPECT_GT(Settle(share).get<double>(), 0.9) << "full width without the replay";
+  browser.Press("h");
+  EXPECT_LT(Settle(share).get<double>(), 0.6);
+  browser.Evaluate("document.querySelector('#splitter').focus()");
+  browser.Press("ArrowLeft");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#splitter').ariaValueNow"), "51");
+  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 0) << "the arrow was the splitter's";
+
+  Open(Run(false, 0));
+  EXPECT_GT(Settle(share).get<double>(), 0.9) << "nothing is drawn";
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#stage').checkVisibility()"), false);
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#transport').checkVisibility()"), true);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, PlotsFoldGroupGrowAndTakeSignals) {
+  Open(Run(false, 0));
+  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('.group')].map((g) => [g.dataset.group, "
+                             "g.querySelectorAll('.plot').length])"),
+            Json::parse(R"([["forces", 2], ["", 2]])"));
+  browser.Evaluate("press(document.querySelector('.group h2'), 'forces')");
+  EXPECT_EQ(browser.Evaluate("[plot('cables').box.checkVisibility(), plot('angle').box.checkVisibility()]"),
+            Json({false, true}));
+  browser.Evaluate("press(document.querySelector('.group h2'), 'forces')");
+  EXPECT_EQ(
+      browser.Evaluate("plot('cables').chart.clientWidth > 100 && plot('cables').graph.getArea().w > 100"),
+      true);
+
+  browser.Evaluate("press(plot('angle').box, 'angle')");
+  EXPECT_EQ(browser.Evaluate("[plot('angle').area.checkVisibility(), plot('angle').fold.ariaExpanded]"),
+            Json({false, "false"}));
+  browser.Evaluate("press(plot('angle').box, 'angle')");
+  EXPECT_EQ(browser.Evaluate("plot('angle').area.checkVisibility()"), true);
+  browser.Evaluate("document.querySelector('#fold-all').click()");
+  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('.area')].some((a) => a.checkVisibility())"),
+            false);
+  browser.Evaluate("document.querySelector('#fold-all').click()");
+
+  const double height = browser.Evaluate("plot('error').area.clientHeight");
+  browser.Evaluate("plot('error').box.querySelector('.resize').focus()");
+  browser.Press("ArrowDown");
+  EXPECT_EQ(Settle("[plot('error').area.clientHeight, plot('error').graph.size().height]"),
+            Json({height + 20, height + 20}));
+
+  // Any logged signal, in a plot of its own or in one that is there.
+  browser.Evaluate("document.body.focus()");
+  browser.Press("a");
+  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('#picker details')].map((d) => "
+                             "d.querySelector('input').dataset.name)"),
+            Json({"tension.output", "truth", "measured", "angle", "error"}));
+  browser.Evaluate(
+      "(() => { const s = document.querySelector('#picker input[type=search]'); s.value = 'sion output 7'; "
+      "s.dispatchEvent(new Event('input')); })()");
+  EXPECT_EQ(
+      browser.Evaluate("[...document.querySelectorAll('#picker details')].filter((d) => !d.hidden).length"),
+      1);
+  browser.Evaluate("document.querySelector('#picker input[data-name=\"tension.output.7\"]').click()");
+  browser.Evaluate("document.querySelector('#picker input[data-name=\"angle\"]').click()");
+  browser.Evaluate("press(document.querySelector('#picker'), 'plot')");
+  EXPECT_EQ(browser.Evaluate("plot('tension.output.7, angle').series.map((s) => s.signal.name)"),
+            Json({"tension.output.7", "angle.output"}));
+  EXPECT_EQ(browser.Evaluate("plot('tension.output.7, angle').box.closest('.group').dataset.group"),
+            "chosen signals");
+  browser.Evaluate("press(plot('error').box, '+')");
+  browser.Evaluate("document.querySelector('#picker input[data-name=\"truth\"]').click()");
+  browser.Evaluate("press(document.querySelector('#picker'), 'plot')");
+  EXPECT_EQ(browser.Evaluate("plot('error').graph.getLabels().length"), 3) << "time, error, truth";
+  browser.Evaluate("[...plot('error').box.querySelectorAll('.readout button')].at(-1).click()");
+  EXPECT_EQ(browser.Evaluate("plot('error').graph.getLabels().length"), 2) << "switched off";
+  browser.Evaluate("press(plot('tension.output.7, angle').box, '✕')");
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('.group').length"), 2);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, LimitsEnvelopesNoiseAndUnits) {
+  Open(Run(false, 0));
+  // 24 cables begin as an envelope: one curve with a band.
+  const std::string columns = "[plot('cables').envelope, plot('cables').graph.numColumns()]";
+  EXPECT_EQ(browser.Evaluate(columns), Json({true, 2}));
+  EXPECT_EQ(browser.Evaluate("plot('cables').graph.rawData_[0][1].map(Math.round)"), Json({100, 215, 330}));
+  EXPECT_THAT(browser.Evaluate("plot('cables').readout.textContent").get<std::string>(),
+              HasSubstr("100 (0) … 330 (23), 24 signals"));
+  browser.Evaluate("press(plot('cables').box, 'envelope')");
+  EXPECT_EQ(browser.Evaluate(columns), Json({false, 25}));
+
+  EXPECT_EQ(browser.Evaluate("plot('cables').limits().map((l) => l.text)"),
+            Json({"limit 0 N", "limit 250 N"}));
+  // Of the pixels of a plot, whether some have the colour of limits, in the row of a value.
+  const std::string red = R"((title, value) => {
+    const canvas = plot(title).chart.querySelector('canvas'), graph = plot(title).graph, scale = canvas.width / canvas.clientWidth;
+    const copy = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height}).getContext('2d');
+    copy.drawImage(canvas, 0, 0);
+    const y = Math.round(graph.toDomYCoord(value) * scale), row = copy.getImageData(0, y - 2, canvas.width, 5).data;
+    let count = 0;
+    for (let i = 0; i < row.length; i += 4) count += row[i + 3] > 100 && row[i] > 150 && row[i + 1] < 100 && row[i + 2] < 90;
+    return count;
+  })";
+  browser.Evaluate("window.red = " + red);
+  EXPECT_GT(browser.Evaluate("red('angle', 0.5 * 180 / Math.PI)").get<int>(), 100) << "a dashed line";
+  EXPECT_EQ(browser.Evaluate("red('angle', 0.3 * 180 / Math.PI)"), 0);
+
+  // Angles in degrees, lengths in mm; the numbers that are saved stay in SI units.
+  EXPECT_EQ(browser.Evaluate("['angle', 'error', 'force'].map((t) => plot(t).unit.textContent)"),
+            Json({"[°]", "[mm]", "[N]"}));
+  EXPECT_NEAR(browser.Evaluate("(tenonReport.seek(1), parseFloat(plot('angle').series[0].text.textContent))")
+                  .get<double>(),
+              57.3, 0.05);
+  EXPECT_THAT(browser.Evaluate("plot('angle').csv()").get<std::string>(),
+              StartsWith("time [s],angle.output [rad]\n0,0\n0.005,0.005\n"));
+
+  // The true curve is drawn last, the noisy one thin.
+  EXPECT_EQ(browser.Evaluate("plot('force').shown().map((s) => s.signal.name)"),
+            Json({"measured.output", "truth.output"}));
+  EXPECT_EQ(browser.Evaluate(
+                "['0: output ref', '1: output'].map((n) => plot('force').graph.getOption('strokeWidth', n))"),
+            Json({0.8, 1.6}));
+
+  const Json figures = browser.Evaluate(
+      "Object.fromEntries([...document.querySelectorAll('#figures tr')].map((r) => [r.cells[0].title, "
+      "[r.cells[0].textContent, r.cells[1].textContent, r.cells[1].title, r.cells[2].textContent]]))");
+  EXPECT_EQ(figures["com_error_max_m"], Json({"com error max", "12.3", "0.0123 m", "mm"}));
+  EXPECT_EQ(figures["tilt_max_rad"], Json({"tilt max", "28.65", "0.5 rad", "°"}));
+  EXPECT_EQ(figures["tension_max_N"], Json({"tension max 0 … 250", "330", "330 N beyond its limit", "N"}));
+  EXPECT_EQ(figures["foot_error_max_m"], Json({"foot error max", "1 … 4", "", "mm"}));
+  EXPECT_EQ(figures["foot_error_max_m.rear_left"], Json({"rear left", "3", "0.003 m", "mm"}));
+  EXPECT_EQ(figures["force_mean_N"], Json({"force mean", "2.500, -0.000", "", "N"}));
+  const std::string inner = "document.querySelector('#figures tr.inner').checkVisibility()";
+  EXPECT_EQ(browser.Evaluate(inner), false);
+  browser.Evaluate("press(document.querySelector('#figures'), 'foot error')");
+  EXPECT_EQ(browser.Evaluate(inner), true);
+  EXPECT_EQ(browser.Evaluate("['noise_bandwidth_Hz', 'gains_per_s', 'stiffness_N_s_per_m', 'x_m_per_s2', "
+                             "'loop.delay_s.mean', 'case_on_front']"
+                             ".map((k) => parseKey(k).unit)"),
+            Json({"Hz", "1/s", "N s/m", "m/s²", "s", ""}));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, LightDarkPaperAndFiles) {
+  browser.Prefer("dark");
+  Open(Run(true, 0));
+  const std::string grounds =
+      "[document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]";
+  EXPECT_EQ(browser.Evaluate(grounds), Json({"dark", "rgb(18, 22, 28)"}));
+  const std::string stage = "tenonReport.replay.renderer.getClearColor().getHexString()";
+  EXPECT_EQ(browser.Evaluate(stage), "171c24");
+  browser.Evaluate("dispatchEvent(new Event('beforeprint'))");
+  EXPECT_EQ(browser.Evaluate(grounds)[0], "light") << "on paper";
+  browser.Evaluate("dispatchEvent(new Event('afterprint'))");
+  EXPECT_EQ(browser.Evaluate(grounds)[0], "dark");
+  browser.Press("t");
+  EXPECT_EQ(browser.Evaluate(grounds), Json({"light", "rgb(246, 247, 249)"}));
+  EXPECT_EQ(browser.Evaluate(stage), "fbfcfd");
+  EXPECT_EQ(browser.Evaluate("plot('angle').graph.getOption('gridLineColor')"), "#e8ebef");
+
+  // The files that the buttons save.
+  browser.Evaluate(
+      "window.saved = []; HTMLAnchorElement.prototype.click = function() { saved.push(this.download); }");
+  EXPECT_EQ(browser.Evaluate(R"((async () => {
+              press(plot('force').box, 'CSV');
+              press(plot('force').box, 'PNG');
+              while (saved.length < 2) await new Promise((done) => setTimeout(done, 5));
+              return saved;
+            })())"),
+            Json({"force.csv", "force.png"}));
+  const Json picture = browser.Evaluate(R"((() => {
+    const canvas = pictureOf(plot('force'));
+    const pixels = new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    return {start: canvas.toDataURL().slice(0, 22), colors: new Set(pixels).size, share: canvas.width / plot('force').chart.clientWidth};
+  })())");
+  EXPECT_EQ(picture["start"], "data:image/png;base64,");
+  EXPECT_GT(picture["colors"].get<int>(), 20) << "text and curves";
+  EXPECT_GT(picture["share"].get<double>(), 2) << "sharp";
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, KeysAndWhoCannotSeeThePage) {
+  Open(Run(true, 0));
+  const auto time = [&] { return browser.Evaluate("tenonReport.time()").get<double>(); };
+  browser.Press("End");
+  EXPECT_EQ(time(), 1);
+  browser.Press("ArrowLeft", true);
+  EXPECT_EQ(time(), 0);
+  browser.Press("ArrowRight");
+  EXPECT_NEAR(time(), 0.02, 1e-12);
+  browser.Press("n");
+  browser.Press("n");
+  EXPECT_EQ(time(), 0.75) << "the second event";
+  browser.Press("p");
+  EXPECT_EQ(time(), 0.25);
+  browser.Press("Home");
+  EXPECT_EQ(time(), 0);
+  browser.Press("]");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#speed').value"), "2");
+  browser.Press(" ");
+  EXPECT_EQ(browser.Evaluate("tenonReport.playing()"), true);
+  browser.Press(" ");
+  EXPECT_EQ(browser.Evaluate("tenonReport.playing()"), false);
+  browser.Press("f");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#follow').checked"), false)
+      << "it had followed what travels";
+  browser.Press("?");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#help').open"), true);
+  EXPECT_THAT(browser.Evaluate("document.querySelector('#help').textContent").get<std::string>(),
+              ::testing::AllOf(HasSubstr("space"), HasSubstr("play or pause"), HasSubstr("light or dark")));
+  const double before = time();
+  browser.Press("End");
+  EXPECT_EQ(time(), before) << "under the help, keys do nothing";
+  browser.Evaluate("press(document.querySelector('#help'), 'close')");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#help').open"), false);
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#run-bar, #live, #drive, #tune')"), nullptr)
+      << "it has ended";
+
+  browser.Evaluate("tenonReport.plots.edit(null)");
+  EXPECT_EQ(
+      browser.Evaluate("[...document.querySelectorAll('button, select, input, [tabindex]')].filter((n) => "
+                       "n.checkVisibility() && !(n.ariaLabel || n.textContent.trim() || (n.labels && "
+                       "n.labels.length))).map((n) => n.outerHTML)"),
+      Json::array())
+      << "without a name for screen readers";
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, DrawsRowsAsTheyCome) {
+  Open(Run(true, 0));
+  browser.Evaluate(R"(tenonReport.append(0, {
+    names: ['truth.output', 'measured.output', 'new'], units: ['N', 'N', 'm/s^2'], time: [1.5, 2], values: [[5, 7], [6, 8], [1, 2]],
+    frames: {time: [2], columns: Array.from({length: 24}, (_, c) => c % 12 === 0 ? 4 : c % 12 === 11 || c % 12 === 3 ? 1 : 0)},
+    events: [{time: 1.75, label: 'sent'}]}))");
+  EXPECT_EQ(browser.Evaluate("tenonReport.duration()"), 2);
+  EXPECT_EQ(browser.Evaluate("tenonReport.runs[0].find('new')[0].unit"), "m/s²");
+  EXPECT_EQ(browser.Evaluate("plot('force').graph.xAxisRange()"), Json({0, 2}))
+      << "who sees all goes on seeing all";
+  EXPECT_EQ(browser.Evaluate("(tenonReport.seek(2), plot('force').series[0].text.textContent)"),
+            "7.00 (8.00)");
+  EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs[0].actors[0].object.position.x"), 4);
+  EXPECT_EQ(
+      browser.Evaluate("tenonReport.replay.runs[0].actors[1].line.geometry.attributes.position.getX(51)"), 4)
+      << "the path";
+  browser.Press("p");
+  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1.75);
+  EXPECT_THAT(
+      browser
+          .Evaluate("(() => { try { tenonReport.append(0, {names: ['new'], time: [3], values: [[1, 2]]}); } "
+                    "catch (error) { return error.message; } })()")
+          .get<std::string>(),
+      HasSubstr("new has 4 values at 3 times"));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, RunsSideBySide) {
+  const Report a = Run(true, 0), b = Run(true, 0.5);
+  Report both(
+      {.title = "both", .plots = {{"cables", {"tension.output"}, {}}, {"force", {"truth.output"}, {}}}});
+  both.Add("empty", a);
+  both.Add("loaded", b);
+  Open(both);
+  EXPECT_EQ(browser.Evaluate("plot('cables').graph.numColumns()"), 3) << "an envelope for each run";
+  EXPECT_EQ(browser.Evaluate("plot('force').series.map((s) => s.label)"), Json({"output", "output"}));
+  EXPECT_EQ(
+      browser.Evaluate(
+          "[...document.querySelectorAll('#figures tr.same')].map((r) => r.cells[0].title).slice(0, 2)"),
+      Json({"com_error_max_m", "tilt_max_rad"}));
+  EXPECT_THAT(browser.Evaluate("plot('force').csv().split('\\n')[0]").get<std::string>(),
+              "time [s],empty: truth.output [N],loaded: truth.output [N]");
+  browser.Press("v");
+  browser.Press("g");
+  EXPECT_EQ(browser.Evaluate("[tenonReport.replay.shown, tenonReport.replay.ghosts]"), Json({1, true}));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace tenon

@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tenon/systems/report/volume_report.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::Each;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+using State = VolumeReport::State;
+
+/// A box of 4 x 3 x 2 cells: a block of 2 x 2 x 2 cells holds, one beside it is undecided, the rest fails.
+VolumeReport Example() {
+  VolumeReport::Map map{.title = "places",
+                        .coordinates = {"x_m", "y_m", "z_m"},
+                        .low = {-2, 0, 1},
+                        .high = {2, 3, 2},
+                        .cells = {4, 3, 2},
+                        .quantities = {"margin_N", "stiffness_N_per_m"},
+                        .parts = {{{0, 0, 0}, {2, 2, 2}, State::kHolds, {5, 100}},
+                                  {{2, 0, 0}, {1, 1, 1}, State::kUndecided, {1, NAN}},
+                                  {{2, 0, 1}, {1, 1, 1}, State::kFails, {-1, NAN}},
+                                  {{3, 0, 0}, {1, 1, 2}, State::kFails, {-2, NAN}},
+                                  {{2, 1, 0}, {2, 1, 2}, State::kFails, {-2, NAN}},
+                                  {{0, 2, 0}, {4, 1, 2}, State::kFails, {-3, NAN}}},
+                        .shapes = {Shape::Box(ShapeRole::kBody, "body", {0.5, 0.5, 0.5})}};
+  VolumeReport::Map other = map;
+  other.title = "turns";
+  other.shapes.clear();
+  return {.title = "box </script> & more",
+          .description = "four by three by two",
+          .figures = {{"volume_m3", 8.0}, {"nothing_N", std::nullopt}},
+          .maps = {map, other}};
+}
+
+class VolumeReportTest : public ::testing::Test {
+ protected:
+  ~VolumeReportTest() override { std::filesystem::remove(file); }
+  const std::filesystem::path file = test::TemporaryPath("tenon_volume_report.html");
+};
+
+TEST_F(VolumeReportTest, PageShowsCellsSlicesAndTheirSurface) {
+  if (!testing::Browser::IsInstalled()) {
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
+    GTEST_SKIP() << "needs chromium";
+  }
+  Example().Write(file);
+  testing::Browser browser;
+  browser.Open(file);
+  ASSERT_EQ(browser.Evaluate("!!window.tenonVolume && tenonVolume.ready"), true)
+      << nlohmann::json(browser.complaints()).dump();
+  EXPECT_EQ(browser.Evaluate("document.querySelector('h1').textContent"), "box </script> & more");
+  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('#figures td')].map((cell) => cell.textContent)"),
+            nlohmann::json({"8", "m³", "–", "N"}));
+  EXPECT_EQ(browser.Evaluate(
+                "[tenonVolume.state(1, 1, 1), tenonVolume.state(2, 0, 0), tenonVolume.state(2, 0, 1)]"),
+            nlohmann::json({2, 1, 0}));
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#slices canvas').length"), 3);
+
+  // The colour of a cell in the slice across z: what holds is coloured, what fails is white.
+  const nlohmann::json colours = browser.Evaluate(R"((() => {
+    const canvas = document.querySelector('#slices canvas'), width = parseFloat(canvas.style.width);
+    const ratio = canvas.width / width, scale = Math.min((width - 56) / 4, 100);
+    const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    return [[3.5, 0.5], [0.5, 2.5]].map(([x, y]) => {
+      const at = 4 * (Math.floor((6 + scale * y) * ratio) * canvas.width + Math.floor((46 + scale * x) * ratio));
+      return [...pixels.data.slice(at, at + 3)].join();
+    });
+  })())");
+  EXPECT_EQ(colours[0], "255,255,255");
+  EXPECT_NE(colours[1], "255,255,255");
+
+  // A block of 2 x 2 x 2 cells has 24 faces of cells.
+  if (browser.Evaluate("tenonVolume.webgl") == true) {
+    EXPECT_EQ(browser.Evaluate("tenonVolume.faces"), 24);
+    EXPECT_EQ(browser.Evaluate("tenonVolume.replay.runs[0].group.children.filter((c) => c.isMesh).length"),
+              1);
+  }
+  browser.Evaluate("tenonVolume.colour(1)");
+  browser.Evaluate("tenonVolume.show(1)");
+  EXPECT_EQ(
+      browser.Evaluate(
+          "[...document.querySelectorAll('#choosers select')].map((s) => s.selectedOptions[0].textContent)"),
+      nlohmann::json({"turns", "margin [N]"}));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+  EXPECT_THAT(browser.requests(), Each(StartsWith("file:")));
+}
+
+TEST_F(VolumeReportTest, RefusesPartsWithOtherQuantities) {
+  VolumeReport report = Example();
+  report.maps[0].parts[3].values.pop_back();
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { report.Write(file); }, "map 'places'", "1 values", "2 quantities"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace tenon
