@@ -25,7 +25,7 @@ LiveServer::LiveServer(LiveOptions options) {
   demand("history", options.history);
   demand("frame", options.frame);
   internal::CheckPageParts();
-  impl_ = std::make_unique<Impl>(std::move(options));
+  impl_.reset(new Impl{std::move(options)});
 }
 LiveServer::~LiveServer() = default;
 
