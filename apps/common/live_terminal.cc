@@ -52,7 +52,7 @@ void LiveTerminal::Send(LiveServer& server, const std::string& command) {
     const auto reply = nlohmann::json::parse(server.Command(kName, json), nullptr, false);
     return reply.is_object() && reply.contains("error") ? reply["error"].get<std::string>() : std::string();
   };
-  answer_ = answer(R"({"command":"take"})");
+  answer_ = answer(R"({"command":"take","force":true})");
   if (answer_.empty()) answer_ = answer(command);
 }
 

@@ -8,7 +8,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kGravity = 9.81;  // [m/s^2], for the defaults alone
+constexpr double kWeightOf1kg = 9.81;  // [N], for the defaults alone
 
 /// A body's frame: its axes, origin and motion in W.
 struct Frame {
@@ -53,7 +53,7 @@ void SpringPullParams::Validate() const {
 }
 
 SpringPullParams SpringPull::Complete(SpringPullParams params) {
-  const double mass = params.robot.mass(), weight = kGravity * mass;
+  const double mass = params.robot.mass(), weight = kWeightOf1kg * mass;
   if (params.stiffness == 0) params.stiffness = 0.5 * weight / 0.25;
   if (params.damping == 0) params.damping = 0.2 * 2 * std::sqrt(params.stiffness * mass);
   if (params.max_force == 0) params.max_force = weight;

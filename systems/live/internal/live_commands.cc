@@ -107,19 +107,40 @@ void LiveRun::DemandDriver(const std::string& client) {
   throw NotNow{403, HasDriver() ? fmt::format("'{}' drives", driver_) : "nobody drives: take it first"};
 }
 
+/// A driver whose page is gone may have held a key: nothing moves by it any more.
+void LiveRun::LetGoIfAbandoned() {
+  const bool listens = channel_.IsConnected(driver_);
+  if (driver_listens_ && !listens) {
+    LetGo();
+    SayEvent("the driver is gone");
+  }
+  driver_listens_ = listens;
+}
+
+void LiveRun::LetGo() {
+  if (state_ == State::kEnded) return;
+  if (drives_) Apply(view_.controls.drive->set(Vec<3>::Zero()));
+  if (pulls_) Apply(view_.controls.pull->release());
+  drives_ = pulls_ = false;
+}
+
 Json LiveRun::Do(const std::string& client, const Json& command) {
   const auto name = command.at("command").get<std::string>();
   if (name == "take") {
-    if (HasDriver() && driver_ != client) throw NotNow{403, fmt::format("'{}' drives", driver_)};
+    if (HasDriver() && driver_ != client && !command.value("force", false))
+      throw NotNow{403, fmt::format("'{}' drives", driver_)};
     driver_ = client;
     driver_seen_ = Clock::now();
+    driver_listens_ = channel_.IsConnected(driver_);
     PublishStatus();
     return Json::object();
   }
   DemandDriver(client);
   Json answer = Json::object();
   if (name == "leave") {
+    LetGo();
     driver_.clear();
+    driver_listens_ = false;
   } else if (name == "pause") {
     if (state_ == State::kEnded) throw NotNow{409, "the run has ended"};
     state_ = State::kPaused;
@@ -161,6 +182,7 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
     DemandWithin("velocity[1]", velocity[1], drive.sideways, "m/s");
     DemandWithin("velocity[2]", velocity[2], drive.yaw, "rad/s");
     Apply(drive.set(velocity));
+    drives_ = true;
   } else if (name == "gait") {
     Apply(Choose(Have(controls.gaits, name), command.at("name")));
   } else if (name == "posture") {

@@ -66,6 +66,7 @@ void LiveRun::Begin() {
 RunStatus LiveRun::Run(std::optional<double> duration) {
   for (;;) {
     ServeRequests();
+    LetGoIfAbandoned();
     const bool stopped = options_.stop && options_.stop();  // which may give commands
     if (stopped || stop_) return Finish({time(), true, "interrupted"}, false);
     if (reset_seed_) return Finish({time(), true, "reset"}, false);
@@ -232,7 +233,7 @@ void LiveRun::Reset(std::uint64_t seed) {
   context().Restore(start_);
   file_ = LiveFile(options_.recording, seed);
   failure_ = nullptr;
-  pulls_ = false;
+  drives_ = pulls_ = false;
   tuned_.clear();
   signals_->Clear();
   frames_->Clear();

@@ -61,6 +61,8 @@ class LiveRun {
   void SayChangedParameters();
   void SayEvent(const std::string& label);
   bool HasDriver() const;
+  void LetGoIfAbandoned();
+  void LetGo();
 
   Simulator& simulator_;
   const LiveView& view_;
@@ -85,7 +87,7 @@ class LiveRun {
   Clock::time_point published_, status_published_;
   std::string driver_;
   Clock::time_point driver_seen_;
-  bool pulls_ = false, stop_ = false;
+  bool driver_listens_ = false, drives_ = false, pulls_ = false, stop_ = false;
   Json pull_;  // as the pages have it
   std::optional<std::uint64_t> reset_seed_;
   std::string message_;

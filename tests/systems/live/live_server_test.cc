@@ -5,8 +5,10 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
+#include <tenon/systems/live/internal/live_run.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -179,6 +181,65 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
         EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
       },
       0.2);
+}
+
+TEST_F(LiveServerTest, TheWheelIsTakenByForceAlone) {
+  Run(
+      {0},
+      [&](std::size_t) {
+        Take();
+        EXPECT_THAT(server_->Command("other", R"({"command":"take","force":true})"),
+                    HasSubstr(R"("ok":true)"));
+        EXPECT_THAT(Command({{"command", "pause"}}).value("error", ""), HasSubstr("'other' drives"));
+      },
+      0.1);
+}
+
+TEST_F(LiveServerTest, WhoLeavesLetsGo) {
+  Run(
+      {0, 0.5, 0.6},
+      [&](std::size_t step) {
+        if (step == 0) {
+          Take();
+          Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
+        } else if (step == 1) {
+          EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 5);
+          Command({{"command", "leave"}});
+        } else {
+          EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
+        }
+      },
+      0.7);
+  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
+}
+
+TEST_F(LiveServerTest, WhoseEventsEndLetsGo) {
+  Simulator simulator(*cart_.diagram, {.seed = 7});
+  internal::LiveChannel channel(30);
+  auto events = std::make_optional<internal::LiveChannel::Reader>(channel, "test");
+  internal::LiveRun* running = nullptr;
+  int step = 0;
+  LiveOptions options{.rate = 0};
+  options.stop = [&] {
+    const double force = simulator.context().Eval(cart_.engine->force);
+    if (step == 0 && simulator.context().time() >= 0.1) {
+      ++step;
+      running->Execute("test", R"({"command":"take"})");
+      running->Execute("test", R"({"command":"drive","velocity":[1,0,0]})");
+    } else if (step == 1 && simulator.context().time() >= 0.2) {
+      ++step;
+      EXPECT_EQ(force, 5);
+      events.reset();
+    } else if (step == 2 && simulator.context().time() >= 0.3) {
+      ++step;
+      EXPECT_EQ(force, 0);
+    }
+    return false;
+  };
+  internal::LiveRun run(simulator, cart_.view, options, channel);
+  running = &run;
+  run.Run(0.5);
+  EXPECT_EQ(step, 3);
 }
 
 TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
