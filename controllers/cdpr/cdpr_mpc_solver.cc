@@ -15,7 +15,22 @@
 #include <type_traits>
 
 namespace tenon {
+namespace internal {
+
+/// The reference of the solver at a time, with what it is made from.
+struct SolverReference {
+  CentroidalState x = CentroidalState::Zero();
+  CdprReference at;
+  BalancedReference balanced;
+
+  explicit SolverReference(const CdprDescription& robot) : balanced(robot) {}
+};
+
+}  // namespace internal
+
 namespace {
+
+using internal::SolverReference;
 
 CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
   CentroidalState Q;
@@ -25,19 +40,10 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
   return Q;
 }
 
-/// The reference of the solver at a time, with what it is made from.
-struct Reference {
-  CentroidalState x = CentroidalState::Zero();
-  CdprReference at;
-  BalancedReference balanced;
-
-  explicit Reference(const CdprDescription& robot) : balanced(robot) {}
-};
-
 /// `body` is the platform with the payload of `load`.
 void CalcReference(const EquilibriumPath& path, double time, const LoadEstimate& load,
                    const CableVector& broken, const LoadedPlatform& body, ReferenceShift& shift,
-                   Reference* reference) {
+                   SolverReference* reference) {
   CdprReference& at = reference->at;
   path.At(time, &at);
   reference->balanced.Calc(at, load, broken, shift);
@@ -139,7 +145,7 @@ std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
 
 CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
-  Reference start(params.path->robot());
+  SolverReference start(params.path->robot());
   CdprPlan plan;
   CalcReference(*params.path, 0, {}, {}, {params.path->robot(), {}}, plan.shift, &start);
   plan.reference_rate.setZero(n);
@@ -255,7 +261,7 @@ class CdprMpcSolver::Impl {
     }
     shift = first_shift_;
   }
-  void SetTarget(const Reference& reference, Target& target) const {
+  void SetTarget(const SolverReference& reference, Target& target) const {
     const CdprDescription& robot = path_->robot();
     const CableProperties& cable = robot.cable;
     target.x = reference.x;
@@ -279,7 +285,7 @@ class CdprMpcSolver::Impl {
   };
   std::vector<Cached> cache_;
   // Work space.
-  Reference reference_;
+  SolverReference reference_;
   ReferenceShift first_shift_;
 };
 

@@ -11,13 +11,6 @@ namespace fs = std::filesystem;
 
 using Lines = std::vector<std::string>;
 
-Lines ReadLines(const fs::path& file) {
-  std::ifstream in(file);
-  Lines lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
 /// The sentence with which a docstring begins, up to a formula, a list or a table at the latest.
 std::string FirstSentence(const Lines& docstring) {
   std::string text;
@@ -48,6 +41,13 @@ Lines DocstringAbove(const Lines& lines, std::size_t i) {
 }
 
 }  // namespace
+
+Lines ReadLines(const fs::path& file) {
+  std::ifstream in(file);
+  Lines lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
 
 std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
   static const std::regex kType(

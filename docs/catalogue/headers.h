@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tenon::docs {
 
@@ -16,5 +17,7 @@ struct Declaration {
 /// What the public headers below `source` declare at the top level of a namespace: classes, structures,
 /// enumerations and names of types.
 std::map<std::string, Declaration> ReadHeaders(const std::filesystem::path& source);
+
+std::vector<std::string> ReadLines(const std::filesystem::path& file);
 
 }  // namespace tenon::docs

@@ -16,6 +16,7 @@
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/docs/catalogue/headers.h>
 
 namespace tenon::docs {
 namespace {
@@ -30,13 +31,6 @@ struct Members {
   std::map<std::string, std::string> meanings;  ///< by member
   std::vector<std::pair<std::string, std::string>> keys;  ///< key, member
 };
-
-std::vector<std::string> ReadLines(const fs::path& file) {
-  std::ifstream in(file);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
 
 /// A line's docstring behind `slashes`, or nothing.
 std::string Docstring(const std::string& line, const std::string& slashes) {
