@@ -1,5 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tenon::apps {
@@ -17,7 +18,11 @@ PlatformPullParams PullFor(const CdprDescription& robot) {
 }  // namespace
 
 CdprLive::CdprLive(DiagramBuilder& builder, CdprLoop& loop)
-    : loop_(loop), pull_(builder.Add<PlatformPull>("live_pull", PullFor(loop.plant.params.robot))) {
+    : loop_(loop),
+      pull_(builder.Add<PlatformPull>("live_pull", PullFor(loop.plant.params.robot))),
+      goal_(builder.Add<GoalPath>("live_goal", GoalPathParams{.path = loop.reference.params.path})) {
+  builder.Connect(goal_.path, loop.reference.path);
+  if (loop.mpc != nullptr) builder.Connect(goal_.path, loop.mpc->path);
   builder.Connect(loop.plant.platform, pull_.platform);
   if (loop.hanging_load != nullptr || loop.gusts != nullptr) {
     builder.Disconnect(loop.plant.wrench);
@@ -29,6 +34,7 @@ CdprLive::CdprLive(DiagramBuilder& builder, CdprLoop& loop)
 
 LiveControls CdprLive::Controls() const {
   LiveControls controls;
+  controls.goal = Goal();
   LiveControls::Pull pull;
   pull.stiffness = pull_.params.stiffness;
   pull.max_force = pull_.params.max_force;
@@ -63,6 +69,23 @@ LiveControls CdprLive::Controls() const {
                         {payload.attach.path(), {context.time()}}};
       }};
   return controls;
+}
+
+/// Between the anchors and the floor; where the robot cannot go, the path to the goal says so.
+LiveControls::Goal CdprLive::Goal() const {
+  Eigen::AlignedBox3d box;
+  for (const CableDescription& cable : loop_.plant.params.robot.cables) box.extend(cable.anchor_W);
+  const Vec<3> start = loop_.reference.params.path->At(0).position;
+  box.extend(start).extend(Vec<3>(start[0], start[1], 0));
+  return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {
+            const CdprReference& reference = context.Eval(loop_.reference.reference);
+            const PlatformGoal goal = goal_.GoalAt(place, context.time(), reference);
+            std::vector<double> numbers{1, goal.start, goal.duration};
+            for (const Vec<3>& v :
+                 {goal.position, goal.velocity, goal.acceleration, goal.euler, goal.euler_rate, goal.goal})
+              numbers.insert(numbers.end(), v.begin(), v.end());
+            return LiveSets{{goal_.goal.path(), numbers}};
+          }};
 }
 
 }  // namespace tenon::apps

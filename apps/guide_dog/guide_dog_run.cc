@@ -26,7 +26,7 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
   const Vec<2>& start = person.params.start;
   return {"person",
           {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
-          [path = person.goal.path()](const Vec<3>& place) {
+          [path = person.goal.path()](Context&, const Vec<3>& place) {
             return LiveSets{{path, {1, place[0], place[1], kSpeed}}};
           }};
 }

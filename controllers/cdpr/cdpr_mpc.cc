@@ -25,10 +25,11 @@ void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x,
 }
 
 void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
-                       const CableVector& broken, const CdprMpcCost& cost, CdprPlan& warm_start,
-                       CdprMpcSolver& solver, CdprPlan* plan) const {
+                       const CableVector& broken, const FollowedPath& path, const CdprMpcCost& cost,
+                       CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
   const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform, load.payload);
+  solver.Follow(path.path ? path.path : params.path);
   const SlqReport report = solver.Solve(time, x, load, broken, cost, warm_start);
   CdprMpcDiagnostics& diagnostics = warm_start.diagnostics;
   ++diagnostics.solves;
@@ -45,10 +46,11 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
 }
 
 void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
-                          const CableVector& broken, CdprReference& reference, CableVector* command) const {
+                          const CableVector& broken, const FollowedPath& path, CdprReference& reference,
+                          CableVector* command) const {
   const CdprDescription& robot = params.path->robot();
   plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform, plan.payload), command);
-  params.path->At(time, &reference);
+  (path.path ? *path.path : *params.path).At(time, &reference);
   *command -= robot.winch.reel_damping * reference.length_rate;
   *command += robot.winch.time_constant * plan.reference_rate;
   *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);

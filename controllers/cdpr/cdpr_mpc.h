@@ -30,6 +30,7 @@ namespace tenon {
 ///     ports in  estimate  the platform's state
 ///               load      on the platform; none if not connected
 ///               broken    1 for a cable that is, else 0; none if not connected
+///               path      to be followed instead, see GoalPath
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
 ///               diagnostics
@@ -41,6 +42,7 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
   InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
   InputPort<CableVector> broken{this, {"broken"}, CableVector{}};
+  InputPort<FollowedPath> path{this, {"path"}, FollowedPath{}};
   Parameter<CdprMpcWeights> weights{this, {"weights"}, params.weights, "of the squared errors, per second"};
   Parameter<CdprMpcWeights> terminal_weights{
       this,
@@ -56,14 +58,14 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
                             {"plan"},
                             CdprMpcSolver::FirstPlan(params),
                             Sampled{params.rate},
-                            Uses(time, estimate, load, broken, cost, warm_start, solver),
+                            Uses(time, estimate, load, broken, path, cost, warm_start, solver),
                             &CdprMpc::CalcPlan};
   Workspace<CdprReference> reference{this, "reference", params.path->At(0)};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.path->robot().num_cables()),
                                   Sampled{params.command_rate},
-                                  Uses(time, estimate, plan, broken, reference),
+                                  Uses(time, estimate, plan, broken, path, reference),
                                   &CdprMpc::CalcCommand};
   OutputPort<CdprMpcDiagnostics> diagnostics{this, {"diagnostics"}, Uses(plan), &CdprMpc::CalcDiagnostics};
   Monitor fallbacks{this, "fallbacks", Sampled{params.rate}, Uses(plan, max_fallbacks_in_a_row),
@@ -75,10 +77,11 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
     return CdprMpcSolver::Cost(params, weights, terminal_weights);
   }
   void CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
-                const CableVector& broken, const CdprMpcCost& cost, CdprPlan& warm_start,
-                CdprMpcSolver& solver, CdprPlan* plan) const;
+                const CableVector& broken, const FollowedPath& path, const CdprMpcCost& cost,
+                CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const;
   void CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
-                   const CableVector& broken, CdprReference& reference, CableVector* command) const;
+                   const CableVector& broken, const FollowedPath& path, CdprReference& reference,
+                   CableVector* command) const;
   CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
   Verdict CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const;
   Verdict CheckStatics(const CdprPlan& plan, const CableVector& broken) const;

@@ -198,6 +198,12 @@ class CdprMpcSolver::Impl {
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
 
+  void Follow(const std::shared_ptr<const EquilibriumPath>& path) {
+    if (path == path_) return;
+    path_ = path;
+    for (Cached& cached : cache_) cached.time = -1;
+  }
+
   SlqReport Solve(double time, CentroidalState x, const LoadEstimate& load, const CableVector& broken,
                   const CdprMpcCost& cost, CdprPlan& plan) {
     const LoadedPlatform body(path_->robot(), load.payload);
@@ -366,6 +372,10 @@ CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
   return *this;
 }
 CdprMpcSolver::~CdprMpcSolver() = default;
+
+void CdprMpcSolver::Follow(const std::shared_ptr<const EquilibriumPath>& path) {
+  impl_->Follow(path);
+}
 
 SlqReport CdprMpcSolver::Solve(double time, const CentroidalState& x, const LoadEstimate& load,
                                const CableVector& broken, const CdprMpcCost& cost, CdprPlan& plan) {

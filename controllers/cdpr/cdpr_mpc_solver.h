@@ -85,6 +85,9 @@ class CdprMpcSolver {
   static CdprMpcCost Cost(const CdprMpcParams& params, const CdprMpcWeights& weights,
                           const CdprMpcWeights& terminal_weights);
 
+  /// From the next solve on, another path of the same robot.
+  void Follow(const std::shared_ptr<const EquilibriumPath>& path);
+
   /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`, x with its payload (see
   /// CentroidalStateOf), on which the rest of the load stays as it is. `broken` has a 1 for a cable that is,
   /// else 0; without entries none is.

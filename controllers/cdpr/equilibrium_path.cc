@@ -155,6 +155,17 @@ Path Path::Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vect
   return path;
 }
 
+Path Path::Move(const PathPoint& from, double start, const Eigen::Vector3d& to, double end) {
+  RequireFinite("Path::Move", "the start", from.position);
+  RequireFinite("Path::Move", "the end", to);
+  RequirePositive("Path::Move", "the duration", end - start, "s");
+  Path path;
+  path.times_ = {start, end};
+  path.center_ = to;
+  path.pieces_.push_back(HermiteQuintic(end - start, from, {.position = to}));
+  return path;
+}
+
 Path Path::Hold(const Eigen::Vector3d& position) {
   RequireFinite("Path::Hold", "the position", position);
   Path path;
@@ -168,7 +179,7 @@ double Path::end_time() const {
 
 Path::Parameter Path::ParameterAt(double time) const {
   if (!is_periodic()) {
-    const bool moves = time > times_.front() && time < times_.back();
+    const bool moves = time >= times_.front() && time < times_.back();
     return {std::clamp(time, times_.front(), times_.back()), moves ? 1.0 : 0.0, 0};
   }
   const double full_rate = kTwoPi / period_;
@@ -194,7 +205,7 @@ PathPoint Path::At(double time) const {
     point.position = center_;
     return point;
   }
-  if (time <= times_.front()) {
+  if (time < times_.front()) {
     point.position = pieces_.front().col(0);
     return point;
   }
@@ -225,7 +236,9 @@ double Path::TimeOf(double parameter) const {
 
 EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
                                  const StaticsOptions& options, const std::optional<Path>& attitude)
-    : robot_(robot), path_(path) {
+    : robot_(robot), path_(path), options_(options) {
+  options_.warm_start.reset();
+  if (attitude) options_.attitude = attitude->At(attitude->start_time()).position;
   Require(!attitude || !path.is_periodic(),
           "EquilibriumPath: on a circle the attitude is constant, give it in the options.");
   int intervals = 0;
@@ -280,9 +293,9 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
 }
 
 // The slopes m of the spline with two continuous derivatives: m[i-1] + 4 m[i] + m[i+1] = 3 (y[i+1] - y[i-1])
-// / h. At the ends of a path that starts and stops at rest they are zero. What happens at an end dies out by
-// a factor of 3.7 per node, so on a circle the nodes are continued beyond both ends by more than rounding can
-// see.
+// / h. At the ends of a path that starts and stops at rest they are zero; one that starts in motion begins
+// with that of the first two nodes. What happens at an end dies out by a factor of 3.7 per node, so on a
+// circle the nodes are continued beyond both ends by more than rounding can see.
 void EquilibriumPath::FitSlopes() {
   const int last = num_nodes() - 1;
   if (last == 0) return;
@@ -293,6 +306,8 @@ void EquilibriumPath::FitSlopes() {
   const int count = last + 1 + 2 * margin;
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(values_.rows(), count);
   std::vector<double> upper(count, 0.0);
+  if (!periodic && !path_.At(path_.start_time()).velocity.isZero(0))
+    slope.col(0) = (value(1) - value(0)) / step_;
   for (int c = 1; c + 1 < count; ++c) {
     const int i = c - margin;
     const double pivot = 4 - upper[c - 1];

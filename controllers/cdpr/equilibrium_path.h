@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/fields.h>
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -39,6 +40,9 @@ class Path {
   /// The same, but where two successive points are equal it is at rest from the one's time to the other's; in
   /// between are splines from rest to rest. Position, velocity and acceleration are continuous everywhere.
   static Path Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
+
+  /// From any motion at `start` [s] to rest at `to` at `end` [s], by one quintic. It is undefined before.
+  static Path Move(const PathPoint& from, double start, const Eigen::Vector3d& to, double end);
 
   static Path Hold(const Eigen::Vector3d& position);
 
@@ -120,6 +124,8 @@ class EquilibriumPath {
 
   const Path& path() const { return path_; }
   const CdprDescription& robot() const { return robot_; }
+  /// With the attitude at the start if it is prescribed.
+  const StaticsOptions& options() const { return options_; }
   int num_nodes() const { return static_cast<int>(values_.cols()); }
 
  private:
@@ -127,9 +133,15 @@ class EquilibriumPath {
 
   CdprDescription robot_;
   Path path_;
+  StaticsOptions options_;
   double first_ = 0, step_ = 1;  // s of the first node, distance of the nodes
   // Roll, pitch, yaw and the tensions, a column per node: values and derivatives with respect to s.
   Eigen::MatrixXd values_, slopes_;
+};
+
+/// A path that is chosen as a run goes on; none: the one that a block was made with.
+struct FollowedPath {
+  std::shared_ptr<const EquilibriumPath> path;
 };
 
 }  // namespace tenon

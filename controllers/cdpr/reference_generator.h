@@ -19,15 +19,17 @@ struct ReferenceGeneratorParams {
 /// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
 /// the static equilibrium there.
 ///
-/// Ports: out `reference`, sampled; `geometry`, the path with a ball where the CoM should be.
+/// Ports: in `path`, to be played instead (see GoalPath); out `reference`, sampled; `geometry`, the path with
+/// a ball where the CoM should be.
 class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
  public:
   using LeafSystem::LeafSystem;
+  InputPort<FollowedPath> path{this, {"path"}, FollowedPath{}};
   OutputPort<CdprReference> reference{this,
                                       {"reference"},
                                       params.path->At(0),
                                       Sampled{params.rate},
-                                      Uses(time),
+                                      Uses(time, path),
                                       &ReferenceGenerator::CalcReference};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
@@ -36,7 +38,9 @@ class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
                                 &ReferenceGenerator::CalcGeometry};
 
  private:
-  void CalcReference(const double& time, CdprReference* reference) const { params.path->At(time, reference); }
+  void CalcReference(const double& time, const FollowedPath& path, CdprReference* reference) const {
+    (path.path ? *path.path : *params.path).At(time, reference);
+  }
   void CalcGeometry(const CdprReference& reference, Geometry* out) const {
     out->front().p_W = reference.position;
   }

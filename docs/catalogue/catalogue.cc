@@ -4,6 +4,7 @@
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
+#include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
@@ -304,6 +305,7 @@ Shelf CdprControllers(const Shipped& shipped) {
   auto& entries = shelf.entries;
   entries.push_back(
       Make<ReferenceGenerator>("ReferenceGenerator", ReferenceGeneratorParams{.path = loop.path}));
+  entries.push_back(Make<GoalPath>("GoalPath", GoalPathParams{.path = loop.path}));
   entries.push_back(Make<BrokenCableDetector>("BrokenCableDetector"));
   entries.push_back(Make<CablePd>("CablePd", CablePdParams{.robot = loop.robot,
                                                            .stiffness_N_per_m = loop.pd_stiffness_N_per_m,

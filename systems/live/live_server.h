@@ -35,7 +35,7 @@ struct LiveControls {
   struct Goal {
     std::string name{};             ///< of what is dragged
     std::array<Vec<3>, 2> box_W{};  ///< within which it can be dragged: lowest and highest corner [m]
-    std::function<LiveSets(const Vec<3>& position_W)> set{};
+    std::function<LiveSets(Context& context, const Vec<3>& position_W)> set{};
   };
   struct Pull {
     double stiffness = 0, max_force = 0;          ///< [N/m], [N]

@@ -193,7 +193,7 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
     for (int i = 0; i < 3; ++i)
       DemandWithin(fmt::format("position[{}]", i).c_str(), position[i], {goal.box_W[0][i], goal.box_W[1][i]},
                    "m");
-    Apply(goal.set(position));
+    Apply(goal.set(context(), position));
   } else if (name == "pull") {
     const auto& pull = Have(controls.pull, name);
     const auto shape = command.at("shape").get<std::size_t>();

@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -50,6 +51,38 @@ struct Flight {
   std::shared_ptr<MemoryLog> log;
   RunStatus status;
 };
+
+// From the middle of a circle; the PD follows the same reference.
+TEST(CdprMpcLoop, FollowsAGoalThatComesAsItFlies) {
+  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  const auto path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2));
+  CdprLoopParams pd = WithMpc(robot, path);
+  pd.mpc.reset();
+  pd.pd_stiffness_N_per_m = 2000;
+  pd.pd_damping_N_s_per_m = 200;
+  for (const CdprLoopParams& params : {WithMpc(robot, path), pd}) {
+    DiagramBuilder builder;
+    auto& loop = builder.Add<CdprLoop>("loop", params);
+    auto& goal = builder.Add<GoalPath>("goal", GoalPathParams{path});
+    builder.Connect(goal.path, loop.reference.path);
+    if (loop.mpc != nullptr) builder.Connect(goal.path, loop.mpc->path);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, kOptions);
+    simulator.RunTo(3);
+    Context& context = simulator.context();
+    const Vec<3> place(0.2, -0.4, 2.2);
+    context.Set(goal.goal, goal.GoalAt(place, context.time(), context.Eval(loop.reference.reference)));
+    double worst = 0;
+    while (context.time() < 8) {
+      ASSERT_FALSE(simulator.AdvanceTo(context.time() + 0.05).ended);
+      worst = std::max(
+          worst,
+          (context.Eval(loop.plant.platform).p_WB - context.Eval(loop.reference.reference).position).norm());
+    }
+    EXPECT_LT(worst, loop.mpc != nullptr ? 0.01 : 0.05);
+    EXPECT_THAT(context.Eval(loop.plant.platform).p_WB, IsNear(place, loop.mpc != nullptr ? 0.01 : 0.04));
+  }
+}
 
 TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
   const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/ports.h>
+#include <tenon/systems/framework/system.h>
+
+namespace tenon {
+
+/// Where a platform is to go, and how its reference moves when it sets out.
+struct PlatformGoal {
+  bool on = false;
+  double start = 0;     ///< when it sets out [s]
+  double duration = 1;  ///< until it is there [s]
+  Vec<3> position = Vec<3>::Zero(), velocity = Vec<3>::Zero(),
+         acceleration = Vec<3>::Zero();                        ///< at the start, in W [m, m/s, m/s^2]
+  Vec<3> euler = Vec<3>::Zero(), euler_rate = Vec<3>::Zero();  ///< likewise, ZYX [rad, rad/s]
+  Vec<3> goal = Vec<3>::Zero();                                ///< of the CoM, in W [m]
+
+  static FieldList Fields() {
+    return {{"on", &PlatformGoal::on},
+            {"start", &PlatformGoal::start, "s"},
+            {"duration", &PlatformGoal::duration, "s"},
+            {"position", &PlatformGoal::position, "m"},
+            {"velocity", &PlatformGoal::velocity, "m/s"},
+            {"acceleration", &PlatformGoal::acceleration, "m/s^2"},
+            {"euler", &PlatformGoal::euler, "rad"},
+            {"euler_rate", &PlatformGoal::euler_rate, "rad/s"},
+            {"goal", &PlatformGoal::goal, "m"}};
+  }
+};
+
+struct GoalPathParams {
+  std::shared_ptr<const EquilibriumPath> path;  ///< without a goal
+  double speed = 0.3;                           ///< towards a goal, at most [m/s]
+  double shortest = 0.5;                        ///< time to a goal [s]
+  void Validate() const;                        ///< throws ParameterError
+};
+
+/// Which path a platform follows: the one that was planned, or, with a goal, one that leads there from where
+/// its reference was, by a quintic from that motion to rest. The attitude is that of the equilibria, or, if
+/// the planned path prescribes one, stays. It is computed when the goal changes, in some milliseconds, and
+/// not otherwise.
+///
+///     port out    path   for ReferenceGenerator and CdprMpc
+///     parameters  goal
+class GoalPath final : public LeafSystem<GoalPathParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  Parameter<PlatformGoal> goal{this, {"goal"}, PlatformGoal{}, "where the platform is to go instead"};
+  OutputPort<FollowedPath> path{this, {"path"}, {params.path}, Uses(goal), &GoalPath::CalcPath};
+
+  /// To `place` [m] from a reference at `time`: what `goal` is to be set to. Throws ParameterError with the
+  /// reason if no path leads there.
+  PlatformGoal GoalAt(const Vec<3>& place, double time, const CdprReference& reference) const;
+
+ private:
+  void CalcPath(const PlatformGoal& goal, FollowedPath* path) const;
+};
+
+}  // namespace tenon
