@@ -53,7 +53,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "circle_8",
                 {R"({"command":"load","mass_kg":1})",
                  R"({"command":"pull","shape":0,"point_W":[0.5,0,2],"target_W":[0.5,0,2.3]})",
-                 R"({"command":"load","mass_kg":0})"}},
+                 R"({"command":"load","mass_kg":0})", R"({"command":"goal","position":[0.3,0.1,2.1]})"}},
+        LiveApp{TENON_CDPR,
+                "D1",
+                {R"({"command":"goal","position":[0.3,0.1,2.1]})",
+                 R"({"command":"goal","position":[0.2,-0.2,1.9]})"}},
         LiveApp{
             TENON_GUIDE_DOG,
             "C1",
