@@ -41,7 +41,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
       Blame("", [&]() -> GuideDog& { return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   std::optional<QuadrupedLive> live;
-  if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk); });
+  if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);

@@ -37,6 +37,7 @@ struct GuideDogScenario {
   YamlFile hardware{"ideal"};
   SensorScenario sensors;  ///< goes before what the hardware says
   FallScenario fall;
+  LiveScenario live;
   bool limit_speed =
       true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
   LeggedIntegratorScenario integrator;
@@ -69,6 +70,7 @@ struct GuideDogScenario {
             {"hardware", &S::hardware},
             {"sensors", &S::sensors},
             {"fall", &S::fall},
+            {"live", &S::live},
             {"limit_speed", &S::limit_speed},
             {"integrator", &S::integrator},
             {"scale_forces", &S::scale_forces},

@@ -11,13 +11,8 @@
 namespace tenon::apps {
 namespace {
 
-// What can be ordered: less than what the shipped scenarios walk at the standard gait.
-constexpr std::array<double, 2> kForward{-0.3, 0.4}, kSideways{-0.15, 0.15};  // [m/s]
-constexpr std::array<double, 2> kYaw{-0.5, 0.5};                              // [rad/s]
-constexpr double kSquat = -0.08;                                              // as the scenario squat [m]
-constexpr double kDropHeight = 0.1;                                           // of the load [m]
-constexpr double kLoadEdge = 0.12;                                            // as SlidingLoad draws it [m]
-constexpr double kLargestLoad = 0.4;                                          // of the robot's mass
+constexpr double kDropHeight = 0.1;  // of the load [m]
+constexpr double kLoadEdge = 0.12;   // as SlidingLoad draws it [m]
 constexpr std::array kGaits{Gait::kTrot, Gait::kCrawl, Gait::kPace, Gait::kGallop};
 
 Geometry ShapesOf(const QuadrupedPlant& plant) {
@@ -55,8 +50,10 @@ std::vector<double> Numbers(const Vec<3>& v) {
 
 }  // namespace
 
-QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk)
-    : world_(world),
+QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
+                             const LiveScenario& limits)
+    : limits_(limits),
+      world_(world),
       pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = world.plant.params.robot})),
       load_(builder.Add<SlidingLoad>("live_load", LoadOn(world.plant))) {
   if (walk != nullptr) {
@@ -97,17 +94,19 @@ LiveControls QuadrupedLive::Controls() const {
   if (drive_ != nullptr) {
     const std::string name = drive_->path();
     const LiveSet active{name + ".active", {1}};
-    controls.drive = {kForward, kSideways, kYaw, [=](const Vec<3>& velocity) {
+    const auto range = [](const Vec<2>& limits) { return std::array{limits[0], limits[1]}; };
+    controls.drive = {range(limits_.forward_m_per_s), range(limits_.sideways_m_per_s),
+                      range(limits_.yaw_rad_per_s), [=](const Vec<3>& velocity) {
                         return LiveSets{active, {name + ".velocity", Numbers(velocity)}};
                       }};
     controls.gaits = {{}, [=](std::size_t i) {
                         return LiveSets{active, {name + ".gait", {static_cast<double>(kGaits[i])}}};
                       }};
     for (const Gait gait : kGaits) controls.gaits->names.emplace_back(EnumName(gait));
-    controls.postures = {{"walk", "stand", "squat"}, [=](std::size_t i) {
+    controls.postures = {{"walk", "stand", "squat"}, [=, squat = limits_.squat_m](std::size_t i) {
                            return LiveSets{active,
                                            {name + ".stands", {i == 0 ? 0.0 : 1.0}},
-                                           {name + ".height", {i == 2 ? kSquat : 0.0}}};
+                                           {name + ".height", {i == 2 ? -squat : 0.0}}};
                          }};
   }
 
@@ -139,7 +138,7 @@ LiveControls QuadrupedLive::Controls() const {
   };
   controls.pull = std::move(pull);
 
-  const double largest = std::round(kLargestLoad * robot.mass());
+  const double largest = std::round(limits_.load_ratio * robot.mass());
   controls.load = {
       "trunk load", {0.1, largest}, std::min(5.0, largest / 2), [this](Context& context, double mass) {
         const LeggedState& x = context.Eval(world_.plant.motion);

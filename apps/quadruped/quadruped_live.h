@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <tenon/apps/common/run_options.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
@@ -18,13 +19,15 @@ class QuadrupedLive {
  public:
   /// Inserts the blocks before the diagram is built; `walk` may be null. Throws ParameterError if forces of
   /// the scenario leave no room for those of pull and load.
-  QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk);
+  QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
+                const LiveScenario& limits);
 
   /// Adds what is to be logged and shown. The plant's shapes come first among `shapes`.
   void AddTo(std::vector<const Source*>& signals, std::vector<const OutputPort<Geometry>*>& shapes) const;
   LiveControls Controls() const;
 
  private:
+  LiveScenario limits_;
   QuadrupedWorld& world_;
   WalkDrive* drive_ = nullptr;
   SpringPull& pull_;

@@ -35,7 +35,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   if (options.live) {
     WalkSchedule* walk = nullptr;
     if constexpr (requires { loop.walk; }) walk = &loop.walk;
-    Blame("forces", [&] { live.emplace(builder, loop.world, walk); });
+    Blame("forces", [&] { live.emplace(builder, loop.world, walk, scenario.live); });
   }
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));

@@ -119,6 +119,19 @@ void WalkScenario::Validate() const {
       fmt::format("mass_error_ratio = {} must be above -1: the robot would have no mass", mass_error_ratio));
 }
 
+void LiveScenario::Validate() const {
+  const auto range = [](const char* key, const Vec<2>& limits) {
+    Demand(limits.allFinite() && limits[0] <= 0 && limits[1] >= 0,
+           fmt::format("{} = [{}, {}]: give the least, 0 or less, and the largest, 0 or more", key, limits[0],
+                       limits[1]));
+  };
+  range("forward_m_per_s", forward_m_per_s);
+  range("sideways_m_per_s", sideways_m_per_s);
+  range("yaw_rad_per_s", yaw_rad_per_s);
+  DemandNotNegative("squat_m", squat_m);
+  DemandPositive("load_ratio", load_ratio);
+}
+
 void FallScenario::Validate() const {
   Demand(min_height_ratio >= 0 && min_height_ratio < 1,
          fmt::format("min_height_ratio = {} must be at least 0 and below 1: the stance would be a fall",

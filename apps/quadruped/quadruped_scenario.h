@@ -104,6 +104,24 @@ struct FallScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// What can be ordered in a live run; as large as the shipped scenarios walk at the standard gait.
+struct LiveScenario {
+  Vec<2> forward_m_per_s{-0.3, 0.4};     ///< least and largest
+  Vec<2> sideways_m_per_s{-0.15, 0.15};  ///< least and largest, to the left
+  Vec<2> yaw_rad_per_s{-0.5, 0.5};       ///< least and largest
+  double squat_m = 0.08;                 ///< how far the trunk sinks
+  double load_ratio = 0.4;               ///< of the largest load on the trunk, to the robot's mass
+
+  static FieldList Fields() {
+    return {{"forward_m_per_s", &LiveScenario::forward_m_per_s},
+            {"sideways_m_per_s", &LiveScenario::sideways_m_per_s},
+            {"yaw_rad_per_s", &LiveScenario::yaw_rad_per_s},
+            {"squat_m", &LiveScenario::squat_m},
+            {"load_ratio", &LiveScenario::load_ratio}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
 constexpr auto EnumNames(Part) {
   return std::array{Named{Part::kTrunk, "trunk"}, Named{Part::kFrontLeft, "front_left"},
@@ -226,6 +244,7 @@ struct QuadrupedScenario {
   std::optional<SweepScenario> sweep;  ///< one scenario at many instants and in many directions
   std::vector<ObserverKind> compare;   ///< what --compare runs; empty: all
   FallScenario fall;
+  LiveScenario live;
   bool limit_speed =
       true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
   LeggedIntegratorScenario integrator;
@@ -256,6 +275,7 @@ struct QuadrupedScenario {
             {"sweep", &QuadrupedScenario::sweep},
             {"compare", &QuadrupedScenario::compare},
             {"fall", &QuadrupedScenario::fall},
+            {"live", &QuadrupedScenario::live},
             {"limit_speed", &QuadrupedScenario::limit_speed},
             {"integrator", &QuadrupedScenario::integrator},
             {"scale_forces", &QuadrupedScenario::scale_forces},

@@ -139,9 +139,12 @@ class EquilibriumPath {
   Eigen::MatrixXd values_, slopes_;
 };
 
-/// A path that is chosen as a run goes on; none: the one that a block was made with.
+/// A path that is chosen as a run goes on; none: the one that a block was made with. It has no numbers: logs
+/// and snapshots leave it out, GoalPath makes it again.
 struct FollowedPath {
   std::shared_ptr<const EquilibriumPath> path;
+
+  static FieldList Fields() { return {}; }
 };
 
 }  // namespace tenon
