@@ -16,8 +16,10 @@ class Tuned {
     this.start = [].concat(parameter.value);
     this.held = this.start;  // what the run last said
     this.box = element('div', 'parameter');
-    const name = parameter.path.slice(parameter.path.lastIndexOf('.') + 1), {unit, low, high} = parameter;
-    const limits = [Number.isFinite(low) ? `≥ ${formatNumber(low)}` : '', Number.isFinite(high) ? `≤ ${formatNumber(high)}` : ''];
+    const name = parameter.path.slice(parameter.path.lastIndexOf('.') + 1), {unit} = parameter;
+    const ends = this.start.map((value, i) => this.limits(i));
+    const common = (end) => ends.every((limits) => limits[end] === ends[0][end]) && Number.isFinite(ends[0][end]);
+    const limits = [common('low') ? `≥ ${formatNumber(ends[0].low)}` : '', common('high') ? `≤ ${formatNumber(ends[0].high)}` : ''];
     const head = element('div', 'head');
     head.append(element('b', '', name.split('_').join(' ')), element('span', 'unit', unit ? prettyUnit(unit) : ''),
                 element('small', '', limits.filter((text) => text).join(', ')));
@@ -30,9 +32,15 @@ class Tuned {
     this.show(parameter.now || this.start);
   }
 
+  // What element i may be.
+  limits(i) {
+    const {low, high} = this.parameter, at = (bound) => Array.isArray(bound) ? bound[i] : bound;
+    return {low: at(low), high: at(high)};
+  }
+
   makeRow(name, i, value) {
     const {parameter} = this, label = (parameter.elements || [])[i] || (this.start.length > 1 ? String(i) : '');
-    const row = element('div', 'row'), field = element('input'), span = spanOf(parameter, value);
+    const row = element('div', 'row'), field = element('input'), span = spanOf(this.limits(i), value);
     Object.assign(field, {type: 'number', step: 'any'});
     field.onchange = () => this.askElement(i, field.valueAsNumber);
     let slider = null;

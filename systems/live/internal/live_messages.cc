@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/shapes_json.h>
 
@@ -63,7 +64,15 @@ Json ControlsJson(const LiveControls& controls) {
   return json;
 }
 
-Json ParameterJson(const ParameterSource& parameter, Context& context) {
+/// A number for one, a list for several, null for none.
+Json BoundsJson(const std::vector<ParameterRange>& ranges, double ParameterRange::*bound) {
+  Json list = Json::array();
+  for (const ParameterRange& range : ranges)
+    list.push_back(std::isfinite(range.*bound) ? Json(range.*bound) : Json(nullptr));
+  return ranges.size() == 1 ? list.front() : list;
+}
+
+Json ParameterJson(const ParameterSource& parameter, Context& context, Context& copy) {
   Json names = Json::array();
   std::string unit;
   const std::vector<Element> elements = context.Elements(parameter);
@@ -74,12 +83,13 @@ Json ParameterJson(const ParameterSource& parameter, Context& context) {
     names.push_back(one_unit || element.unit.empty() ? element.name
                                                      : element.name + " [" + element.unit + "]");
   }
+  const std::vector<ParameterRange> ranges = RangesOf(parameter, copy);
   return {{"path", parameter.path()},
           {"value", ParameterValue(parameter, context)},
           {"elements", std::move(names)},
           {"unit", one_unit ? elements.front().unit : ""},
-          {"low", nullptr},
-          {"high", nullptr},
+          {"low", BoundsJson(ranges, &ParameterRange::low)},
+          {"high", BoundsJson(ranges, &ParameterRange::high)},
           {"meaning", parameter.description()}};
 }
 
@@ -122,7 +132,9 @@ Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
   const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   for (const auto& [signal, range] : view.limits)
     limits.push_back({{"signal", signal}, {"limits", {bound(range.low), bound(range.high)}}});
-  for (const ParameterSource* parameter : parameters) tunable.push_back(ParameterJson(*parameter, context));
+  const auto copy = context.Clone();
+  for (const ParameterSource* parameter : parameters)
+    tunable.push_back(ParameterJson(*parameter, context, *copy));
   return {{"run",
            {{"name", ""},
             {"shapes", ShapesJson(shapes)},

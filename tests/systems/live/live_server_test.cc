@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include <tenon/systems/live/internal/live_run.h>
+#include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -240,6 +241,20 @@ TEST_F(LiveServerTest, WhoseEventsEndLetsGo) {
   running = &run;
   run.Run(0.5);
   EXPECT_EQ(step, 3);
+}
+
+TEST_F(LiveServerTest, FindsWhatAParameterMayBe) {
+  const auto context = cart_.diagram->CreateContext();
+  context->Set(cart_.engine->force, 3);
+  const auto force = internal::RangesOf(cart_.engine->force, *context);
+  ASSERT_EQ(force.size(), 1U);
+  EXPECT_EQ(force[0].low, -10);
+  EXPECT_EQ(force[0].high, 10);
+  EXPECT_EQ(context->Eval(cart_.engine->force), 3);
+  const auto tilt = internal::RangesOf(cart_.engine->tilt, *context);
+  ASSERT_EQ(tilt.size(), 2U);
+  EXPECT_EQ(tilt[1].low, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(tilt[1].high, std::numeric_limits<double>::infinity());
 }
 
 TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
