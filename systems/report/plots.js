@@ -56,6 +56,7 @@ class Plots {
   remove(plot) {
     const group = plot.box.closest('.group');
     if (plot.graph) plot.graph.destroy();
+    plot.graph = null;  // who watches its size is told of its end
     plot.box.remove();
     if (!group.querySelector('.plot')) group.remove();
     this.plots.splice(this.plots.indexOf(plot), 1);
