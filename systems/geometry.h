@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,13 +19,14 @@ enum class ShapeKind {
   kCapsule,   ///< the same with round ends; length is that of the cylinder between them
   kSegment,   ///< a straight rod from p_W to p_W + vector_W [m]; size: radius [m]
   kArrow,     ///< from p_W along scale * vector_W, for forces and velocities
+  kMesh,      ///< triangles, given in its frame
   kTrace,     ///< the path that p_W takes in the whole run; size: radius of a ball at p_W, or 0 [m]
 };
 constexpr auto EnumNames(ShapeKind) {
   return std::array{Named{ShapeKind::kBox, "box"},           Named{ShapeKind::kSphere, "sphere"},
                     Named{ShapeKind::kCylinder, "cylinder"}, Named{ShapeKind::kCapsule, "capsule"},
                     Named{ShapeKind::kSegment, "segment"},   Named{ShapeKind::kArrow, "arrow"},
-                    Named{ShapeKind::kTrace, "trace"}};
+                    Named{ShapeKind::kMesh, "mesh"},         Named{ShapeKind::kTrace, "trace"}};
 }
 
 /// What a shape stands for: decides its colour, and can be shown and hidden together.
@@ -47,6 +50,12 @@ constexpr auto EnumNames(ShapeRole) {
                     Named{ShapeRole::kEstimate, "estimates"}, Named{ShapeRole::kReference, "reference"}};
 }
 
+/// A surface of triangles that share their corners.
+struct TriangleMesh {
+  std::vector<std::array<float, 3>> corners;            ///< [m]
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of corners, counterclockwise from outside
+};
+
 /// One thing to look at. What stays the same during a run is set once, in the initial value of the port that
 /// puts it out; what moves is written at every evaluation, and that alone is logged.
 struct Shape {
@@ -62,6 +71,7 @@ struct Shape {
   Vec<3> vector_W = Vec<3>::Zero();  ///< of a segment [m], of an arrow in its own unit
   double value = 0;
   bool visible = true;
+  std::shared_ptr<const TriangleMesh> mesh{};  ///< of a kMesh
 
   static Shape Box(ShapeRole role, std::string name, const Vec<3>& edges) {
     return {ShapeKind::kBox, role, std::move(name), edges};
@@ -80,6 +90,11 @@ struct Shape {
   }
   static Shape Arrow(ShapeRole role, std::string name, double scale) {
     return {ShapeKind::kArrow, role, std::move(name), Vec<3>::Zero(), scale};
+  }
+  static Shape Mesh(ShapeRole role, std::string name, std::shared_ptr<const TriangleMesh> mesh) {
+    Shape shape{ShapeKind::kMesh, role, std::move(name)};
+    shape.mesh = std::move(mesh);
+    return shape;
   }
   static Shape Trace(ShapeRole role, std::string name, double ball_radius = 0) {
     return {ShapeKind::kTrace, role, std::move(name), {ball_radius, 0, 0}};

@@ -15,10 +15,6 @@ namespace {
 constexpr double kQuarterTurn = std::numbers::pi / 2;
 constexpr double kTogether = 1e-6;  // m, what shares an anchor or an attachment, or crosses
 
-Eigen::Vector3d VectorOf(std::span<const double> row, const std::vector<std::size_t>& columns) {
-  return {row[columns[0]], row[columns[1]], row[columns[2]]};
-}
-
 bool Sags(const CdprDescription& robot) {
   return robot.cable.mass_per_length > 0;
 }
@@ -61,9 +57,8 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 }
 
 void CdprLimits::Row(std::span<const double> row) {
-  const Eigen::Vector3d p_WB = VectorOf(row, position_);
-  const Eigen::Matrix3d R_WB =
-      RotationFromQuaternion({row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
+  const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
+  const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   CableRow(row, p_WB, R_WB);
   PlatformRow(row, p_WB, R_WB);
   FloorRow(row, p_WB, R_WB);
@@ -135,7 +130,7 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
     lowest = std::min(lowest, p_WB[2] + R_WB.row(2).dot(p_B));
   };
   for (const CableDescription& cable : robot_.cables) add(cable.attachment_B);
-  if (row[payload_mass_] > 0) add(VectorOf(row, payload_));
+  if (row[payload_mass_] > 0) add(VectorIn<3>(row, payload_));
   if (!load_.empty()) lowest = std::min(lowest, row[load_[2]]);
   for (const auto& [height, tension] : pieces_)
     if (row[tension] > 0) lowest = std::min(lowest, row[height]);
@@ -146,14 +141,10 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
 }
 
 void CdprLimits::AddTo(Summary& summary) const {
-  const auto add = [&](const char* key, std::optional<double> figure, const Limits& limits) {
-    summary.Set(key, figure);
-    summary.Limit(key, limits);
-  };
-  add("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
-  add("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
-  add("floor_clearance_min_m", heights_.min(), {.low = 0});
-  add("turn_max_rad", turns_.max(), {.high = kQuarterTurn});
+  summary.Set("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
+  summary.Set("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
+  summary.Set("floor_clearance_min_m", heights_.min(), {.low = 0});
+  summary.Set("turn_max_rad", turns_.max(), {.high = kQuarterTurn});
   breaches_.AddTo(summary);
 }
 

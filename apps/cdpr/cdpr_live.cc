@@ -3,11 +3,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include <tenon/plants/model/gravity.h>
+
 namespace tenon::apps {
 namespace {
 
-constexpr double kGravity = 9.81;  // [m/s^2], for the sizes of pull and payload alone
-constexpr double kNever = 1e9;     // [s], for recordings have no infinity
+constexpr double kNever = 1e9;  // [s], for recordings have no infinity
 
 /// A quarter of the platform's weight for 0.25 m, half of it at most, a fifth of the critical damping.
 PlatformPullParams PullFor(const CdprDescription& robot) {
@@ -42,14 +43,15 @@ LiveControls CdprLive::Controls() const {
   pull.set = [this](Context& context, std::size_t, const Vec<3>& point_W, const Vec<3>& target_W,
                     bool first) {
     PlatformGrip grip = context.Eval(pull_.grip);
+    grip.on = true;
+    grip.target_W = target_W;
     if (first) {
       const PlatformState& platform = context.Eval(loop_.plant.platform);
       grip.p_B = platform.R_WB().transpose() * (point_W - platform.p_WB);
     }
-    return LiveSets{{pull_.grip.path(),
-                     {1.0, grip.p_B[0], grip.p_B[1], grip.p_B[2], target_W[0], target_W[1], target_W[2]}}};
+    return LiveSets{SetTo(pull_.grip, grip)};
   };
-  pull.release = [this] { return LiveSets{{pull_.grip.path(), std::vector<double>(7, 0.0)}}; };
+  pull.release = [this] { return LiveSets{SetTo(pull_.grip, {})}; };
   pull.state = [this](Context& context) {
     const PlatformState& platform = context.Eval(loop_.plant.platform);
     const PlatformGrip& grip = context.Eval(pull_.grip);
@@ -62,11 +64,9 @@ LiveControls CdprLive::Controls() const {
   const double mass = loop_.plant.params.robot.mass;
   controls.load = {
       "payload", {0.01 * mass, 0.5 * mass}, 0.2 * mass, [&payload](Context& context, double load) {
-        const Vec<3> place = context.Eval(payload.load).p_B;
-        if (load == 0) return LiveSets{{payload.release.path(), {context.time()}}};
-        return LiveSets{{payload.load.path(), {load, place[0], place[1], place[2]}},
-                        {payload.release.path(), {kNever}},
-                        {payload.attach.path(), {context.time()}}};
+        if (load == 0) return LiveSets{SetTo(payload.release, context.time())};
+        return LiveSets{SetTo(payload.load, {load, context.Eval(payload.load).p_B}),
+                        SetTo(payload.release, kNever), SetTo(payload.attach, context.time())};
       }};
   return controls;
 }
@@ -79,12 +79,7 @@ LiveControls::Goal CdprLive::Goal() const {
   box.extend(start).extend(Vec<3>(start[0], start[1], 0));
   return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {
             const CdprReference& reference = context.Eval(loop_.reference.reference);
-            const PlatformGoal goal = goal_.GoalAt(place, context.time(), reference);
-            std::vector<double> numbers{1, goal.start, goal.duration};
-            for (const Vec<3>& v :
-                 {goal.position, goal.velocity, goal.acceleration, goal.euler, goal.euler_rate, goal.goal})
-              numbers.insert(numbers.end(), v.begin(), v.end());
-            return LiveSets{{goal_.goal.path(), numbers}};
+            return LiveSets{SetTo(goal_.goal, goal_.GoalAt(place, context.time(), reference))};
           }};
 }
 

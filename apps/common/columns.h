@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
+
+#include <tenon/systems/framework/signal.h>
 
 namespace tenon::apps {
 
@@ -10,5 +13,13 @@ namespace tenon::apps {
 std::size_t Column(const std::vector<std::string>& names, const std::string& signal);
 /// Which columns hold the elements of a signal; throws Error if none do.
 std::vector<std::size_t> Columns(const std::vector<std::string>& names, const std::string& signal);
+
+/// The vector in these columns of a row.
+template <int N>
+Vec<N> VectorIn(std::span<const double> row, const std::vector<std::size_t>& columns) {
+  Vec<N> value;
+  for (int i = 0; i < N; ++i) value[i] = row[columns[static_cast<std::size_t>(i)]];
+  return value;
+}
 
 }  // namespace tenon::apps

@@ -64,6 +64,10 @@ class Summary {
   ~Summary();
   /// Null if empty: a figure of nothing is no 0.
   void Set(const std::string& key, std::optional<double> value);
+  void Set(const std::string& key, std::optional<double> value, const Limits& limits) {
+    Set(key, value);
+    Limit(key, limits);
+  }
   void Set(const std::string& key, const std::string& value);
   /// By name: of legs, of axes.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);

@@ -1,6 +1,9 @@
 #include <tenon/apps/common/scenario_app.h>
 
+#include <fmt/core.h>
+
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
 
@@ -26,6 +29,8 @@ int RunApp(const ScenarioApp& app, int argc, char** argv) {
     if (PrintsInstead(arguments, app)) return kRan;
     return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
       const YamlDocument document = LoadScenario(now, app.name);
+      if (app.warnings)
+        for (const std::string& warning : app.warnings(document)) Say(fmt::format("warning: {}\n", warning));
       const Summary summary = app.run(document, now.duration, options).summary;
       summary.Print();
       return summary.exit_code();

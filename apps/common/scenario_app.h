@@ -52,6 +52,8 @@ struct ScenarioApp {
   std::function<RunResult(const YamlDocument& scenario, std::optional<double> duration,
                           const RunOptions& options)>
       run;
+  /// What of the files of a scenario is not taken as it stands, told before a run; may be left out.
+  std::function<std::vector<std::string>(const YamlDocument& scenario)> warnings{};
 };
 
 /// That of `read(document)`, the scenario as a struct; `prepare(scenario)`, which makes the diagram's

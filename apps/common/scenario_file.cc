@@ -11,6 +11,7 @@
 #include <system_error>
 #include <typeinfo>
 
+#include <tenon/plants/model/mesh_file.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
@@ -166,8 +167,9 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
     if (!in) return;  // no file, only looks like one
     const std::string ending = path.extension().string();
     const std::string name = inner == "file" ? key : key + "." + inner;
-    files_.emplace_back(name.ends_with(ending) ? name : name + ending,
-                        std::string(std::istreambuf_iterator<char>(in), {}));
+    std::string text(std::istreambuf_iterator<char>(in), {});
+    if (ending == ".urdf") text = WithMeshesFound(std::move(text), path);
+    files_.emplace_back(name.ends_with(ending) ? name : name + ending, std::move(text));
     map.Set(inner, "files/" + files_.back().first);
   };
   const std::string path = map.Text("file");

@@ -89,8 +89,7 @@ void GuideDogFigures::StopRow(std::span<const double> row) {
 }
 
 void GuideDogFigures::HeadingRow(std::span<const double> row) {
-  const Eigen::Matrix3d R =
-      RotationFromQuaternion({row[attitude_[0]], row[attitude_[1]], row[attitude_[2]], row[attitude_[3]]});
+  const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
   if (Is(last_mode_, GuideMode::kStop) && Is(row[mode_], GuideMode::kTurn))

@@ -26,8 +26,8 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
   const Vec<2>& start = person.params.start;
   return {"person",
           {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
-          [path = person.goal.path()](Context&, const Vec<3>& place) {
-            return LiveSets{{path, {1, place[0], place[1], kSpeed}}};
+          [&person](Context&, const Vec<3>& place) {
+            return LiveSets{SetTo(person.goal, {true, place.head<2>(), kSpeed})};
           }};
 }
 
@@ -78,10 +78,17 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 }
 
 ScenarioApp GuideDogApp() {
-  return MakeScenarioApp(
+  ScenarioApp app = MakeScenarioApp(
       "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
       [](const YamlDocument& document) { return document.Read<GuideDogScenario>(); }, MakeGuideDogParams,
       RunGuideDog);
+  app.warnings = [](const YamlDocument& document) {
+    return RunBlaming(document, [&] {
+      const auto scenario = document.Read<GuideDogScenario>();
+      return Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); });
+    });
+  };
+  return app;
 }
 
 }  // namespace tenon::apps

@@ -9,17 +9,6 @@
 #include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
-namespace {
-
-template <int N>
-Vec<N> Take(std::span<const double> row, const std::vector<std::size_t>& columns) {
-  Vec<N> value;
-  for (int i = 0; i < N; ++i) value[i] = row[columns[static_cast<std::size_t>(i)]];
-  return value;
-}
-
-}  // namespace
-
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
   const std::string estimate = "loop.estimator.estimate.state";
   const bool estimated = std::any_of(names.begin(), names.end(),
@@ -36,18 +25,18 @@ void EstimateFigures::Begin(const std::vector<std::string>& names) {
 
 void EstimateFigures::Row(std::span<const double> row) {
   if (estimated_.velocity.empty()) return;
-  const double velocity = (Take<3>(row, estimated_.velocity) - Take<3>(row, true_.velocity)).norm();
+  const double velocity = (VectorIn<3>(row, estimated_.velocity) - VectorIn<3>(row, true_.velocity)).norm();
   // The vertical in the trunk's axes.
-  const Vec<3> up = RotationFromQuaternion(Take<4>(row, true_.attitude)).row(2);
-  const Vec<3> estimated_up = RotationFromQuaternion(Take<4>(row, estimated_.attitude)).row(2);
+  const Vec<3> up = RotationFromQuaternion(VectorIn<4>(row, true_.attitude)).row(2);
+  const Vec<3> estimated_up = RotationFromQuaternion(VectorIn<4>(row, estimated_.attitude)).row(2);
   const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
   velocity_.Add(velocity);
   tilt_.Add(tilt);
-  const Vec<3> drift = Take<3>(row, estimated_.position) - Take<3>(row, true_.position);
+  const Vec<3> drift = VectorIn<3>(row, estimated_.position) - VectorIn<3>(row, true_.position);
   position_end_ = drift.norm();
   drift_.Add(drift.norm());
   height_drift_.Add(std::abs(drift[2]));
-  path_errors_.Add(Take<3>(row, path_com_).norm());
+  path_errors_.Add(VectorIn<3>(row, path_com_).norm());
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 of feet that stand
     if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);
 }

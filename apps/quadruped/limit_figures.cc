@@ -12,12 +12,6 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // of a drive's torque limit
 
-Vec<12> TwelveOf(std::span<const double> row, const std::vector<std::size_t>& columns) {
-  Vec<12> values;
-  for (Eigen::Index i = 0; i < 12; ++i) values[i] = row[columns[static_cast<std::size_t>(i)]];
-  return values;
-}
-
 const char* NameOf(int leg) {
   return leg < 0 ? "trunk" : kLegNames[static_cast<std::size_t>(leg)];
 }
@@ -79,9 +73,9 @@ void LimitFigures::FootRow(std::span<const double> row) {
 
 void LimitFigures::ClearanceRow(std::span<const double> row) {
   LeggedState x;
-  for (Eigen::Index i = 0; i < 3; ++i) x.p_WB[i] = row[position_[static_cast<std::size_t>(i)]];
-  for (Eigen::Index i = 0; i < 4; ++i) x.q_WB[i] = row[attitude_[static_cast<std::size_t>(i)]];
-  x.q = TwelveOf(row, q_);
+  x.p_WB = VectorIn<3>(row, position_);
+  x.q_WB = VectorIn<4>(row, attitude_);
+  x.q = VectorIn<kNumJoints>(row, q_);
   const auto [legs, trunk, ground] = clearance_.At(x);
   legs_.Add(legs.distance);
   trunk_.Add(trunk.distance);
@@ -104,17 +98,13 @@ void LimitFigures::AddTo(Summary& summary) const {
     strongest = std::max(strongest, robot_.joint(i).torque_limit);
     fastest = std::max(fastest, robot_.joint(i).speed_limit);
   }
-  const auto add = [&](const char* key, std::optional<double> figure, const Limits& limits) {
-    summary.Set(key, figure);
-    summary.Limit(key, limits);
-  };
-  add("torque_max_N_m", torques_.max(), {.high = strongest});
-  add("joint_speed_max_rad_per_s", speeds_.max(), {.high = fastest});
-  add("torque_beyond_drive_max_N_m", excesses_.max(), {.high = 0});
-  add("foot_depth_max_m", depths_.max(), {.high = foot_limit_});
-  add("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});
-  add("trunk_clearance_min_m", trunk_.min(), {.low = -kPressedIn});
-  add("ground_clearance_min_m", ground_.min(), {.low = -kPressedIn});
+  summary.Set("torque_max_N_m", torques_.max(), {.high = strongest});
+  summary.Set("joint_speed_max_rad_per_s", speeds_.max(), {.high = fastest});
+  summary.Set("torque_beyond_drive_max_N_m", excesses_.max(), {.high = 0});
+  summary.Set("foot_depth_max_m", depths_.max(), {.high = foot_limit_});
+  summary.Set("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});
+  summary.Set("trunk_clearance_min_m", trunk_.min(), {.low = -kPressedIn});
+  summary.Set("ground_clearance_min_m", ground_.min(), {.low = -kPressedIn});
   breaches_.AddTo(summary);
 }
 

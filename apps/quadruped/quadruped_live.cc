@@ -44,10 +44,6 @@ std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
   return bodies;
 }
 
-std::vector<double> Numbers(const Vec<3>& v) {
-  return {v[0], v[1], v[2]};
-}
-
 }  // namespace
 
 QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
@@ -92,22 +88,21 @@ void QuadrupedLive::AddTo(std::vector<const Source*>& signals,
 LiveControls QuadrupedLive::Controls() const {
   LiveControls controls;
   if (drive_ != nullptr) {
-    const std::string name = drive_->path();
-    const LiveSet active{name + ".active", {1}};
+    const WalkDrive& drive = *drive_;
+    const LiveSet active = SetTo(drive.active, true);
     const auto range = [](const Vec<2>& limits) { return std::array{limits[0], limits[1]}; };
     controls.drive = {range(limits_.forward_m_per_s), range(limits_.sideways_m_per_s),
-                      range(limits_.yaw_rad_per_s), [=](const Vec<3>& velocity) {
-                        return LiveSets{active, {name + ".velocity", Numbers(velocity)}};
+                      range(limits_.yaw_rad_per_s), [&drive, active](const Vec<3>& velocity) {
+                        return LiveSets{active, SetTo(drive.velocity, velocity)};
                       }};
-    controls.gaits = {{}, [=](std::size_t i) {
-                        return LiveSets{active, {name + ".gait", {static_cast<double>(kGaits[i])}}};
+    controls.gaits = {{}, [&drive, active](std::size_t i) {
+                        return LiveSets{active, SetTo(drive.gait, kGaits[i])};
                       }};
     for (const Gait gait : kGaits) controls.gaits->names.emplace_back(EnumName(gait));
-    controls.postures = {{"walk", "stand", "squat"}, [=, squat = limits_.squat_m](std::size_t i) {
-                           return LiveSets{active,
-                                           {name + ".stands", {i == 0 ? 0.0 : 1.0}},
-                                           {name + ".height", {i == 2 ? -squat : 0.0}}};
-                         }};
+    controls.postures = {
+        {"walk", "stand", "squat"}, [&drive, active, squat = limits_.squat_m](std::size_t i) {
+          return LiveSets{active, SetTo(drive.stands, i != 0), SetTo(drive.height, i == 2 ? -squat : 0.0)};
+        }};
   }
 
   const QuadrupedPlant& plant = world_.plant;
@@ -121,16 +116,15 @@ LiveControls QuadrupedLive::Controls() const {
   pull.set = [this, &robot, bodies](Context& context, std::size_t shape, const Vec<3>& point_W,
                                     const Vec<3>& target_W, bool first) {
     SpringGrip grip = context.Eval(pull_.grip);
+    grip.on = true;
+    grip.target_W = target_W;
     if (first) {
-      grip.on = true;
       grip.body = bodies.at(shape);
       grip.p_B = PointInBody(robot, context.Eval(world_.plant.motion), grip.body, point_W);
     }
-    return LiveSets{{pull_.grip.path(),
-                     {1.0, static_cast<double>(grip.body), grip.p_B[0], grip.p_B[1], grip.p_B[2], target_W[0],
-                      target_W[1], target_W[2]}}};
+    return LiveSets{SetTo(pull_.grip, grip)};
   };
-  pull.release = [this] { return LiveSets{{pull_.grip.path(), std::vector<double>(8, 0.0)}}; };
+  pull.release = [this] { return LiveSets{SetTo(pull_.grip, {})}; };
   pull.state = [this, &robot](Context& context) {
     const SpringGrip& grip = context.Eval(pull_.grip);
     const LeggedState& x = context.Eval(world_.plant.motion);
@@ -145,9 +139,7 @@ LiveControls QuadrupedLive::Controls() const {
         const Eigen::Vector3d arm =
             x.R_WB() * (load_.params.position_B + Vec<3>(0, 0, mass > 0 ? kDropHeight : 0));
         const Vec<3> place = x.p_WB + arm, velocity = x.v_W + x.w_W.cross(arm);
-        std::vector<double> motion = Numbers(place);
-        for (const double v : Numbers(velocity)) motion.push_back(v);
-        return LiveSets{{load_.mass.path(), {mass}}, {load_.motion.path(), motion}};
+        return LiveSets{SetTo(load_.mass, mass), SetTo(load_.motion, {place, velocity})};
       }};
   return controls;
 }

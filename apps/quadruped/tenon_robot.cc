@@ -11,6 +11,7 @@
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/robot_drawing.h>
+#include <tenon/plants/model/mesh_file.h>
 #include <tenon/plants/model/quadruped_proposal.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
@@ -59,10 +60,8 @@ int Run(const RobotArguments& arguments) {
   fs::create_directories(out, error);
   const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
   if (!fs::equivalent(urdf, beside, error)) {
-    fs::copy_file(urdf, beside, fs::copy_options::overwrite_existing, error);
-    if (error)
-      throw OutputError(
-          fmt::format("cannot write '{}' ({}): choose another --out", beside.string(), error.message()));
+    std::ifstream in(urdf, std::ios::binary);
+    WriteFile(beside, WithMeshesFound(std::string(std::istreambuf_iterator<char>(in), {}), urdf));
   }
   WriteFile(yaml, proposal.yaml);
   const QuadrupedDescription robot = LoadQuadruped(yaml.string());

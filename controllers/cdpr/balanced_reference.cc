@@ -18,8 +18,8 @@ constexpr double kTurnScale = 1e-3, kTurnScaleBroken = 1e-5;
 constexpr double kLargestStep = 0.1;  // of one call [rad]
 constexpr double kLargestTurn = 1.2;  // altogether: beyond, cables cross [rad]
 constexpr double kLargestTurnBroken =
-    0.5;                               // beyond, the others do not hold the platform as it should be [rad]
-constexpr double kBoundTolerance = 1;  // [N]
+    0.5;                       // beyond, the others do not hold the platform as it should be [rad]
+constexpr double kExcess = 1;  // [N]
 
 Eigen::Matrix3d RotationBy(const Eigen::Vector3d& turn) {
   return RotationFromQuaternion(QuaternionFromRotationVector(turn));
@@ -110,7 +110,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     turn *= largest_turn / turn.norm();
     excess = std::numeric_limits<double>::infinity();
   }
-  shift.unheld = num_broken > 0 && excess > kBoundTolerance ? shift.unheld + 1 : 0;
+  shift.unheld = num_broken > 0 && excess > kExcess ? shift.unheld + 1 : 0;
   shift.turn_W = turn;
   shift.tension = tension_ - at.tension;
   R_WB_ = RotationBy(turn) * RotationFromEuler(at.euler);

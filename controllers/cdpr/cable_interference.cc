@@ -1,4 +1,5 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/segment_distance.h>
 
 #include <Eigen/Geometry>
@@ -10,7 +11,6 @@
 namespace tenon {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kPieces = 5;        // of each cable, for a bound of the distance
 constexpr double kOnFace = 1e-9;  // distance from a face, relative to the platform, of what lies in it
 

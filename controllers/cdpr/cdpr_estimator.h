@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
@@ -38,7 +39,7 @@ struct CdprEstimatorParams {
   Rate rate = Hz(200);  ///< of pose, IMU and filter
   CdprNoise noise;
   double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
-  double gravity = 9.81;           ///< [m/s^2]
+  double gravity = kGravity;       ///< [m/s^2]
 
   /// Throws ParameterError unless the deviations are positive (a perfect sensor has a small one).
   void Validate() const;

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Cholesky>
@@ -15,11 +17,9 @@
 namespace tenon {
 namespace {
 
-constexpr double kGravity = 9.81;        // [m/s^2]
 constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
 
@@ -18,13 +19,12 @@
 namespace tenon {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kStartAngle = 0.6;       // largest angle of the grid of starts [rad]
-constexpr double kLargestAngle = 1.4;     // of roll, pitch and yaw that a search may find [rad]
-constexpr double kLargestTurn = 0.2;      // of one step of Newton's method [rad]
-constexpr double kBoundTolerance = 1e-9;  // of a tension [m g]
-constexpr double kLeastExcess = 1e-6;     // of a tension over its bound that is worth a word [N]
-constexpr double kLeastStiffness = 1e-6;  // that counts as stable [N/m]
+constexpr double kStartAngle = 0.6;         // largest angle of the grid of starts [rad]
+constexpr double kLargestAngle = 1.4;       // of roll, pitch and yaw that a search may find [rad]
+constexpr double kLargestNewtonStep = 0.2;  // of one step of Newton's method [rad]
+constexpr double kBoundTolerance = 1e-9;    // of a tension [m g]
+constexpr double kLeastExcess = 1e-6;       // of a tension over its bound that is worth a word [N]
+constexpr double kLeastStiffness = 1e-6;    // that counts as stable [N/m]
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -233,7 +233,7 @@ class StaticsProblem {
       VectorXd step = kkt.partialPivLu().solve(-defect);
       if (!step.allFinite()) return false;
       const double turn = step.head<3>().norm();
-      if (turn > kLargestTurn) step *= kLargestTurn / turn;
+      if (turn > kLargestNewtonStep) step *= kLargestNewtonStep / turn;
       for (int c = 0; c < count; ++c) (*x)[free[c]] += step[c];
       multiplier += step.tail<6>();
     }

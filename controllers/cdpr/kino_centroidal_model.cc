@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/euler.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Geometry>
@@ -12,8 +13,6 @@
 
 namespace tenon {
 namespace {
-
-constexpr double kGravity = 9.81;  // [m/s^2]
 
 /// How many of n cables are computed side by side.
 template <int n>

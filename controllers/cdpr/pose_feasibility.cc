@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Cholesky>
@@ -11,7 +12,6 @@
 namespace tenon {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPoint = 1e-9;     // attachments that are nearer to the CoM are at it [m]
 constexpr double kRounding = 1e-9;  // of tensions, relative to their upper bound
 constexpr int kTighterBounds = 7;   // each half of the last one
@@ -23,7 +23,7 @@ double Lever(const CdprDescription& robot) {
   return lever;
 }
 
-int Rows(const CdprDescription& robot) {
+int WrenchRows(const CdprDescription& robot) {
   const int rows = Lever(robot) > kPoint ? 6 : 3;
   if (robot.num_cables() < rows) {
     throw ParameterError(fmt::format(
@@ -63,7 +63,7 @@ WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& d
 PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& required)
     : robot_(robot),
       lever_(Lever(robot)),
-      rows_(Rows(robot)),
+      rows_(WrenchRows(robot)),
       required_{required.centre.head(rows_), required.half_width.head(rows_)},
       wrenches_(rows_, robot.num_cables()),
       distributor_(robot.num_cables()),

@@ -8,8 +8,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kRankTolerance = 1e-10;   // of the singular values, relative to the largest
-constexpr double kBoundTolerance = 1e-10;  // of a tension, relative to the largest
+constexpr double kSingular = 1e-10;  // of the singular values, relative to the largest
+constexpr double kSlack = 1e-10;     // of a tension, relative to the largest
 
 int MostOutOfBounds(const Eigen::VectorXd& u, double lower, double upper) {
   int worst = 0;
@@ -18,7 +18,7 @@ int MostOutOfBounds(const Eigen::VectorXd& u, double lower, double upper) {
 }
 
 bool IsWithin(const Eigen::VectorXd& u, double lower, double upper) {
-  const double slack = kBoundTolerance * u.cwiseAbs().maxCoeff();
+  const double slack = kSlack * u.cwiseAbs().maxCoeff();
   return u.minCoeff() >= lower - slack && u.maxCoeff() <= upper + slack;
 }
 
@@ -35,7 +35,7 @@ TensionDistributor::TensionDistributor(int num_cables)
       bounds_(2 * num_cables),
       rows_(2 * num_cables, num_cables),
       solver_(num_cables, 2 * num_cables) {
-  qr_.setThreshold(kRankTolerance);
+  qr_.setThreshold(kSingular);
   result_.tension.setZero(num_cables);
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <cmath>
@@ -8,7 +9,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kDependent = 1e-12;  // pivots below this, relative to the largest entry
+constexpr double kSmallestPivot = 1e-12;  // pivots below this, relative to the largest entry
 
 int Choose(int n, int k) {
   double choices = 1;
@@ -49,7 +50,7 @@ void WrenchFeasibility::SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& st
     for (int i = 0; i < num_cables_; ++i) row[i] = structure(r, i);
     for (int k = 0; k < rows_; ++k) row[num_cables_ + k] = k == r ? 1 : 0;
   }
-  smallest_pivot_ = kDependent * structure.cwiseAbs().maxCoeff();
+  smallest_pivot_ = kSmallestPivot * structure.cwiseAbs().maxCoeff();
   num_facets_ = 0;
   Eliminate(0, 0);
 }
@@ -102,7 +103,6 @@ void WrenchFeasibility::AddFacet(const double* row) {
 WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double tension_min,
                                          double tension_max) const {
   const double mid = (tension_max + tension_min) / 2, half = (tension_max - tension_min) / 2;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   WrenchMargins margins{kInfinity, kInfinity, 0};
   for (int j = 0; j < num_facets_; ++j) {
     const double* c = normals_.data() + j * rows_;

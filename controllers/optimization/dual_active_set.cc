@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/systems/framework/errors.h>
 
 namespace tenon {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A column of V counts as dependent on the others if this part of it, or less, is normal to them: a violated
 // constraint is then in conflict, a guessed one, which may come back later, is left out.
 constexpr double kDependent = 1e-10, kDependentGuess = 1e-6;

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tenon/plants/model/gravity.h>
+
 namespace tenon {
-namespace {
-
-constexpr double kGravity = 9.81;  // [m/s^2]
-
-}  // namespace
+namespace {}  // namespace
 
 void CdprMonitorParams::Validate() const {
   Demand(max_tension_ratio >= 1,

@@ -4,6 +4,7 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -19,7 +20,7 @@ struct CdprPlantParams {
   Vec<3> v_W = Vec<3>::Zero();    ///< velocity at the start [m/s]
   Vec<3> w_W = Vec<3>::Zero();    ///< angular velocity at the start [rad/s]
   CableVector initial_tension;    ///< one per cable [N]: gives rest lengths and motors at the start
-  double gravity = 9.81;          ///< [m/s^2]
+  double gravity = kGravity;      ///< [m/s^2]
   bool lock_winches = false;      ///< the drums do not turn: rest lengths stay what they are
 
   /// Throws ParameterError, also for what the robot's description refuses.

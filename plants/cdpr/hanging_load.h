@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/framework/system.h>
@@ -15,7 +16,7 @@ struct HangingLoadParams {
   double axial_stiffness = 27000;        ///< EA of the rope [N]; 27 kN has a polymer rope of 5 mm
   double axial_damping = 135;            ///< EA times the material's damping time [N s]
   Vec<3> p_W = Vec<3>::Zero();           ///< of the load at the start, when it is at rest [m]
-  double gravity = 9.81;                 ///< [m/s^2]
+  double gravity = kGravity;             ///< [m/s^2]
   void Validate() const;                 ///< throws ParameterError
 };
 

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include <tenon/plants/model/gravity.h>
+
 namespace tenon {
 namespace {
 
-constexpr double kGravity = 9.81;         // [m/s^2], for the length of arrows alone
 constexpr double kPlaneSize = 12;         // [m], of a slope
 constexpr double kPlaneThickness = 0.02;  // [m]
 constexpr double kBoxDepth = 0.01;        // [m], of boxes in the plane, so that no gap shows
@@ -81,13 +82,18 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
                                const TerrainParams& terrain) {
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
-  shapes[kTrunk] = Shape::Box(ShapeRole::kBody, "trunk", TrunkEdges(robot));
+  const auto with_mesh = [&](Shape plain, int body) {
+    const auto& mesh = robot.meshes[At(body)];
+    return mesh == nullptr ? plain : Shape::Mesh(plain.role, std::move(plain.name), mesh);
+  };
+  shapes[kTrunk] = with_mesh(Shape::Box(ShapeRole::kBody, "trunk", TrunkEdges(robot)), 0);
   shapes[kPayload] = Shape::Box(ShapeRole::kLoad, "payload", UniformBox(payload));
   shapes[kPayload].visible = payload.mass > 0;
   shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the trunk");
   for (int j = 0; j < kNumJoints; ++j)
-    shapes[At(kFirstLink + j)] = Shape::Capsule(ShapeRole::kBody, "link of " + robot.joint(j).name,
-                                                LinkRadius(robot), LinkEnd(robot, j).norm());
+    shapes[At(kFirstLink + j)] = with_mesh(Shape::Capsule(ShapeRole::kBody, "link of " + robot.joint(j).name,
+                                                          LinkRadius(robot), LinkEnd(robot, j).norm()),
+                                           j + 1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const std::string name = kLegNames[At(leg)];
     shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);
@@ -108,7 +114,8 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
   std::array<Eigen::Vector3d, kNumBodies> p_W;
   R_W[0] = x.R_WB();
   p_W[0] = x.p_WB;
-  shapes[kTrunk].p_W = p_W[0] + R_W[0] * robot.trunk.com;
+  shapes[kTrunk].p_W = p_W[0];
+  if (robot.meshes[0] == nullptr) shapes[kTrunk].p_W += R_W[0] * robot.trunk.com;
   shapes[kPayload].p_W = p_W[0] + R_W[0] * payload.com;
   shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
   shapes[kPath].p_W = x.p_WB;
@@ -118,9 +125,14 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
     const std::size_t parent = j % kJointsPerLeg == 0 ? 0 : At(j), body = At(j + 1);
     p_W[body] = p_W[parent] + R_W[parent] * joint.p_PJ;
     R_W[body] = R_W[parent] * Eigen::AngleAxisd(x.q[j], joint.axis);
+    Shape& link = shapes[At(kFirstLink + j)];
+    if (robot.meshes[body] != nullptr) {
+      link.p_W = p_W[body];
+      link.q_W = QuaternionFromRotation(R_W[body]);
+      continue;
+    }
     const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, j);
     const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
-    Shape& link = shapes[At(kFirstLink + j)];
     link.p_W = p_W[body] + along_W / 2;
     link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
   }

@@ -7,10 +7,10 @@
 
 namespace tenon {
 
-/// What a quadruped on terrain looks like: the trunk as the uniform box that has its mass and moments of
-/// inertia (wider if the legs are not within), the payload as such a box, a capsule for each link, feet as
-/// spheres, the forces on the feet, forces of the surroundings, the path of the trunk, and the terrain. An
-/// arrow for half the robot's weight is as long as the robot is high.
+/// What a quadruped on terrain looks like: bodies by their meshes; without one the trunk as the uniform box
+/// that has its mass and moments of inertia (wider if the legs are not within), links as capsules; the
+/// payload as a uniform box, feet as spheres, the forces on the feet, forces of the surroundings, the path of
+/// the trunk, and the terrain. An arrow for half the robot's weight is as long as the robot is high.
 ///
 /// A level plane is not among the shapes, for viewers draw one at z = 0; a slope is a slab about the origin.
 Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,

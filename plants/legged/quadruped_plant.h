@@ -4,6 +4,7 @@
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
 #include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/framework/ports.h>
@@ -19,8 +20,8 @@ struct QuadrupedPlantParams {
   RigidInertia payload;  ///< fixed to the trunk, in B; none by default
   TerrainParams terrain;
   LeggedState initial;
-  double gravity = 9.81;    ///< [m/s^2]
-  bool limit_speed = true;  ///< the drives' torque falls with speed
+  double gravity = kGravity;  ///< [m/s^2]
+  bool limit_speed = true;    ///< the drives' torque falls with speed
 
   void Validate() const;  ///< throws ParameterError
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/ports.h>
@@ -19,7 +20,7 @@ struct SlidingLoadParams {
   double stiffness = 25e3;               ///< k of trunk and stops [N/m]
   double damping_ratio = 0.5;            ///< of the load on this spring
   LeggedState robot = {};                ///< where the robot starts, and the load with it
-  double gravity = 9.81;                 ///< [m/s^2]
+  double gravity = kGravity;             ///< [m/s^2]
 
   void Validate() const;  ///< throws ParameterError
 };

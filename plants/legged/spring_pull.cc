@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include <tenon/plants/model/gravity.h>
+
 namespace tenon {
 namespace {
-
-constexpr double kWeightOf1kg = 9.81;  // [N], for the defaults alone
 
 /// A body's frame: its axes, origin and motion in W.
 struct Frame {
@@ -53,7 +53,7 @@ void SpringPullParams::Validate() const {
 }
 
 SpringPullParams SpringPull::Complete(SpringPullParams params) {
-  const double mass = params.robot.mass(), weight = kWeightOf1kg * mass;
+  const double mass = params.robot.mass(), weight = kGravity * mass;
   if (params.stiffness == 0) params.stiffness = 0.5 * weight / 0.25;
   if (params.damping == 0) params.damping = 0.2 * 2 * std::sqrt(params.stiffness * mass);
   if (params.max_force == 0) params.max_force = weight;

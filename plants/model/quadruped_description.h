@@ -3,9 +3,11 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/framework/signal.h>
+#include <tenon/systems/geometry.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <string>
 
 namespace tenon {
@@ -101,6 +103,8 @@ struct QuadrupedDescription {
   Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles at which it stands [rad]
   DriveProperties drive;
   ContactProperties contact;
+  /// How trunk and links look, each in its body's frame; none where the URDF has no mesh that can be read.
+  std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 
   double mass() const;
   const JointDescription& joint(int j) const {

@@ -84,11 +84,11 @@ struct Composite {
 }  // namespace
 
 DynamicsMatrix<3, 18> QuadrupedDynamics::FootJacobian(int leg) const {
-  const Foot& foot = feet[static_cast<std::size_t>(leg)];
+  const Foot& own = foot(leg);
   DynamicsMatrix<3, 18> J = DynamicsMatrix<3, 18>::Zero();
   J.leftCols<3>().setIdentity();
-  J.middleCols<3>(3) = -CrossMatrix(foot.p_W - base_W);
-  J.middleCols<3>(6 + kJointsPerLeg * leg) = foot.J_leg;
+  J.middleCols<3>(3) = -CrossMatrix(own.p_W - base_W);
+  J.middleCols<3>(6 + kJointsPerLeg * leg) = own.J_leg;
   return J;
 }
 
@@ -102,12 +102,12 @@ Eigen::Matrix3d QuadrupedDynamics::LegJacobian(int leg, const Eigen::Vector3d& p
 }
 
 QuadrupedDynamics::Foot QuadrupedDynamics::Contact(int leg, const Eigen::Vector3d& arm_W) const {
-  Foot foot = feet[static_cast<std::size_t>(leg)];
-  foot.p_W += arm_W;
-  foot.v_W += foot.w_W.cross(arm_W);
-  foot.bias += foot.turn_bias.cross(arm_W);
-  foot.J_leg = LegJacobian(leg, foot.p_W);
-  return foot;
+  Foot contact = foot(leg);
+  contact.p_W += arm_W;
+  contact.v_W += contact.w_W.cross(arm_W);
+  contact.bias += contact.turn_bias.cross(arm_W);
+  contact.J_leg = LegJacobian(leg, contact.p_W);
+  return contact;
 }
 
 QuadrupedModel::QuadrupedModel(const QuadrupedDescription& robot, double gravity)

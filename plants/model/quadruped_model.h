@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 
@@ -45,6 +46,7 @@ struct QuadrupedDynamics {
   std::array<Eigen::Vector3d, kNumJoints> origin_W;  ///< of the joints [m]
   Eigen::Vector3d base_W;                            ///< p_WB [m]
 
+  const Foot& foot(int leg) const { return feet[static_cast<std::size_t>(leg)]; }
   Vec<18> bias() const { return coriolis + gravity; }
   /// The whole Jacobian of a foot: v_W = J nu.
   DynamicsMatrix<3, 18> FootJacobian(int leg) const;
@@ -87,7 +89,7 @@ struct DecoupledDynamics {
 /// body. A force on the trunk does not appear in it.
 class QuadrupedModel {
  public:
-  explicit QuadrupedModel(const QuadrupedDescription& robot, double gravity = 9.81);
+  explicit QuadrupedModel(const QuadrupedDescription& robot, double gravity = kGravity);
 
   double mass() const { return mass_; }
   double gravity() const { return gravity_; }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/internal/quadruped_urdf.h>
 #include <tenon/plants/model/internal/urdf_file.h>
 
@@ -21,11 +22,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kGravity = 9.81;  // [m/s^2]
-constexpr double kAlong = 0.8;     // cosine, to count as along an axis
-constexpr double kFarFoot = 0.4;   // of the thigh: a nearer frame below the knee is no foot
-constexpr double kAlike = 0.05;    // a knee that bends by so much more backward than forward [rad]
-constexpr double kMargin = 0.02;   // from the end of a joint's range [rad]
+constexpr double kAlong = 0.8;    // cosine, to count as along an axis
+constexpr double kFarFoot = 0.4;  // of the thigh: a nearer frame below the knee is no foot
+constexpr double kAlike = 0.05;   // a knee that bends by so much more backward than forward [rad]
+constexpr double kMargin = 0.02;  // from the end of a joint's range [rad]
 constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};  // of the leg's length
 constexpr std::array<const char*, kJointsPerLeg> kKinds{"abduction", "hip_pitch", "knee"};
 

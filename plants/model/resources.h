@@ -29,7 +29,7 @@ YamlDocument ResourceMap(const YamlFile& what);
 CdprDescription LoadCdpr(const YamlFile& what);
 QuadrupedDescription LoadQuadruped(const YamlFile& what);
 /// What of its URDF was not taken as it stands, each with file, line and what was taken instead: inertias
-/// that no body has, of frames on fixed joints.
+/// that no body has, of frames on fixed joints, and meshes that cannot be read.
 std::vector<std::string> QuadrupedWarnings(const YamlFile& what);
 /// What a run calls that file: its name, or its path; of one with differences, "cdpr_4, changed".
 std::string ResourceName(const YamlFile& what);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon {
@@ -8,14 +9,14 @@ namespace tenon {
 /// from them. Two robots whose motions agree in these units are dynamically similar, as Alexander (1984, The
 /// gaits of bipedal and quadrupedal animals) has it of animals; a gain that is given in them fits both.
 struct RobotScale {
-  double mass = 1;        ///< m [kg]
-  double length = 1;      ///< l: mean over the legs, from hip to foot when straight [m]
-  double gravity = 9.81;  ///< g [m/s^2]
+  double mass = 1;            ///< m [kg]
+  double length = 1;          ///< l: mean over the legs, from hip to foot when straight [m]
+  double gravity = kGravity;  ///< g [m/s^2]
 
   double Weight() const { return mass * gravity; }  ///< m g [N]
   double Time() const;                              ///< t = sqrt(l / g) [s]
 };
 
-RobotScale ScaleOf(const QuadrupedDescription& robot, double gravity = 9.81);
+RobotScale ScaleOf(const QuadrupedDescription& robot, double gravity = kGravity);
 
 }  // namespace tenon

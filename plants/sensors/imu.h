@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/systems/framework/parameter.h>
@@ -18,7 +19,7 @@ struct ImuParams {
   Vec<3> specific_force_noise = Vec<3>::Constant(0.05);     ///< standard deviation per axis [m/s^2]
   Vec<3> angular_velocity_bias = Vec<3>::Zero();            ///< added to all samples [rad/s]
   Vec<3> specific_force_bias = Vec<3>::Zero();              ///< added to all samples [m/s^2]
-  double gravity = 9.81;                                    ///< [m/s^2]
+  double gravity = kGravity;                                ///< [m/s^2]
 
   void Validate() const;  ///< throws ParameterError
 };

@@ -75,15 +75,20 @@ Mode WorstMode(const MatrixXd& A, const MatrixXd& B, bool discrete) {
   const Index n = A.rows();
   const double size = std::max(A.norm(), std::numeric_limits<double>::min());
   const double input = B.norm();
-  Eigen::MatrixXcd test(n, n + B.cols());
-  test.rightCols(B.cols()) = (input > 0 ? MatrixXd(B * (size / input)) : B).cast<std::complex<double>>();
+  const MatrixXd scaled = input > 0 ? MatrixXd(B * (size / input)) : B;
   Mode worst;
   for (const std::complex<double>& eigenvalue : A.eigenvalues()) {
     const double growth = discrete ? std::abs(eigenvalue) - 1 : eigenvalue.real();
     if (growth < -1e-8 * (discrete ? 1 : size)) continue;
-    test.leftCols(n) = A.cast<std::complex<double>>();
-    test.diagonal().array() -= eigenvalue;
-    const double reach = Eigen::JacobiSVD<Eigen::MatrixXcd>(test).singularValues()[n - 1] / size;
+    // The complex matrix as a real one, [Re -Im; Im Re], has each of its singular values twice.
+    MatrixXd test = MatrixXd::Zero(2 * n, 2 * (n + B.cols()));
+    for (const Index half : {Index{0}, n}) {
+      test.block(half, half, n, n) = A - eigenvalue.real() * MatrixXd::Identity(n, n);
+      test.block(half, 2 * n + (half == 0 ? 0 : B.cols()), n, B.cols()) = scaled;
+    }
+    test.block(0, n, n, n).diagonal().setConstant(eigenvalue.imag());
+    test.block(n, 0, n, n).diagonal().setConstant(-eigenvalue.imag());
+    const double reach = Eigen::JacobiSVD<MatrixXd>(test).singularValues()[2 * n - 1] / size;
     if (reach < worst.reach) worst = {eigenvalue, reach};
   }
   return worst;

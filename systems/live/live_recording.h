@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/systems/framework/signal.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
@@ -15,6 +16,15 @@ struct LiveSet {
   std::string path;
   std::vector<double> values;
 };
+
+/// What sets a Parameter or a state to `value`.
+template <class S>
+LiveSet SetTo(const S& source, const typename S::Value& value) {
+  const internal::TypeInfo& type = internal::TypeInfoOf<typename S::Value>();
+  LiveSet set{source.path(), std::vector<double>(internal::CountScalars(type, &value))};
+  internal::ToDoubles(type, &value, set.values.data());
+  return set;
+}
 
 /// What was set between two ticks of a live run, and when.
 struct LiveEntry {

@@ -80,6 +80,7 @@ class Actor {
         for (const end of [-1, 1]) add(new THREE.SphereBufferGeometry(x, 20, 14)).position.z = end * y / 2;
         // falls through
       case 'cylinder': add(new THREE.CylinderBufferGeometry(x, x, y, 24)).rotation.x = Math.PI / 2; break;
+      case 'mesh': this.makeMesh(shape, add); break;
       case 'segment': add(new THREE.CylinderBufferGeometry(1, 1, 1, 10)); break;
       case 'arrow':
         this.head = add(new THREE.ConeBufferGeometry(1, 1, 16));
@@ -88,6 +89,18 @@ class Actor {
       case 'trace': this.makeTrace(x, color, add); break;
       default: throw new Error(`no shape is called '${shape.kind}'`);
     }
+  }
+
+  makeMesh(shape, add) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(decode(shape.corners, Float32Array), 3));
+    geometry.setIndex(new THREE.BufferAttribute(decode(shape.triangles, Uint32Array), 1));
+    geometry.computeVertexNormals();
+    geometry.computeBoundingSphere();
+    this.material.flatShading = true;
+    this.material.side = THREE.DoubleSide;  // many files turn their triangles as it came
+    add(geometry);
+    this.meshReach = geometry.boundingSphere.center.length() + geometry.boundingSphere.radius;
   }
 
   makeTrace(radius, color, add) {
@@ -127,6 +140,7 @@ class Actor {
   // How far the solid goes from its middle.
   reach() {
     const [x, y, z] = this.shape.size;
+    if (this.shape.kind === 'mesh') return this.meshReach;
     return this.shape.kind === 'box' ? Math.hypot(x, y, z) / 2 : x + y / 2;
   }
 

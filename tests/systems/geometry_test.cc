@@ -58,6 +58,11 @@ TEST(GeometryTest, ShapesSayWhatTheyAre) {
   EXPECT_EQ(cable.unit, "N");
   const Shape leg = Shape::Capsule(ShapeRole::kBody, "leg", 0.03, 0.3);
   EXPECT_EQ(leg.size[1], 0.3);
+  const auto triangle =
+      std::make_shared<const TriangleMesh>(TriangleMesh{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+  const Shape mesh = Shape::Mesh(ShapeRole::kBody, "trunk", triangle);
+  EXPECT_EQ(mesh.kind, ShapeKind::kMesh);
+  EXPECT_EQ(mesh.mesh, triangle);
   EXPECT_EQ(Shape::Trace(ShapeRole::kReference, "path", 0.05).size[0], 0.05);
 }
 

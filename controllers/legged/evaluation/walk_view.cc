@@ -1,10 +1,12 @@
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 
+#include <tenon/plants/model/gravity.h>
+
 namespace tenon {
 
 Geometry WalkView::MakeShapes(const QuadrupedDescription& robot) {
   const double scale =
-      2 * robot.StanceHeight() / (9.81 * robot.mass());  // the weight is twice the robot's height
+      2 * robot.StanceHeight() / (kGravity * robot.mass());  // the weight is twice the robot's height
   Geometry shapes{Shape::Trace(ShapeRole::kReference, "reference of the CoM"),
                   Shape::Arrow(ShapeRole::kEstimate, "estimated force on the CoM", scale)};
   for (const char* leg : kLegNames)

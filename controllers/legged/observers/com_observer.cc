@@ -39,7 +39,7 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
   memory.moment.setZero();
   const Vec<3> contact = ground.ContactArm(params.robot.foot_radius);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Vec<3> arm = dynamics.feet[static_cast<std::size_t>(leg)].p_W + contact - dynamics.com_W;
+    const Vec<3> arm = dynamics.foot(leg).p_W + contact - dynamics.com_W;
     memory.ground += foot_forces[leg];
     memory.moment += arm.cross(foot_forces[leg]);
   }

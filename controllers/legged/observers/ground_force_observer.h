@@ -3,6 +3,7 @@
 #include <array>
 
 #include <tenon/plants/model/disturbance_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/parameter.h>
@@ -27,7 +28,7 @@ struct ContactThresholds {
 struct GroundForceObserverParams {
   QuadrupedDescription robot;  ///< what the observer believes
   ContactThresholds thresholds = {};
-  double gravity = 9.81;  ///< [m/s^2]
+  double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

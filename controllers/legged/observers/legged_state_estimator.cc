@@ -10,7 +10,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kClockTolerance = 1e-9;  // [s]
+constexpr double kSettleTolerance = 1e-9;  // [s]
 
 }  // namespace
 
@@ -107,7 +107,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     const bool stance = schedule.legs[i].stance();
     if (!first) time += T;
     if (!stance) time = 0;
-    counts[i] = stance && time >= settle_time - kClockTolerance;
+    counts[i] = stance && time >= settle_time - kSettleTolerance;
     if (!counts[i] && filter.anchored[i]) filter.Release(leg);
   }
   memory.moved_feet += filter.Correct(feet, outlier);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/legged_signals.h>
@@ -33,8 +34,8 @@ struct LeggedStateEstimatorParams {
   ContactAidedNoise noise;
   double settle_time = 0.02;  ///< a foot counts once it has been in stance so long [s]
   double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
-  double gravity = 9.81;  ///< [m/s^2]
-  Rate rate = Hz(1000);   ///< of the filter; that of IMU and encoders should not be lower
+  double gravity = kGravity;  ///< [m/s^2]
+  Rate rate = Hz(1000);       ///< of the filter; that of IMU and encoders should not be lower
 
   /// Throws ParameterError unless deviations, noise and `outlier` are finite and positive, `settle_time` is
   /// not negative, and the rest is finite, quaternions with a direction.

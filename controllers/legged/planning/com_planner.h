@@ -7,6 +7,7 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/zmp_spline.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/motion_signals.h>
 #include <tenon/systems/framework/parameter.h>
@@ -47,8 +48,8 @@ struct ComPlannerParams {
   ZmpPlanParams zmp;                       ///< of kZmpSpline
   Vec<2> start_position = Vec<2>::Zero();  ///< of B at the beginning [m]
   double start_yaw = 0;                    ///< [rad]
-  double blend = 0.5;     ///< time of going over to a new plan: about a cycle of the trot [s]
-  double gravity = 9.81;  ///< [m/s^2]
+  double blend = 0.5;         ///< time of going over to a new plan: about a cycle of the trot [s]
+  double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

@@ -6,6 +6,7 @@
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/ground_plane.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/motion_signals.h>
@@ -48,7 +49,7 @@ struct StepProperties {
 struct SwingPlannerParams {
   QuadrupedDescription robot;
   StepProperties step;
-  double gravity = 9.81;  ///< [m/s^2]
+  double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

@@ -8,6 +8,7 @@
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/support_polygon.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/motion_signals.h>
 
 namespace tenon {
@@ -54,7 +55,7 @@ struct ZmpSplineProblem {
   PlanarPoint begin{}, end{};            ///< of the end's, the acceleration is but wished for
   PlanarPath path{};                     ///< at t = 0
   HeightProfile height{};
-  double gravity = 9.81;  ///< [m/s^2]
+  double gravity = kGravity;  ///< [m/s^2]
 };
 
 /// The motion of the CoM over ground as a spline whose zero moment point stays in the support polygons

@@ -10,10 +10,6 @@
 namespace tenon {
 namespace {
 
-const QuadrupedDynamics::Foot& FootOf(const QuadrupedDynamics& dynamics, int leg) {
-  return dynamics.feet[static_cast<std::size_t>(leg)];
-}
-
 /// The penalty on |f|^2: 0 for a regular leg.
 double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
   // The smallest singular value is |det J| over the product of the others, which is at most |J|^2 / 2.
@@ -29,7 +25,7 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& tor
                            double min_singular_value) {
   FootForces forces;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Eigen::Matrix3d& J = FootOf(dynamics, leg).J_leg;
+    const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     const Vec<3> tau = torque.segment<3>(3 * leg);
     const double damping = Damping(J, min_singular_value);
     if (damping == 0) {
@@ -46,7 +42,7 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const DecoupledDyn
                            const Vec<12>& torque, double min_singular_value) {
   double damping = 0;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    damping = std::max(damping, Damping(FootOf(dynamics, leg).J_leg, min_singular_value));
+    damping = std::max(damping, Damping(dynamics.foot(leg).J_leg, min_singular_value));
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
   Vec<12> f;
   if (damping == 0) {
@@ -65,7 +61,7 @@ Vec<12> GroundTorque(const QuadrupedDynamics& dynamics, const FootForces& forces
   Vec<12> torque;
   for (int leg = 0; leg < kNumLegs; ++leg)
     torque.segment<3>(3 * leg) =
-        dynamics.LegJacobian(leg, FootOf(dynamics, leg).p_W + arm_W).transpose() * forces[leg];
+        dynamics.LegJacobian(leg, dynamics.foot(leg).p_W + arm_W).transpose() * forces[leg];
   return torque;
 }
 
@@ -74,7 +70,7 @@ Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForce
   Eigen::Matrix<double, 6, 1> on_trunk = Eigen::Matrix<double, 6, 1>::Zero();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     on_trunk.head<3>() += forces[leg];
-    on_trunk.tail<3>() += (FootOf(dynamics, leg).p_W + arm_W - dynamics.base_W).cross(forces[leg]);
+    on_trunk.tail<3>() += (dynamics.foot(leg).p_W + arm_W - dynamics.base_W).cross(forces[leg]);
   }
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> inertia(dynamics.M.topLeftCorner<6, 6>());
   return GroundTorque(dynamics, forces, arm_W) -

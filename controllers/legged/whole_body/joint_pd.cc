@@ -27,7 +27,7 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
   // Sum of the forces, and their moments about the CoM about x and y.
   Eigen::Matrix<double, 3, kNumLegs> balance;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Eigen::Vector3d arm = dynamics.feet[static_cast<std::size_t>(leg)].p_W - dynamics.com_W;
+    const Eigen::Vector3d arm = dynamics.foot(leg).p_W - dynamics.com_W;
     balance.col(leg) << 1, arm[1], -arm[0];
   }
   const auto solver = balance.completeOrthogonalDecomposition();
@@ -40,7 +40,7 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
   Vec<12> torque = dynamics.gravity.tail<kNumJoints>();
   for (int leg = 0; leg < kNumLegs; ++leg)
     torque.segment<kJointsPerLeg>(kJointsPerLeg * leg) -=
-        dynamics.feet[static_cast<std::size_t>(leg)].J_leg.row(2).transpose() * normal[leg];
+        dynamics.foot(leg).J_leg.row(2).transpose() * normal[leg];
   return torque;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/systems/framework/parameter.h>
@@ -13,7 +14,7 @@ struct JointPdParams {
   double stiffness = 0;              ///< K_p [N m/rad]
   double damping = 0;                ///< K_d [N m s/rad]
   bool gravity_compensation = true;  ///< add StandingTorque
-  double gravity = 9.81;             ///< [m/s^2]
+  double gravity = kGravity;         ///< [m/s^2]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0

@@ -23,14 +23,10 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 // J_leg counts as singular if its determinant is less than this part of |J_leg|^3.
 constexpr double kStraight = 1e-4;
 
-const QuadrupedDynamics::Foot& FootOf(const QuadrupedDynamics& dynamics, int leg) {
-  return dynamics.feet[static_cast<std::size_t>(leg)];
-}
-
 // The trunk's columns of the foot's Jacobian.
 Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int leg) {
   Eigen::Matrix<double, 3, 6> J;
-  J << Eigen::Matrix3d::Identity(), -CrossMatrix(FootOf(dynamics, leg).p_W - dynamics.base_W);
+  J << Eigen::Matrix3d::Identity(), -CrossMatrix(dynamics.foot(leg).p_W - dynamics.base_W);
   return J;
 }
 
@@ -86,7 +82,7 @@ void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBod
     qp->b_in.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) continue;
     G.block<3, 3>(0, 3 * leg).setIdentity();
-    G.block<3, 3>(3, 3 * leg) = CrossMatrix(FootOf(dynamics, leg).p_W - dynamics.com_W);
+    G.block<3, 3>(3, 3 * leg) = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
     const double mu = params.friction;
     auto pyramid = qp->A_in.block<4, 3>(row, column);
     pyramid.row(0) = (mu * n + t_1).transpose();
@@ -113,13 +109,13 @@ bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBody
   right.col(12) = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
-    const Eigen::Matrix3d& J = FootOf(dynamics, leg).J_leg;
+    const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     if (!(std::abs(J.determinant()) > kStraight * std::pow(J.norm(), 3))) return false;
     inverse[i] = J.inverse();
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
-    const Eigen::Vector3d a = task.foot_acceleration[i] - FootOf(dynamics, leg).bias;
+    const Eigen::Vector3d a = task.foot_acceleration[i] - dynamics.foot(leg).bias;
     offset_.segment<3>(6 + 3 * leg).noalias() = inverse[i] * a;
     S.noalias() += M_b * by_trunk[i];
     right.col(12).noalias() -= M_b * offset_.segment<3>(6 + 3 * leg);
@@ -157,7 +153,7 @@ bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBody
     Eigen::Vector3d constant = dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);
     constant.noalias() += M_b * offset_.head<6>();
     constant.noalias() += M_q * offset_.segment<3>(joint);
-    if (task.stance[i]) A.middleCols<3>(3 * leg) -= FootOf(dynamics, leg).J_leg.transpose();
+    if (task.stance[i]) A.middleCols<3>(3 * leg) -= dynamics.foot(leg).J_leg.transpose();
     qp.A_in.middleRows<3>(row) = A;
     qp.A_in.middleRows<3>(row + 3) = -A;
     qp.b_in.segment<3>(row) = -torque_limit_.segment<3>(3 * leg) - constant;
@@ -181,13 +177,13 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
     const auto i = static_cast<std::size_t>(leg);
     const int joint = 6 + 3 * leg, column = 18 + 3 * leg, row = kRowsPerLeg * leg + 4;
     qp.A_eq.block<3, 18>(3 * leg, 0) = dynamics.FootJacobian(leg);
-    qp.b_eq.segment<3>(3 * leg) = task.foot_acceleration[i] - FootOf(dynamics, leg).bias;
+    qp.b_eq.segment<3>(3 * leg) = task.foot_acceleration[i] - dynamics.foot(leg).bias;
     auto A = qp.A_in.middleRows<3>(row);
     A.setZero();
     A.leftCols<18>() = dynamics.M.middleRows<3>(joint);
     if (task.stance[i]) {
       qp.A_eq.block<6, 3>(12, column) = -TrunkJacobian(dynamics, leg).transpose();
-      A.middleCols<3>(column) = -FootOf(dynamics, leg).J_leg.transpose();
+      A.middleCols<3>(column) = -dynamics.foot(leg).J_leg.transpose();
     } else {
       qp.A_eq.block<3, 3>(3 * leg, column) = -Eigen::Matrix3d::Identity();
     }
@@ -235,7 +231,7 @@ Vec<12> JointTorque(const QuadrupedDynamics& dynamics, const WholeBodySolution& 
   Vec<12> tau = dynamics.bias().tail<12>() - joint_disturbance;
   tau.noalias() += dynamics.M.bottomRows<12>() * solution.acceleration;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    tau.segment<3>(3 * leg).noalias() -= FootOf(dynamics, leg).J_leg.transpose() * solution.force[leg];
+    tau.segment<3>(3 * leg).noalias() -= dynamics.foot(leg).J_leg.transpose() * solution.force[leg];
   return tau;
 }
 

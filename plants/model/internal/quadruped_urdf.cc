@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <tenon/plants/model/internal/urdf_file.h>
+#include <tenon/plants/model/mesh_file.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 
@@ -40,6 +41,11 @@ class Reader {
     Add(*model_->getRoot(), 0, Eigen::Isometry3d::Identity());
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
     robot_.trunk = Finished(0, Eigen::Vector3d::Zero());
+    for (std::size_t body = 0; body < looks_.size(); ++body) {
+      if (looks_[body].triangles.empty()) continue;
+      robot_.meshes[body] = std::make_shared<const TriangleMesh>(Simplified(std::move(looks_[body])));
+    }
+    WarnOfMeshes();
     return std::move(warnings_);
   }
 
@@ -132,6 +138,10 @@ class Reader {
     if (link.inertial != nullptr)
       parts_[static_cast<std::size_t>(body)].push_back(
           {link.name, ToRigidInertia(*link.inertial).In(T_BL.linear(), T_BL.translation())});
+    for (const urdf::VisualSharedPtr& visual : link.visual_array)
+      if (visual->geometry != nullptr && visual->geometry->type == urdf::Geometry::MESH)
+        AddMesh(link.name, static_cast<const urdf::Mesh&>(*visual->geometry), body,
+                T_BL * ToEigen(visual->origin));
     for (const auto& joint : link.child_joints) {
       Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
       int child = body;
@@ -145,6 +155,41 @@ class Reader {
       }
       Add(*model_->getLink(joint->child_link_name), child, T_BJ);
     }
+  }
+
+  /// Adds a mesh to what the body looks like, in B so far; notes what cannot be read.
+  void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM) {
+    const auto miss = [&](const std::string& why) {
+      if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
+    };
+    const std::optional<std::filesystem::path> file = FindMesh(visual.filename, file_.name);
+    if (!file) return miss(fmt::format("the mesh '{}' is not found", visual.filename));
+    try {
+      const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
+      TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
+      const auto first = static_cast<std::uint32_t>(out.corners.size());
+      for (const auto& [x, y, z] : mesh->corners) {
+        const Eigen::Vector3d p(x * visual.scale.x, y * visual.scale.y, z * visual.scale.z);
+        const Eigen::Vector3f p_B = (T_BM * p).cast<float>();
+        out.corners.push_back({p_B.x(), p_B.y(), p_B.z()});
+      }
+      for (const auto& [a, b, c] : mesh->triangles)
+        out.triangles.push_back({first + a, first + b, first + c});
+    } catch (const ParameterError& error) {
+      miss(error.what());
+    }
+  }
+
+  void WarnOfMeshes() {
+    if (num_missing_ == 0) return;
+    const int others = num_missing_ - 1;
+    const std::string more = others == 0   ? ""
+                             : others == 1 ? ", nor is 1 other"
+                                           : fmt::format(", nor are {} others", others);
+    Warn(
+        "{}{}; plain shapes are drawn instead (packages are looked for around the URDF and in "
+        "ROS_PACKAGE_PATH)",
+        missing_, more);
   }
 
   Eigen::Vector3d AxisOf(const urdf::Joint& joint) const {
@@ -198,6 +243,8 @@ class Reader {
       JointDescription& joint = out.joints[static_cast<std::size_t>(i)];
       const Eigen::Vector3d p_BJ = joint.p_PJ;
       out.bodies[static_cast<std::size_t>(i)] = Finished(1 + kJointsPerLeg * leg + i, p_BJ);
+      for (std::array<float, 3>& p : looks_[static_cast<std::size_t>(1 + kJointsPerLeg * leg + i)].corners)
+        for (std::size_t k = 0; k < 3; ++k) p[k] -= static_cast<float>(p_BJ[static_cast<Eigen::Index>(k)]);
       joint.p_PJ = p_BJ - parent;
       parent = p_BJ;
     }
@@ -261,6 +308,9 @@ class Reader {
   std::map<std::string, Eigen::Isometry3d> poses_;       // of the links in B
   std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // of the bodies
   std::array<std::string, 1 + kNumJoints> names_;        // of the links that make them up
+  std::array<TriangleMesh, 1 + kNumJoints> looks_;       // of the bodies, as far as there are meshes
+  int num_missing_ = 0;                                  // meshes
+  std::string missing_;                                  // why the first of them is
   std::vector<std::string> warnings_;
 };
 

@@ -64,11 +64,10 @@ Json ControlsJson(const LiveControls& controls) {
   return json;
 }
 
-/// A number for one, a list for several, null for none.
+/// A number for one, a list for several; what is infinite becomes null as text.
 Json BoundsJson(const std::vector<ParameterRange>& ranges, double ParameterRange::*bound) {
   Json list = Json::array();
-  for (const ParameterRange& range : ranges)
-    list.push_back(std::isfinite(range.*bound) ? Json(range.*bound) : Json(nullptr));
+  for (const ParameterRange& range : ranges) list.push_back(range.*bound);
   return ranges.size() == 1 ? list.front() : list;
 }
 

@@ -244,6 +244,11 @@ Report::Run Report::Run::FromJson(const Json& json) {
     for (std::size_t k = 0; k < 3; ++k) shape.size[static_cast<Eigen::Index>(k)] = item.at("size").at(k);
     shape.scale = item.at("scale");
     shape.unit = item.at("unit");
+    if (item.contains("corners")) {
+      shape.mesh = std::make_shared<const TriangleMesh>(
+          internal::FromBase64<std::array<float, 3>>(item.at("corners")),
+          internal::FromBase64<std::array<std::uint32_t, 3>>(item.at("triangles")));
+    }
     run.shapes->push_back(std::move(shape));
   }
   const auto time = internal::FromBase64<double>(frames.at("time").get<std::string>());

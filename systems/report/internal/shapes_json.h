@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <tenon/systems/geometry.h>
+#include <tenon/systems/report/internal/run_log.h>
 
 namespace tenon::internal {
 
@@ -10,12 +11,16 @@ namespace tenon::internal {
 inline nlohmann::ordered_json ShapesJson(const Geometry& shapes) {
   auto list = nlohmann::ordered_json::array();
   for (const Shape& shape : shapes) {
-    list.push_back({{"kind", EnumName(shape.kind)},
-                    {"role", EnumName(shape.role)},
-                    {"name", shape.name},
-                    {"size", {shape.size[0], shape.size[1], shape.size[2]}},
-                    {"scale", shape.scale},
-                    {"unit", shape.unit}});
+    auto& item =
+        list.emplace_back(nlohmann::ordered_json{{"kind", EnumName(shape.kind)},
+                                                 {"role", EnumName(shape.role)},
+                                                 {"name", shape.name},
+                                                 {"size", {shape.size[0], shape.size[1], shape.size[2]}},
+                                                 {"scale", shape.scale},
+                                                 {"unit", shape.unit}});
+    if (shape.mesh == nullptr) continue;
+    item["corners"] = Base64(shape.mesh->corners);
+    item["triangles"] = Base64(shape.mesh->triangles);
   }
   return list;
 }

@@ -22,7 +22,20 @@ Result RunApp(const std::string& arguments) {
   return RunCommand(std::string(TENON_CDPR) + " " + arguments);
 }
 
-using TenonCdprTest = test::AppTest;
+class TenonCdprTest : public test::AppTest {
+ protected:
+  // What a run of a user's robot left in `out` is moved to `home` and repeats that run from there, without
+  // its files.
+  void ExpectTheSameRunFrom(const fs::path& home) {
+    const std::string first = Read(out / "signals.csv");
+    fs::remove_all(home);
+    fs::rename(out, home);
+    const Result again = RunCommand("cd / && " TENON_CDPR " " + (home / "scenario.yaml").string() + Out());
+    EXPECT_EQ(again.exit_code, 0) << again.text;
+    EXPECT_EQ(Read(out / "signals.csv"), first);
+    fs::remove_all(home);
+  }
+};
 
 TEST_F(TenonCdprTest, WritesSummarySignalsScenarioAndGraph) {
   const Result result = RunApp("D1 --duration 0.5 --seed 7" + Out() + " --graph " + out.string() + ".dot");
@@ -88,13 +101,7 @@ TEST_F(TenonCdprTest, WrittenScenarioStartsFromAnywhere) {
   EXPECT_THAT(Read(out / "scenario.yaml"),
               AllOf(HasSubstr("files/robot.yaml"), HasSubstr("mass_kg: 16"), HasSubstr("format: 1")));
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("mine.yaml, changed with"));
-  const std::string first = Read(out / "signals.csv");
-  fs::remove_all(home);
-  fs::rename(out, home);
-  const Result again = RunCommand("cd / && " TENON_CDPR " " + (home / "scenario.yaml").string() + Out());
-  EXPECT_EQ(again.exit_code, 0) << again.text;
-  EXPECT_EQ(Read(out / "signals.csv"), first);
-  fs::remove_all(home);
+  ExpectTheSameRunFrom(home);
 }
 
 TEST_F(TenonCdprTest, AFileThatIsMissingIsToldWithFileLineAndKey) {
@@ -362,13 +369,7 @@ TEST_F(TenonCdprTest, FliesAlongAPathFromAFile) {
   std::ofstream(home / "way.csv") << "t, x, y, z\r\n0,0,0,2\r\n0.3,0.01,0,2\r\n1,0.1,0.1,1.9\r\n";
   ASSERT_EQ(RunApp((home / "own.yaml").string() + Out()).exit_code, 0);
   EXPECT_NEAR(test::Column(out, "loop.reference.reference.position.x [m]").back(), 0.01, 1e-12);
-  const std::string first = Read(out / "signals.csv");
-  fs::remove_all(home);
-  fs::rename(out, home);
-  const Result again = RunCommand("cd / && " TENON_CDPR " " + (home / "scenario.yaml").string() + Out());
-  EXPECT_EQ(again.exit_code, 0) << again.text;
-  EXPECT_EQ(Read(out / "signals.csv"), first);
-  fs::remove_all(home);
+  ExpectTheSameRunFrom(home);
 }
 
 TEST_F(TenonCdprTest, AWrongPathFileIsToldWithItsLine) {

@@ -4,11 +4,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
 
 namespace tenon {
@@ -59,6 +63,58 @@ TEST(QuadrupedGeometryTest, LinksAndFeetAreWhereSimbodyHasThem) {
         }
       }
     }
+  }
+}
+
+// A robot with meshes on its trunk and, turned and scaled, on a link that hangs on the shank: each corner is
+// where Simbody has that point of the body.
+TEST(QuadrupedGeometryTest, MeshesMoveWithTheirBodies) {
+  const std::filesystem::path home = test::TemporaryPath("robot_with_meshes");
+  test::WriteTetrahedron(home / "t.stl");
+  const auto read = [](const char* name) {
+    std::ifstream in(std::string(TENON_ROBOTS_DIR "/") + name);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  std::string urdf = read("a1.urdf");
+  const auto add = [&](const std::string& link, const std::string& visual) {
+    const std::string start = "<link name=\"" + link + "\">";
+    const std::size_t at = urdf.find(start);
+    ASSERT_NE(at, std::string::npos) << link;
+    urdf.insert(at + start.size(), "<visual>" + visual + "</visual>");
+  };
+  add("trunk", "<geometry><mesh filename=\"t.stl\"/></geometry>");
+  add("FL_calf",
+      "<origin xyz=\"0.1 0.2 0.3\" rpy=\"0 0 1.5707963267948966\"/>"
+      "<geometry><mesh filename=\"t.stl\" scale=\"0.1 0.1 0.1\"/></geometry>");
+  std::ofstream(home / "a1.urdf") << urdf;
+  std::ofstream(home / "a1.yaml") << read("a1.yaml");
+  const QuadrupedDescription robot = LoadQuadruped((home / "a1.yaml").string());
+  std::filesystem::remove_all(home);
+
+  TestRig<QuadrupedPlant> rig(Params(robot));
+  auto& plant = rig.system();
+  RandomStream random(3);
+  rig.Set(plant.motion, RandomState(random));
+  const Geometry& geometry = rig[plant.geometry];
+  const QuadrupedBody& body = rig[plant.body];
+  const auto corners = [](const Shape& shape) {
+    std::vector<Vec<3>> points;
+    for (const auto& [x, y, z] : shape.mesh->corners)
+      points.push_back(shape.p_W + RotationFromQuaternion(shape.q_W) * Vec<3>(x, y, z));
+    return points;
+  };
+  const auto holds = [](const std::vector<Vec<3>>& points, const Vec<3>& p) {
+    return std::ranges::any_of(points, [&](const Vec<3>& q) { return (p - q).norm() < 1e-6; });
+  };
+  const Shape& trunk = Named(geometry, "trunk");
+  const Shape& shank = Named(geometry, "link of FL_calf_joint");
+  ASSERT_EQ(trunk.kind, ShapeKind::kMesh);
+  ASSERT_EQ(shank.kind, ShapeKind::kMesh);
+  EXPECT_EQ(Named(geometry, "link of FR_calf_joint").kind, ShapeKind::kCapsule);
+  for (const Vec<3>& p : {Vec<3>(0, 0, 0), Vec<3>(1, 0, 0), Vec<3>(0, 2, 0), Vec<3>(0, 0, 3)}) {
+    EXPECT_TRUE(holds(corners(trunk), body.Position(0, p)));
+    const Vec<3> turned(-p[1], p[0], p[2]);
+    EXPECT_TRUE(holds(corners(shank), body.Position(3, Vec<3>(0.1, 0.2, 0.3) + 0.1 * turned)));
   }
 }
 

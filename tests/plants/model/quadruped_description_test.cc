@@ -240,6 +240,28 @@ TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
   EXPECT_TRUE(Refused(nowhere, "dogbot.yaml", "imu_position_m.0: expected a finite number"));
 }
 
+TEST(QuadrupedDescriptionTest, SaysOnceWhichMeshesAreMissing) {
+  RobotFiles files("a1");
+  EXPECT_EQ(files.Load().meshes[0], nullptr);
+  for (const char* link : {"trunk", "FL_calf"}) {
+    const std::string start = std::string("<link name=\"") + link + "\">";
+    files.Change(&RobotFiles::urdf, start,
+                 start + "<visual><geometry><mesh filename=\"package://a1/no.stl\"/></geometry></visual>");
+  }
+  const Directory directory;
+  std::ofstream(directory.path / "a1.yaml") << files.yaml;
+  std::ofstream(directory.path / "a1.urdf") << files.urdf;
+  const std::vector<std::string> warnings =
+      QuadrupedWarnings(YamlFile{(directory.path / "a1.yaml").string()});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0],
+              ::testing::AllOf(::testing::HasSubstr("a1.urdf:"),
+                               ::testing::HasSubstr("link 'trunk': the mesh 'package://a1/no.stl' is not "
+                                                    "found, nor is 1 other; plain shapes are drawn"),
+                               ::testing::HasSubstr("ROS_PACKAGE_PATH")));
+  EXPECT_EQ(files.Load().meshes[0], nullptr);
+}
+
 // Frames that only name a place: an inertia that no body has is mended and told, one without mass left out.
 TEST(QuadrupedDescriptionTest, MendsTheInertiaOfFrames) {
   const auto with_frame = [](const std::string& inertial) {

@@ -44,8 +44,11 @@ class RunPageTest : public ::testing::Test {
     });
     auto& angle = builder.AddFunction({"angle", "rad"}, Uses(builder.time), [](double t) { return t; });
     auto& error = builder.AddFunction({"error", "m"}, Uses(builder.time), [](double t) { return 1e-3 * t; });
+    const TriangleMesh roof{{{0, 0, 0.1F}, {0.1F, 0, 0}, {0, 0.1F, 0}, {-0.1F, -0.1F, 0}},
+                            {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
     Geometry shapes{Shape::Box(ShapeRole::kBody, "box", {0.3, 0.2, 0.1}),
-                    Shape::Trace(ShapeRole::kReference, "path")};
+                    Shape::Trace(ShapeRole::kReference, "path"),
+                    Shape::Mesh(ShapeRole::kLoad, "roof", std::make_shared<const TriangleMesh>(roof))};
     auto& look = builder.AddFunction({"look"}, Uses(builder.time), [shapes](double t) {
       Geometry now = shapes;
       for (Shape& shape : now) shape.p_W = {t, 0, 0.1};
@@ -75,6 +78,7 @@ class RunPageTest : public ::testing::Test {
       report.AddFigure(std::string("foot_error_max_m.") + leg, value);
     report.AddFigure("force_mean_N.x", 2.5);
     report.AddFigure("force_mean_N.y", -0.0001);
+    report.AddFigure("robot", "/a/path/that/is/longer/than/a/column/and/has/no/blank/my_robot.yaml");
     report.AddEvent(0.25, "push");
     report.AddEvent(0.75, "pull");
     return report;
@@ -106,6 +110,11 @@ TEST_F(RunPageTest, TheReplayStaysInViewInWindowsOfAnySize) {
     browser.Resize(width, height);
     browser.Evaluate("scrollTo(0, 0)");
     EXPECT_LE(Settle("document.documentElement.scrollWidth").get<int>(), width) << "no scrolling sideways";
+    EXPECT_EQ(
+        Settle("(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)(document.querySelector('#figures "
+               "> div'))"),
+        0)
+        << "nor of the figures";
     const std::string inside =
         "(() => { const a = document.querySelector('#stage').getBoundingClientRect(), b = "
         "document.querySelector('#transport').getBoundingClientRect(); "
@@ -263,6 +272,9 @@ TEST_F(RunPageTest, LightDarkPaperAndFiles) {
   EXPECT_EQ(browser.Evaluate(grounds), Json({"dark", "rgb(18, 22, 28)"}));
   const std::string stage = "tenonReport.replay.renderer.getClearColor().getHexString()";
   EXPECT_EQ(browser.Evaluate(stage), "171c24");
+  EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs[0].actors[2].object.children[0].geometry.index.count"),
+            9)
+      << "the mesh";
   browser.Evaluate("dispatchEvent(new Event('beforeprint'))");
   EXPECT_EQ(browser.Evaluate(grounds)[0], "light") << "on paper";
   browser.Evaluate("dispatchEvent(new Event('afterprint'))");

@@ -91,7 +91,10 @@ class ReportTest : public ::testing::Test {
     builder.Connect(*force, cart->force);
     Geometry model{Shape::Box(ShapeRole::kBody, "cart", {0.3, 0.2, 0.1}),
                    Shape::Arrow(ShapeRole::kForce, "push", 0.1),
-                   Shape::Box(ShapeRole::kGround, "wall", {0.1, 1, 1})};
+                   Shape::Box(ShapeRole::kGround, "wall", {0.1, 1, 1}),
+                   Shape::Mesh(ShapeRole::kFixture, "sail",
+                               std::make_shared<const TriangleMesh>(
+                                   TriangleMesh{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}))};
     model[2].p_W = {2, 0, 0.5};
     geometry = &builder.Add<Look>("look", model).geometry;
     builder.Connect(cart->state, static_cast<Look&>(const_cast<System&>(geometry->owner())).x);
@@ -192,10 +195,12 @@ TEST_F(ReportTest, FramesHoldWhatMovesAndTheRestOnce) {
                                        {"scale", 1.0},
                                        {"unit", ""}}));
   EXPECT_EQ(frames["shapes"][1]["scale"], 0.1);
+  EXPECT_THAT(Numbers<float>(frames["shapes"][3]["corners"]), ElementsAre(0, 0, 1, 1, 0, 0, 0, 1, 0));
+  EXPECT_THAT(Numbers<std::uint32_t>(frames["shapes"][3]["triangles"]), ElementsAre(0, 1, 2));
   // Twelve numbers a shape: position x of cart and arrow, and the arrow's vector x move.
   EXPECT_THAT(frames["moving"], ElementsAre(0, 12, 12 + 7));
   const auto first = Numbers<float>(frames["first"]);
-  ASSERT_THAT(first, SizeIs(36));
+  ASSERT_THAT(first, SizeIs(48));
   EXPECT_EQ(first[24], 2) << "the wall";
   const auto data = Numbers<float>(frames["data"]);
   ASSERT_THAT(data, SizeIs(3 * 21));
