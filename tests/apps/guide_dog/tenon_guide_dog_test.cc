@@ -1,10 +1,14 @@
 // Runs the binary as its users do: what it writes, what it refuses.
 
+#include <fstream>
+
 #include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
 namespace {
 
+namespace fs = std::filesystem;
 using test::Read;
 using test::Result;
 using test::RunCommand;
@@ -20,6 +24,21 @@ using TenonGuideDogTest = test::AppTest;
 TEST_F(TenonGuideDogTest, FiguresCountFromWhenTheWalkIsJudged) {
   ASSERT_EQ(RunApp("C3 --duration 0.3 --set walk.judged_from_s=0.5" + Out()).exit_code, 0);
   EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"com_error_max_m\": null"));
+}
+
+TEST_F(TenonGuideDogTest, WarnsOfWhatTheUrdfLacks) {
+  const fs::path home = test::TemporaryPath("guide_dog_robot");
+  fs::create_directories(home);
+  std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf");
+  const std::string link = "<link name=\"trunk\">";
+  urdf.insert(urdf.find(link) + link.size(),
+              "<visual><geometry><mesh filename=\"no.stl\"/></geometry></visual>");
+  std::ofstream(home / "a1.urdf") << urdf;
+  std::ofstream(home / "a1.yaml") << Read(TENON_ROBOTS_DIR "/a1.yaml");
+  const Result run = RunApp("C1 --duration 0.1 --set robot=" + (home / "a1.yaml").string() + Out());
+  EXPECT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, AllOf(HasSubstr("warning: "), HasSubstr("the mesh 'no.stl' is not found")));
+  fs::remove_all(home);
 }
 
 TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {

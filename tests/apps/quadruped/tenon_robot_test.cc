@@ -1,4 +1,8 @@
+#include <fstream>
+
 #include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/plants/model/mesh_test_files.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::test {
 namespace {
@@ -25,6 +29,27 @@ TEST_F(TenonRobotTest, MakesARobotWalk) {
   EXPECT_THAT(Read(out / "a1.svg"), HasSubstr("<svg"));
   EXPECT_TRUE(fs::exists(out / "stand/report.html"));
   EXPECT_TRUE(fs::exists(out / "trot/summary.json"));
+}
+
+// The URDF's package stays where it is; the robot and the copies that runs leave find its meshes from
+// anywhere.
+TEST_F(TenonRobotTest, CopiesOfTheUrdfFindItsMeshes) {
+  const fs::path package = TemporaryPath("a1_description");
+  WriteTetrahedron(package / "meshes/t.stl");
+  std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf");
+  const std::string link = "<link name=\"FL_calf\">";
+  urdf.insert(urdf.find(link) + link.size(), "<visual><geometry><mesh filename=\"package://" +
+                                                 package.filename().string() +
+                                                 "/meshes/t.stl\"/></geometry></visual>");
+  std::ofstream(package / "a1.urdf") << urdf;
+  const Result run = Run((package / "a1.urdf").string() + Out());
+  EXPECT_EQ(run.exit_code, 0) << run.text;
+  const std::string absolute = "\"file://" + fs::canonical(package / "meshes/t.stl").string() + "\"";
+  EXPECT_THAT(Read(out / "a1.urdf"), HasSubstr(absolute));
+  EXPECT_THAT(Read(out / "trot/files/robot.urdf"), HasSubstr(absolute));
+  EXPECT_THAT(Read(out / "trot/report.html"),
+              HasSubstr(R"("kind":"mesh","role":"bodies","name":"link of FL_calf_joint")"));
+  fs::remove_all(package);
 }
 
 TEST_F(TenonRobotTest, SaysWhatIsWrong) {
