@@ -246,8 +246,8 @@ Report::Run Report::Run::FromJson(const Json& json) {
     shape.unit = item.at("unit");
     if (item.contains("corners")) {
       shape.mesh = std::make_shared<const TriangleMesh>(
-          internal::FromBase64<std::array<float, 3>>(item.at("corners")),
-          internal::FromBase64<std::array<std::uint32_t, 3>>(item.at("triangles")));
+          TriangleMesh{internal::FromBase64<std::array<float, 3>>(item.at("corners")),
+                       internal::FromBase64<std::array<std::uint32_t, 3>>(item.at("triangles"))});
     }
     run.shapes->push_back(std::move(shape));
   }
