@@ -345,5 +345,23 @@ TEST_F(TenonCampaignMpiTest, AKilledRankOrWriterLosesNothing) {
   }
 }
 
+/// mpirun passes the signal on to all ranks, as SIGTERM.
+TEST_F(TenonCampaignMpiTest, CtrlCEndsAllRanksInGoodOrder) {
+  const std::string file = Walks(30);
+  Run(file + To("one") + " --jobs 1");
+  const fs::path table = out / "stopped" / "runs.csv";
+  const Result stopped =
+      RunCommand("sh -c '" + Ranks(3) + file + To("stopped") + " & c=$!; until [ \"$(cat " + table.string() +
+                 " 2>/dev/null | wc -l)\" -gt 3 ]; do sleep 0.01; done; kill -INT $c; wait $c'");
+  EXPECT_NE(stopped.exit_code, 0) << stopped.text;
+  EXPECT_THAT(stopped.text, HasSubstr("interrupted: go on with tenon-campaign"));
+  const std::size_t rows = Rows(table).size();
+  EXPECT_GE(rows, 3U);
+  EXPECT_LT(rows, 60U);
+  const Result resumed = RunCommand(Ranks(2) + file + To("stopped") + " --resume");
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.text;
+  EXPECT_EQ(Table("stopped"), Table("one"));
+}
+
 }  // namespace
 }  // namespace tenon::test
