@@ -45,8 +45,9 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  const auto leash =
-      std::make_shared<GuideDogFigures>(scenario.admittance.desired_tension, scenario.supervisor.threshold);
+  // As scaled to the robot.
+  const auto leash = std::make_shared<GuideDogFigures>(loop.admittance.params.gains.desired_tension,
+                                                       loop.supervisor.params.gains.threshold);
   const auto walk = std::make_shared<WalkFigures>(scenario.walk.judged_from_s);
   std::vector<const Source*> judged = signals;
   judged.push_back(WalkFigures::Solves(loop.locomotion));
