@@ -97,7 +97,7 @@ Context::Context(const Context& other, const internal::Program& program)
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       step_start_(other.step_start_) {
-  std::memcpy(memory_.get(), other.memory_.get(), program.bitwise_end);
+  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, made next
   for (const Cell& cell : program.objects) {
     const Source& source = *cell.source;
     const bool own = source.kind() == SourceKind::kWorkspace;

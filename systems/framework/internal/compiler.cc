@@ -183,6 +183,7 @@ void Compiler::Place(Source& source, std::size_t& end) {
   end = AlignUp(end, source.type_->alignment);
   source.offset_ = static_cast<Offset>(end);
   program_.cells.push_back({&source, source.offset_});
+  if (!source.type_->bitwise) program_.objects.push_back(program_.cells.back());
   end += source.type_->size;
 }
 
@@ -244,14 +245,9 @@ void Compiler::LayOut() {
     for (Source* source : stored) {
       if (source->type_->bitwise != bitwise) continue;
       Place(*source, end);
-      if (!bitwise) program_.objects.push_back(program_.cells.back());
     }
-    if (bitwise) program_.bitwise_end = end;
   }
-  for (Source* source : last) {
-    Place(*source, end);
-    program_.objects.push_back(program_.cells.back());
-  }
+  for (Source* source : last) Place(*source, end);
   program_.memory_size = end;
   if (end > UINT32_MAX) throw BuildError("the diagram's signals take more than 4 GiB: split the diagram");
 

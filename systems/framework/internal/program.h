@@ -149,7 +149,6 @@ struct Program {
   Offset continuous_begin = 0;
   Offset derivative_begin = 0;
   int num_continuous = 0;
-  std::size_t bitwise_end = 0;  ///< bytes up to here are copied by memcpy
   std::size_t memory_size = 0;
   std::vector<Cell> cells;    ///< every stored value
   std::vector<Cell> objects;  ///< those of them that have to be copied by their type

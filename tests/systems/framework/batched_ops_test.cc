@@ -1,5 +1,5 @@
-// What a compiled diagram does in one call, or not at all, shows in its description alone: values, messages and
-// counts are those of calculations that run one by one.
+// What a compiled diagram does in one call, or not at all, shows in its description alone: values, messages
+// and counts are those of calculations that run one by one.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,8 @@ namespace {
 std::string AtEachStage(const Diagram& diagram) {
   const std::string text = diagram.Describe(), begin = "at each stage: ";
   const std::size_t at = text.find(begin);
-  return at == std::string::npos ? "" : text.substr(at + begin.size(), text.find('\n', at) - at - begin.size());
+  return at == std::string::npos ? ""
+                                 : text.substr(at + begin.size(), text.find('\n', at) - at - begin.size());
 }
 
 Eigen::VectorXd Derivatives(Context& context, const Eigen::VectorXd& x) {
@@ -89,7 +90,8 @@ TEST(BatchedOpsTest, HeldValuesAreIntegratedToo) {
   const auto diagram = builder.BuildWithOpenInputs();
   const auto context = diagram->CreateContext();
   context->Set(open.u, 7.0);
-  EXPECT_TRUE(Throws<RunError>([&] { context->EvalTimeDerivatives(); }, "'sample.output' is read at t = 0 s"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { context->EvalTimeDerivatives(); }, "'sample.output' is read at t = 0 s"));
   context->Set(sample, 6.0);
   EXPECT_EQ(context->EvalTimeDerivatives(), Eigen::Vector3d(5, 6, 7));
 
@@ -199,8 +201,8 @@ TEST(BatchedOpsTest, TheOneOfAChainThatFailsIsNamed) {
     if (i == 4) throw std::runtime_error("it breaks");
     return u;
   });
-  EXPECT_TRUE(
-      Throws<RunError>([&] { Derivatives(*chain.builder.Build()->CreateContext(), Vec<1>(3)); }, "'map4.y' failed"));
+  EXPECT_TRUE(Throws<RunError>([&] { Derivatives(*chain.builder.Build()->CreateContext(), Vec<1>(3)); },
+                               "'map4.y' failed"));
 }
 
 TEST(BatchedOpsTest, AChainBesideOthersOfItsKind) {
@@ -256,7 +258,8 @@ TEST(BatchedOpsTest, TheOneThatFailsIsNamed) {
     const auto context = diagram->CreateContext();
     EXPECT_TRUE(Throws<RunError>([&] { Derivatives(*context, Eigen::Vector3d::Zero()); }, path));
     EXPECT_TRUE(Throws<RunError>([&] { context->EvalTimeDerivatives(); }, path));
-    EXPECT_TRUE(Throws<RunError>([&] { context->Eval(maps.maps[static_cast<std::size_t>(fails)]->y); }, path));
+    EXPECT_TRUE(
+        Throws<RunError>([&] { context->Eval(maps.maps[static_cast<std::size_t>(fails)]->y); }, path));
     for (const bool profile : {false, true})
       EXPECT_TRUE(Throws<RunError>([&] { Simulator(diagram, {.profile = profile}).RunTo(1); }, path));
   }
