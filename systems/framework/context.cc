@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -96,7 +97,7 @@ Context::Context(const Context& other, const internal::Program& program)
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       step_start_(other.step_start_) {
-  std::memcpy(memory_.get(), other.memory_.get(), program.bitwise_end);
+  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, made next
   for (const Cell& cell : program.objects) {
     const Source& source = *cell.source;
     const bool own = source.kind() == SourceKind::kWorkspace;
@@ -290,7 +291,7 @@ void Context::EnsureFresh(int calculation) {
   for (const int used : info.uses) EnsureFresh(used);
   Op op = info.op;
   op.always = true;
-  RunStale({op});
+  RunStale(std::span(&op, 1));
 }
 
 bool Context::IsFresh(const Op& op) const {
@@ -379,7 +380,7 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
   const internal::Program& program = diagram_->program();
   CheckAllFixed();
   CheckSamplesFor(program.held);
-  CheckSamplesFor(program.derivatives);
+  CheckSamplesFor(program.derivatives.ops);
   RunStale(program.held);
   RunStale(program.derivatives);
   PackDerivatives();
@@ -403,25 +404,47 @@ void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
   if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
 }
 
-void Context::RunAll(const internal::OpList& ops) {
-  if (profiler_ != nullptr) return RunProfiled(ops, true);
-  const Op* op = ops.data();
-  const Op* const end = op + ops.size();
+inline void Context::Run(const Op& op) {
+  std::size_t current = 0;
+  op.run(&op.closure, op.row, memory_.get(), 1, &current, internal::kNoArgument);
+}
+
+inline void Context::Run(const internal::BatchedOps& list, const internal::Batch& batch) {
+  std::size_t current = 0;
   try {
-    for (; op != end; ++op) op->run(op->closure, memory_.get(), op->args);
+    batch.run(list.closures.data() + batch.begin, list.rows.data() + batch.rows, memory_.get(), batch.count,
+              &current, batch.carried);
   } catch (...) {
-    RethrowFrom(*op);
+    RethrowFrom(list.ops[batch.begin + current]);
   }
 }
 
-void Context::RunStale(const internal::OpList& ops) {
+void Context::RunAll(const internal::BatchedOps& list) {
+  if (profiler_ != nullptr) return RunProfiled(list.ops, true);
+  for (const internal::Batch& batch : list.batches) Run(list, batch);
+}
+
+void Context::RunStale(const internal::BatchedOps& list) {
+  if (profiler_ != nullptr) return RunProfiled(list.ops, false);
+  for (const internal::Batch& batch : list.batches) {
+    const std::span ops(list.ops.data() + batch.begin, batch.count);
+    if (std::any_of(ops.begin(), ops.end(), [&](const Op& op) { return !op.always && IsFresh(op); })) {
+      RunStale(ops);
+      continue;
+    }
+    Run(list, batch);
+    for (const Op& op : ops) stamps_[op.calculation] = instant_;
+  }
+}
+
+void Context::RunStale(std::span<const Op> ops) {
   if (profiler_ != nullptr) return RunProfiled(ops, false);
   const Op* op = ops.data();
   const Op* const end = op + ops.size();
   try {
     for (; op != end; ++op) {
       if (!op->always && IsFresh(*op)) continue;
-      op->run(op->closure, memory_.get(), op->args);
+      Run(*op);
       stamps_[op->calculation] = instant_;
     }
   } catch (...) {
@@ -430,13 +453,13 @@ void Context::RunStale(const internal::OpList& ops) {
 }
 
 /// The same as the two above.
-void Context::RunProfiled(const internal::OpList& ops, bool all) {
+void Context::RunProfiled(std::span<const Op> ops, bool all) {
   const std::size_t before = profiler_->current();
   for (const Op& op : ops) {
     if (!all && !op.always && IsFresh(op)) continue;
     profiler_->Enter(internal::Profiler::kCalculations + op.calculation);
     try {
-      op.run(op.closure, memory_.get(), op.args);
+      Run(op);
     } catch (...) {
       RethrowFrom(op);
     }

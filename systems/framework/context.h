@@ -20,6 +20,8 @@ class Diagram;
 
 namespace internal {
 struct Op;
+struct Batch;
+struct BatchedOps;
 struct CalculationInfo;
 struct UpdatePlan;
 struct TickPlan;
@@ -152,18 +154,22 @@ class Context {
   double* continuous_data();
   double* derivative_data();
   /// Takes over all continuous states.
-  void LoadStates(const double* x);
+  [[gnu::visibility("hidden")]] void LoadStates(const double* x);
   /// What values of run-time size hold, and their place among the continuous states, or derivatives.
   void UnpackStates();
   void PackStates();
-  void PackDerivatives();
+  [[gnu::visibility("hidden")]] void PackDerivatives();
 
-  // Used by a run. Each runs a list; what throws is reported with its path and the time.
-  void RunAll(const std::vector<internal::Op>& ops);
-  void RunStale(const std::vector<internal::Op>& ops);
-  void RunProfiled(const std::vector<internal::Op>& ops, bool all);
+  // Used by a run. Each runs a list; what throws is reported with its path and the time. What every
+  // evaluation takes is hidden from other libraries: only so does GCC inline it.
+  void Run(const internal::Op& op);
+  void Run(const internal::BatchedOps& list, const internal::Batch& batch);
+  [[gnu::visibility("hidden")]] void RunAll(const internal::BatchedOps& list);
+  [[gnu::visibility("hidden")]] void RunStale(const internal::BatchedOps& list);
+  [[gnu::visibility("hidden")]] void RunStale(std::span<const internal::Op> ops);
+  void RunProfiled(std::span<const internal::Op> ops, bool all);
   void Apply(const internal::UpdatePlan& plan);
-  void SetRunTime(double time);
+  [[gnu::visibility("hidden")]] void SetRunTime(double time);
   void CalcRunDerivatives(double t, const double* x, double* xdot);
   void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;

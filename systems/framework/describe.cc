@@ -144,8 +144,8 @@ class Description {
     if (program_.num_continuous == 0) return;
     text_ += fmt::format("Integration of {} states\n", program_.num_continuous);
     WriteOps("before", program_.held);
-    WriteOps("at each stage", program_.derivatives);
-    WriteOps("looks for zeros of", program_.witnesses);
+    WriteOps("at each stage", program_.derivatives.ops);
+    WriteOps("looks for zeros of", program_.witnesses.ops);
     WriteOps("after each step", program_.each_step.ops);
     WriteOps("after each step asks", program_.each_step_monitors);
     std::string restarts;

@@ -52,10 +52,6 @@ const Member& CheckDeclared(const Member& member, const char* user) {
 /// Where a value lies in a context's memory.
 using Offset = std::uint32_t;
 
-/// Runs a calculation: writes its result at args[0], reads its i-th argument at args[1 + i]. For a list, that
-/// entry says where the list begins in args: its length, then where its values lie.
-using Thunk = void (*)(const void* closure, std::byte* memory, const Offset* args);
-
 /// What a calculation runs with: the block, and its function as it was written.
 struct Closure {
   const System* self;
@@ -70,6 +66,15 @@ template <class F>
 struct ClosureOf : Closure {
   F function;
 };
+
+/// Runs `count` calculations of the same code, one after the other, each with its closure and its row: row[0]
+/// says where the result goes, row[1 + i] where the i-th argument lies. For a list, that entry says how far
+/// behind the row's beginning the list stands: its length, then where its values lie. The rows follow one
+/// another. `current` is the index of the one that runs, for whoever catches what it throws. `carried` is the
+/// argument that is, but for the first, the result of the calculation before, or kNoArgument.
+using Thunk = void (*)(const Closure* const* closures, const Offset* rows, std::byte* memory,
+                       std::size_t count, std::size_t* current, std::size_t carried);
+inline constexpr std::size_t kNoArgument = static_cast<std::size_t>(-1);
 
 /// One entry of a calculation's declared arguments.
 struct Slot {
@@ -171,6 +176,7 @@ class Source : public internal::Declared {
   void SetTarget(const Source& target) { target_ = &target; }
   void SetTrigger(Trigger trigger) { trigger_ = trigger; }
   void SetComesFromOutside() { comes_from_outside_ = true; }
+  void SetIsCopy() { is_copy_ = true; }
   void SetHasInitialValue() { has_initial_value_ = true; }
   void CheckUses(int undeclared, bool merged) const;
   System* mutable_owner() const { return owner_; }
@@ -195,6 +201,7 @@ class Source : public internal::Declared {
   const Source* target_ = nullptr;  ///< of an update or a derivative: the state
   Trigger trigger_;
   bool comes_from_outside_ = false;  ///< an ExternalPort
+  bool is_copy_ = false;             ///< of the one value that it uses
   bool has_initial_value_ = false;   ///< of a sampled output: readable before its first tick
 
   internal::Thunk run_ = nullptr;

@@ -45,6 +45,11 @@ class TimeDerivative : public Calculated<T> {
     this->SetTarget(state);
     this->Calculate(std::move(uses), std::move(function), tag);
   }
+  /// The value of an input, as it is.
+  TimeDerivative(const ContinuousState<T>& state, const InputPort<T>& rate)
+      : TimeDerivative(state, Uses(rate), [](const T& rate) -> const T& { return rate; }) {
+    this->SetIsCopy();
+  }
 };
 
 /// A state that changes only by Update. Any copyable type.

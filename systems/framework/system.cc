@@ -131,6 +131,7 @@ void Source::CheckUses(int undeclared, bool merged) const {
 
 Source::Source(System* owner, SourceKind kind, Spec spec, const internal::TypeInfo& type, const void* model)
     : owner_(owner), kind_(kind), spec_(std::move(spec)), type_(&type), model_(model) {
+  if (owner_->sources_.empty()) owner_->sources_.reserve(8);
   owner_->sources_.push_back(this);
 }
 

@@ -1,18 +1,18 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <tenon/systems/framework/parameter.h>
 #include <tenon/systems/framework/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/weights.h>
 
 namespace tenon {
 
 struct AdderParams {
-  std::vector<double> weights = {1, 1};  ///< one per input: {1, -1} subtracts
-  std::string unit = "";                 ///< of the inputs and of the output
-  std::string elements = "";             ///< names of their elements
+  internal::Weights weights = {1, 1};  ///< one per input: {1, -1} subtracts; or a std::vector<double>
+  std::string unit = "";               ///< of the inputs and of the output
+  std::string elements = "";           ///< names of their elements
   void Validate() const {
     Demand(!weights.empty(), "weights must not be empty: give one weight per input");
     Demand(internal::IsFinite(weights), "weights must be finite");
@@ -34,18 +34,19 @@ template <internal::DoubleOrMatrix T = double>
 class Adder final : public LeafSystem<AdderParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<std::vector<double>> weights{this, "weights", params.weights, "one per input"};
+  Parameter<internal::Weights> weights{this, "weights", params.weights, "one per input"};
   InputPorts<T> u{this, {"u", params.unit, params.elements}, params.weights.size()};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(weights, u),
-                  [](const std::vector<double>& weights, const Inputs<T>& u) -> T {
+                  [](const internal::Weights& weights, const Inputs<T>& u) -> T {
                     if (weights.size() != u.size()) {
                       throw RunError("there are " + std::to_string(weights.size()) + " weights, but " +
                                      std::to_string(u.size()) + " inputs: set one weight per input");
                     }
-                    T sum = weights[0] * u[0];
-                    for (std::size_t i = 1; i < u.size(); ++i) sum += weights[i] * u[i];
+                    const double* weight = weights.data();
+                    T sum = weight[0] * u[0];
+                    for (std::size_t i = 1; i < u.size(); ++i) sum += weight[i] * u[i];
                     return sum;
                   }};
 };

@@ -34,7 +34,7 @@ class Integrator final : public LeafSystem<IntegratorParams<T>> {
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   ContinuousState<T> x{this, {"y", params.y_unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};
-  TimeDerivative<T> dx{x, Uses(u), [](const T& u) -> const T& { return u; }};
+  TimeDerivative<T> dx{x, u};
 };
 
 }  // namespace tenon

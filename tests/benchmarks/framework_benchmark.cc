@@ -144,6 +144,10 @@ void GainChain(benchmark::State& state) {
   const auto diagram = builder.Build();
   const auto context = diagram->CreateContext();
   Eigen::VectorXd x = Eigen::VectorXd::Ones(2), dx(2);
+  double expected = x[1];
+  for (std::size_t i = 0; i < gains.size(); ++i) expected *= 1.001;
+  context->CalcTimeDerivatives(0, x.data(), dx.data());
+  if (dx[0] != expected) state.SkipWithError("differs from bare multiplications");
   for (auto _ : state) {
     x[1] += 1e-9;
     context->CalcTimeDerivatives(0, x.data(), dx.data());

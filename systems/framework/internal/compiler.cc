@@ -26,6 +26,15 @@ bool IsDueInOrder(const Source& source) {
           source.kind() == SourceKind::kPublish);
 }
 
+/// As System::path() makes it, but for no strings in between.
+void AppendPath(const System& block, std::string& path) {
+  if (block.parent() != nullptr) {
+    AppendPath(*block.parent(), path);
+    if (!path.empty()) path += '.';
+  }
+  path += block.name();
+}
+
 std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
 }
@@ -39,7 +48,7 @@ Program Compiler::Compile(const std::vector<std::unique_ptr<System>>& blocks, bo
 Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs)
     : open_inputs_(open_inputs) {
   Collect(blocks);
-  CheckReplacements(blocks);
+  for (const System* block : replacements_) CheckReplacement(*block);
   ResolveInputs();
   CheckDeclarations();
   CheckConnections();
@@ -55,6 +64,7 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
 void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
   for (const auto& block : blocks) {
     CheckMembers(*block);
+    if (block->replaces_ != nullptr) replacements_.push_back(block.get());
     if (auto* subdiagram = dynamic_cast<Subdiagram*>(block.get())) {
       ports_.insert(ports_.end(), block->sources().begin(), block->sources().end());
       Collect(subdiagram->blocks_);
@@ -173,6 +183,7 @@ void Compiler::Place(Source& source, std::size_t& end) {
   end = AlignUp(end, source.type_->alignment);
   source.offset_ = static_cast<Offset>(end);
   program_.cells.push_back({&source, source.offset_});
+  if (!source.type_->bitwise) program_.objects.push_back(program_.cells.back());
   end += source.type_->size;
 }
 
@@ -206,6 +217,16 @@ void Compiler::LayOut() {
           {source, static_cast<Offset>(state.offset + continuous_size), state.count});
     }
   }
+  // A value of which a derivative is a copy lies where that does: then there is nothing to copy. Held samples
+  // stay where they are, for the first copy waits for the first sample.
+  std::unordered_set<const Source*> shared;
+  for (const Source* source : sources_) {
+    if (!source->is_copy_ || !source->type_->fixed) continue;
+    auto& origin = const_cast<Source&>(source->arguments_[0].source->Resolve());
+    if (origin.run_ == nullptr || origin.is_sampled() || !shared.insert(&origin).second) continue;
+    origin.offset_ = source->offset_;
+    program_.cells.push_back({&origin, origin.offset_});
+  }
   // Everything else that is stored: first what is copied as bytes. Parameters and Publishes come last, so
   // that a block which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
   std::vector<Source*> stored, last;
@@ -214,7 +235,7 @@ void Compiler::LayOut() {
                            (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
     const bool integrated =
         source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
-    if ((integrated && source->type_->fixed) || passes_on) continue;
+    if ((integrated && source->type_->fixed) || passes_on || shared.contains(source)) continue;
     const bool added = source->kind() == SourceKind::kParameter || source->kind() == SourceKind::kPublish;
     (added ? last : stored).push_back(source);
   }
@@ -224,14 +245,9 @@ void Compiler::LayOut() {
     for (Source* source : stored) {
       if (source->type_->bitwise != bitwise) continue;
       Place(*source, end);
-      if (!bitwise) program_.objects.push_back(program_.cells.back());
     }
-    if (bitwise) program_.bitwise_end = end;
   }
-  for (Source* source : last) {
-    Place(*source, end);
-    program_.objects.push_back(program_.cells.back());
-  }
+  for (Source* source : last) Place(*source, end);
   program_.memory_size = end;
   if (end > UINT32_MAX) throw BuildError("the diagram's signals take more than 4 GiB: split the diagram");
 
@@ -244,9 +260,19 @@ void Compiler::LayOut() {
     }
   }
   Fnv1a checksum;
+  std::string line;
   for (const Cell& cell : program_.cells) {
     const Source& source = *cell.source;
-    checksum.Add(fmt::format("{} {} {}\n", source.path(), cell.offset, source.type_->size));
+    line.clear();
+    AppendPath(source.owner(), line);
+    line += '.';
+    line += source.name();
+    for (const std::size_t number : {std::size_t{cell.offset}, source.type_->size}) {
+      line += ' ';
+      line += std::to_string(number);
+    }
+    line += '\n';
+    checksum.Add(line);
     const bool held = source.kind() == SourceKind::kOutput && source.is_sampled();
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
@@ -262,41 +288,17 @@ void Compiler::LayOut() {
 }
 
 void Compiler::FillArguments() {
-  // A target and an entry for each argument; a list has one that says where in the same row its length and
-  // its values stand.
-  std::vector<std::vector<Offset>> rows;
-  std::size_t size = 0;
+  std::vector<std::size_t> begins;
+  begins.reserve(program_.calculations.size());
   for (const CalculationInfo& info : program_.calculations) {
-    std::vector<Offset> row{info.source->offset_}, lists;
-    std::vector<std::size_t> beginnings;
-    std::uint32_t in_list = 0;
-    for (const Slot& slot : info.source->arguments_) {
-      const Offset offset = slot.source != nullptr ? slot.source->offset_ : 0;  // time lies at 0
-      if (in_list > 0) {
-        --in_list;
-        lists.push_back(offset);
-      } else if (slot.what == Slot::What::kList) {
-        beginnings.push_back(row.size());
-        row.push_back(static_cast<Offset>(lists.size()));
-        lists.push_back(slot.count);
-        in_list = slot.count;
-      } else {
-        row.push_back(offset);
-      }
-    }
-    for (const std::size_t i : beginnings) row[i] += static_cast<Offset>(row.size());
-    row.insert(row.end(), lists.begin(), lists.end());
-    size += row.size();
-    rows.push_back(std::move(row));
+    begins.push_back(program_.rows.size());
+    Program::AppendRows({&info.source, 1}, program_.rows);
   }
-  program_.arguments.reserve(size);  // the ops point into it
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < begins.size(); ++i) {
     CalculationInfo& info = program_.calculations[i];
-    const Offset* args = program_.arguments.data() + program_.arguments.size();
-    program_.arguments.insert(program_.arguments.end(), rows[i].begin(), rows[i].end());
     info.op = {info.source->run_,
                info.source->closure_.get(),
-               args,
+               program_.rows.data() + begins[i],
                static_cast<std::uint32_t>(i),
                info.varies,
                false};

@@ -37,7 +37,6 @@ class Compiler {
   void CheckMembers(const System& block);
   void CheckSpec(const Source& source);
   void CheckReplacement(const System& block);
-  void CheckReplacements(const std::vector<std::unique_ptr<System>>& blocks);
   void CheckConnections();
   void CheckDeclarations();
   void CheckArguments(const Source& calculation);
@@ -54,6 +53,7 @@ class Compiler {
   std::vector<std::string> faults_;
   std::vector<Source*> sources_;               ///< of all leaves, in order
   std::vector<Source*> ports_;                 ///< of subdiagrams
+  std::vector<const System*> replacements_;    ///< blocks that replaced others
   std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default
 };
 

@@ -54,6 +54,7 @@ void Compiler::ThrowFaults() const {
 
 void Compiler::CheckMembers(const System& block) {
   std::vector<const Source*> members;
+  members.reserve(block.sources().size());
   for (const Source* source : block.sources()) {
     if (!HasOwnName(*source)) continue;
     CheckSpec(*source);
@@ -150,7 +151,6 @@ void Compiler::CheckConnections() {
 
 /// What a block that replaced another one does not have, in one fault.
 void Compiler::CheckReplacement(const System& block) {
-  if (block.replaces_ == nullptr) return;
   std::string text;
   const auto add = [&](const std::string& difference) { text += (text.empty() ? "" : "; ") + difference; };
   const auto final = [](const System* system) {
@@ -198,14 +198,6 @@ void Compiler::CheckReplacement(const System& block) {
       "the block that replaced '{}' has other ports: {}. Connect what differs by hand, or Disconnect "
       "it",
       block.path(), text));
-}
-
-void Compiler::CheckReplacements(const std::vector<std::unique_ptr<System>>& blocks) {
-  for (const auto& block : blocks) {
-    CheckReplacement(*block);
-    if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
-      CheckReplacements(nested->blocks());
-  }
 }
 
 void Compiler::ResolveInputs() {
@@ -280,7 +272,7 @@ void Compiler::CheckDeclarations() {
       Fault(fmt::format("continuous state '{}' has no time derivative: declare a TimeDerivative",
                         source->path()));
     }
-    if (source->type_->fixed && source->elements().size() * sizeof(double) != source->type_->size) {
+    if (source->type_->fixed && source->type_->num_scalars * sizeof(double) != source->type_->size) {
       Fault(fmt::format(
           "continuous state '{}' holds more than its declared doubles: list all members in Fields()",
           source->path()));

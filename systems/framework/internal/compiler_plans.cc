@@ -67,10 +67,15 @@ void Compiler::MakePlans() {
     if (when == Trigger::When::kAtStart) (publish ? published_at_start : at_start).push_back(source);
     if (when == Trigger::When::kEachStep) each_step.push_back(source);
   }
-  program_.derivatives = program_.Needed(derivatives, Which::kVarying);
-  program_.AppendSinks(derivatives, program_.derivatives);
-  program_.witnesses = program_.Needed(witnesses, Which::kVarying);
-  program_.AppendSinks(witnesses, program_.witnesses);
+  OpList ops = program_.Needed(derivatives, Which::kVarying);
+  program_.AppendSinks(derivatives, ops);
+  std::erase_if(ops, [&](const Op& op) {  // copies onto themselves
+    return program_.calculations[op.calculation].source->is_copy_ && op.row[0] == op.row[1];
+  });
+  program_.derivatives = program_.Batched(ops);
+  ops = program_.Needed(witnesses, Which::kVarying);
+  program_.AppendSinks(witnesses, ops);
+  program_.witnesses = program_.Batched(ops);
   continuing = derivatives;
   continuing.insert(continuing.end(), witnesses.begin(), witnesses.end());
   program_.held = program_.Needed(continuing, Which::kHeld);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 namespace tenon::internal {
 
@@ -122,6 +123,109 @@ OpList Program::Evaluation(const std::vector<const Source*>& sources) const {
     if (!info.sampled) ops.push_back(info.op);
   }
   return ops;
+}
+
+OpList Program::Gathered(const OpList& ops) const {
+  constexpr std::uint32_t kOther = UINT32_MAX;
+  std::vector<std::uint32_t> places(calculations.size(), kOther);  // of the calculations, in `ops`
+  for (std::uint32_t i = 0; i < ops.size(); ++i) places[ops[i].calculation] = i;
+  std::vector<int> awaited(ops.size(), 0);  // how many values that it uses are not computed yet
+  std::unordered_map<Thunk, std::vector<std::uint32_t>> ready;
+  for (std::uint32_t i = 0; i < ops.size(); ++i) {
+    for (const int used : calculations[ops[i].calculation].uses) awaited[i] += places[used] != kOther;
+    if (awaited[i] == 0) ready[ops[i].run].push_back(i);
+  }
+  OpList gathered;
+  gathered.reserve(ops.size());
+  std::vector<bool> done(ops.size(), false);
+  for (std::uint32_t first = 0; first < ops.size(); ++first) {
+    if (done[first]) continue;
+    std::vector<std::uint32_t>& same = ready[ops[first].run];
+    for (std::size_t k = 0; k < same.size(); ++k) {
+      const Op& op = ops[same[k]];
+      done[same[k]] = true;
+      gathered.push_back(op);
+      for (const int reader : calculations[op.calculation].affects) {
+        const std::uint32_t place = places[reader];
+        if (place != kOther && --awaited[place] == 0) ready[ops[place].run].push_back(place);
+      }
+    }
+    same.clear();
+  }
+  return gathered;
+}
+
+BatchedOps Program::Batched(const OpList& ops) const {
+  constexpr std::size_t kShortestChain = 4;
+  BatchedOps list;
+  list.ops = Gathered(ops);
+  list.closures.reserve(ops.size());
+  for (const Op& op : list.ops) list.closures.push_back(op.closure);
+  std::vector<const Source*> sources;
+  for (std::size_t begin = 0, end = 0; begin < list.ops.size(); begin = end) {
+    const Thunk run = list.ops[begin].run;
+    Chain chain = ChainFrom(list.ops, begin);
+    end = chain.end;
+    if (end - begin < kShortestChain) {  // up to the next one that is longer
+      chain.carried = kNoArgument;
+      for (end = begin + 1; end < list.ops.size() && list.ops[end].run == run; ++end) {
+        if (ChainFrom(list.ops, end).end - end >= kShortestChain) break;
+      }
+    }
+    list.batches.push_back({run, begin, end - begin, list.rows.size(), chain.carried});
+    sources.clear();
+    for (std::size_t i = begin; i < end; ++i) sources.push_back(calculations[list.ops[i].calculation].source);
+    AppendRows(sources, list.rows);
+  }
+  return list;
+}
+
+Program::Chain Program::ChainFrom(const OpList& ops, std::size_t begin) const {
+  Chain chain{begin + 1, kNoArgument};
+  for (; chain.end < ops.size() && ops[chain.end].run == ops[begin].run; ++chain.end) {
+    const std::size_t argument = ArgumentFrom(ops[chain.end - 1], ops[chain.end]);
+    if (argument == kNoArgument) break;
+    if (chain.carried == kNoArgument) chain.carried = argument;
+    if (argument != chain.carried) break;
+  }
+  return chain;
+}
+
+std::size_t Program::ArgumentFrom(const Op& op, const Op& next) const {
+  const std::vector<Slot>& slots = calculations[next.calculation].source->arguments_;
+  std::size_t argument = 0;
+  for (std::size_t i = 0; i < slots.size(); ++i, ++argument) {
+    const Source* source = slots[i].source;
+    if (source != nullptr && source->calculation_ == static_cast<int>(op.calculation)) return argument;
+    i += slots[i].count;  // of a list
+  }
+  return kNoArgument;
+}
+
+void Program::AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows) {
+  const auto place = [](const Slot& slot) {
+    return slot.source != nullptr ? slot.source->offset_ : Offset{0};  // time lies at 0
+  };
+  std::size_t row = rows.size();
+  for (const Source* source : sources) {
+    rows.push_back(source->offset_);
+    const std::vector<Slot>& slots = source->arguments_;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      rows.push_back(place(slots[i]));
+      i += slots[i].count;  // of a list
+    }
+  }
+  for (const Source* source : sources) {
+    const std::vector<Slot>& slots = source->arguments_;
+    std::size_t entry = row + 1;
+    for (std::size_t i = 0; i < slots.size(); ++i, ++entry) {
+      if (slots[i].what != Slot::What::kList) continue;
+      rows[entry] = static_cast<Offset>(rows.size() - row);
+      rows.push_back(slots[i].count);
+      for (const std::size_t end = i + slots[i].count; i < end;) rows.push_back(place(slots[++i]));
+    }
+    row = entry;
+  }
 }
 
 }  // namespace tenon::internal

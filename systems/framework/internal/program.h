@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -13,13 +14,30 @@ namespace tenon::internal {
 /// One entry of a flat list that a running diagram works through.
 struct Op {
   Thunk run;
-  const void* closure;
-  const Offset* args;
+  const Closure* closure;
+  const Offset* row;
   std::uint32_t calculation;  ///< index in Program::calculations
   bool varies;                ///< depends on time or continuous states other than through samples
   bool always;                ///< run even if its stamp is fresh: due samples, updates
 };
 using OpList = std::vector<Op>;
+
+/// Ops of the same code that follow one another: one call.
+struct Batch {
+  Thunk run;
+  std::size_t begin, count;  ///< of its ops, and of their closures
+  std::size_t rows;          ///< where theirs begin
+  std::size_t carried;       ///< see Thunk
+};
+
+/// A list that is worked through again and again: in an order in which ops of the same code follow one
+/// another as far as what they use allows.
+struct BatchedOps {
+  OpList ops;
+  std::vector<Batch> batches;
+  std::vector<const Closure*> closures;
+  std::vector<Offset> rows;
+};
 
 /// A calculation in its place in the program; they are numbered in dataflow order.
 struct CalculationInfo {
@@ -110,14 +128,27 @@ struct Program {
   TickPlan MakeTick(const Groups& due) const;
   /// What the values of `sources` take to compute: what they depend on, and they themselves.
   OpList Evaluation(const std::vector<const Source*>& sources) const;
+  /// The same in another order, and the batches.
+  BatchedOps Batched(const OpList& ops) const;
+  OpList Gathered(const OpList& ops) const;
+  /// Ops of the same code, from one on, of which each takes the result of the one before as the same
+  /// argument.
+  struct Chain {
+    std::size_t end;
+    std::size_t carried;
+  };
+  Chain ChainFrom(const OpList& ops, std::size_t begin) const;
+  /// Which argument of `next` is the result of `op`; kNoArgument if none.
+  std::size_t ArgumentFrom(const Op& op, const Op& next) const;
+  /// The rows of calculations of the same code, see Thunk, then the lists that they point to.
+  static void AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows);
 
   std::vector<CalculationInfo> calculations;
-  std::vector<Offset> arguments;  ///< all argument lists, one after the other
+  std::vector<Offset> rows;  ///< of all calculations
 
   Offset continuous_begin = 0;
   Offset derivative_begin = 0;
   int num_continuous = 0;
-  std::size_t bitwise_end = 0;  ///< bytes up to here are copied by memcpy
   std::size_t memory_size = 0;
   std::vector<Cell> cells;    ///< every stored value
   std::vector<Cell> objects;  ///< those of them that have to be copied by their type
@@ -125,9 +156,9 @@ struct Program {
   std::vector<Unpacked> unpacked_states;
   std::vector<Unpacked> unpacked_derivatives;
 
-  OpList derivatives;  ///< what varies and derivatives need, then the derivatives
-  OpList held;         ///< what does not vary and derivatives or witnesses need
-  OpList witnesses;    ///< what varies and witnesses need, then the witnesses
+  BatchedOps derivatives;  ///< what varies and derivatives need, and the derivatives
+  OpList held;             ///< what does not vary and derivatives or witnesses need
+  BatchedOps witnesses;    ///< what varies and witnesses need, and the witnesses
   std::vector<WitnessPlan> witness_plans;
 
   std::vector<SampleGroup> groups;

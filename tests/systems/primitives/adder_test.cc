@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
@@ -29,6 +30,24 @@ TEST(AdderTest, Weighs) {
 TEST(AdderTest, TakesOneInput) {
   TestRig<Adder<>> rig(AdderParams{.weights = {-1}});
   EXPECT_EQ(rig.Fix(rig.system().u[0], 3)[rig.system().y], -3);
+}
+
+TEST(AdderTest, TakesManyInputs) {
+  const std::vector<double> weights = {1, 2, 3, 4, 5};
+  TestRig<Adder<>> rig(AdderParams{.weights = weights});
+  for (std::size_t i = 0; i < weights.size(); ++i) rig.Fix(rig->u[i], 1);
+  EXPECT_EQ(rig[rig->y], 15);
+  rig.Set(rig->weights, {1, 1, 1, 1, 0});
+  EXPECT_EQ(rig[rig->y], 4);
+  EXPECT_EQ(rig.context().Clone()->EvalDoubles(rig->weights), (std::vector<double>{1, 1, 1, 1, 0}));
+}
+
+TEST(AdderTest, WeightsAreSaved) {
+  TestRig<Adder<>> two, one;
+  two.Set(two->weights, {3, -1});
+  one.Set(one->weights, {5});
+  one.context().Restore(two.context().Save());
+  EXPECT_EQ(one[one->weights], (std::vector<double>{3, -1}));
 }
 
 TEST(AdderTest, RefusesBadWeights) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/internal/type_info.h>
+
+namespace tenon::internal {
+
+/// A std::vector<double>, but that two numbers lie in the object itself: what is computed with them at every
+/// step follows no pointer.
+class Weights {
+ public:
+  Weights() = default;
+  Weights(std::initializer_list<double> weights) : Weights(std::vector<double>(weights)) {}
+  Weights(std::vector<double> weights) : size_(weights.size()) {
+    if (size_ > few_.size()) {
+      many_ = std::move(weights);
+    } else {
+      std::copy(weights.begin(), weights.end(), few_.begin());
+    }
+  }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  const double* data() const { return size_ > few_.size() ? many_.data() : few_.data(); }
+  double* data() { return size_ > few_.size() ? many_.data() : few_.data(); }
+  const double* begin() const { return data(); }
+  const double* end() const { return data() + size_; }
+  double operator[](std::size_t i) const { return data()[i]; }
+  /// The new ones are zero.
+  void resize(std::size_t size) {
+    std::vector<double> weights(begin(), end());
+    weights.resize(size);
+    *this = Weights(std::move(weights));
+  }
+  friend bool operator==(const Weights& a, const Weights& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  std::size_t size_ = 0;
+  std::array<double, 2> few_ = {};
+  std::vector<double> many_ = {};  ///< all of them, if they are more
+};
+
+template <>
+struct ItemsOf<Weights> : ItemsOf<std::vector<double>> {};
+
+}  // namespace tenon::internal

@@ -1,0 +1,311 @@
+// What a compiled diagram does in one call, or not at all, shows in its description alone: values, messages
+// and counts are those of calculations that run one by one.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/primitives/constant.h>
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/integrator.h>
+#include <tenon/systems/primitives/mux.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon {
+namespace {
+
+/// Of the line of Describe that tells what an evaluation runs.
+std::string AtEachStage(const Diagram& diagram) {
+  const std::string text = diagram.Describe(), begin = "at each stage: ";
+  const std::size_t at = text.find(begin);
+  return at == std::string::npos ? ""
+                                 : text.substr(at + begin.size(), text.find('\n', at) - at - begin.size());
+}
+
+Eigen::VectorXd Derivatives(Context& context, const Eigen::VectorXd& x) {
+  Eigen::VectorXd xdot(x.size());
+  context.CalcTimeDerivatives(0, x.data(), xdot.data());
+  return xdot;
+}
+
+// ---- Copies ----
+
+/// x'' = -4 x, twice: `speed` is an integral of what is computed, `position` one of a state.
+struct Spring {
+  Spring() {
+    builder.Connect(speed.y, position.u);
+    builder.Connect(position.y, gain.u);
+    builder.Connect(gain.y, speed.u);
+  }
+  DiagramBuilder builder;
+  Integrator<>& speed = builder.Add<Integrator<>>("speed", {.initial = 1});
+  Integrator<>& position = builder.Add<Integrator<>>("position");
+  Gain<>& gain = builder.Add<Gain<>>("gain", GainParams{.gain = -4});
+};
+
+TEST(BatchedOpsTest, WhatIsIntegratedAsItIsComputesIntoTheDerivative) {
+  Spring spring;
+  const auto diagram = spring.builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "gain.y, position.d/dt y");
+  const auto context = diagram->CreateContext();
+  EXPECT_EQ(Derivatives(*context, Eigen::Vector2d(2, 3)), Eigen::Vector2d(-12, 2));
+  context->SetContinuousState(Eigen::Vector2d(2, 3));
+  EXPECT_EQ(context->EvalTimeDerivatives(), Eigen::Vector2d(-12, 2));
+  context->SetContinuousState(Eigen::Vector2d(5, 7));
+  EXPECT_EQ(context->Eval(spring.speed.dx), -28);
+  EXPECT_EQ(context->Eval(spring.position.dx), 5);
+  EXPECT_EQ(std::as_const(*context).Eval(spring.gain.y), -28);
+}
+
+TEST(BatchedOpsTest, OneValueIntegratedTwiceIsCopiedOnce) {
+  DiagramBuilder builder;
+  auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return 3 + t; });
+  auto& first = builder.Add<Integrator<>>("first");
+  auto& second = builder.Add<Integrator<>>("second");
+  builder.Connect(clock, first.u);
+  builder.Connect(clock, second.u);
+  const auto diagram = builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "clock.output, second.d/dt y");
+  EXPECT_EQ(Derivatives(*diagram->CreateContext(), Eigen::Vector2d(1, 2)), Eigen::Vector2d(3, 3));
+}
+
+TEST(BatchedOpsTest, HeldValuesAreIntegratedToo) {
+  DiagramBuilder builder;
+  auto& constant = builder.Add<ConstantSource<double>>("constant", {.value = 5});
+  auto& of_constant = builder.Add<Integrator<>>("of_constant");
+  auto& sample =
+      builder.AddFunction("sample", Sampled{Hz(10)}, Uses(builder.time), [](double t) { return 1 + t; });
+  auto& of_sample = builder.Add<Integrator<>>("of_sample");
+  auto& open = builder.Add<Integrator<>>("open");
+  builder.Connect(constant.y, of_constant.u);
+  builder.Connect(sample, of_sample.u);
+  const auto diagram = builder.BuildWithOpenInputs();
+  const auto context = diagram->CreateContext();
+  context->Set(open.u, 7.0);
+  EXPECT_TRUE(
+      Throws<RunError>([&] { context->EvalTimeDerivatives(); }, "'sample.output' is read at t = 0 s"));
+  context->Set(sample, 6.0);
+  EXPECT_EQ(context->EvalTimeDerivatives(), Eigen::Vector3d(5, 6, 7));
+
+  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
+  simulator.context().Set(open.u, 7.0);
+  simulator.RunTo(1);
+  EXPECT_NEAR(simulator.context().Eval(of_constant.y), 5, 1e-12);
+  EXPECT_NEAR(simulator.context().Eval(of_sample.y), 1.45, 1e-12);  // 0.1 (1 + 1.1 + ... + 1.9)
+  EXPECT_NEAR(simulator.context().Eval(open.y), 7, 1e-12);
+}
+
+TEST(BatchedOpsTest, ARunGoesOnFromItsSnapshotBitForBit) {
+  Spring spring;
+  const auto diagram = spring.builder.Build();
+  Simulator whole(*diagram), half(*diagram);
+  whole.RunTo(0.5);
+  half.RunTo(0.5);
+  Simulator rest(diagram->CreateContext());
+  rest.context().Restore(half.context().Save());
+  Simulator cloned(half.context().Clone());
+  for (Simulator* each : {&whole, &rest, &cloned}) each->RunTo(1);
+  EXPECT_EQ(rest.context().Save(), whole.context().Save());
+  EXPECT_EQ(cloned.context().Save(), whole.context().Save());
+  EXPECT_EQ(rest.context().Eval(spring.gain.y), whole.context().Eval(spring.gain.y));
+}
+
+// ---- Runs of equal calculations ----
+
+/// Pairs of an integrator and a map of its state, each of which goes into the next integrator.
+struct Maps {
+  Maps(int count, const std::function<double(int, double)>& f) {
+    for (int i = 0; i < count; ++i) {
+      const std::string number = std::to_string(i);
+      states.push_back(&builder.Add<Integrator<>>("state" + number));
+      maps.push_back(&builder.Add<Map>("map" + number, [f, i](double u) { return f(i, u); }));
+      gains.push_back(&builder.Add<Gain<>>("gain" + number, GainParams{.gain = 2}));
+      builder.Connect(states.back()->y, maps.back()->u);
+      builder.Connect(maps.back()->y, gains.back()->u);
+    }
+    for (std::size_t i = 0; i < states.size(); ++i)
+      builder.Connect(gains[i]->y, states[(i + 1) % states.size()]->u);
+  }
+  DiagramBuilder builder;
+  std::vector<Integrator<>*> states;
+  std::vector<Map*> maps;
+  std::vector<Gain<>*> gains;
+};
+
+TEST(BatchedOpsTest, EqualCalculationsFollowOneAnother) {
+  Maps maps(3, [](int i, double u) { return i + u; });
+  const auto diagram = maps.builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "map0.y, map1.y, map2.y, gain0.y, gain1.y, gain2.y");
+  EXPECT_EQ(Derivatives(*diagram->CreateContext(), Eigen::Vector3d(5, 7, 9)), Eigen::Vector3d(22, 10, 16));
+}
+
+TEST(BatchedOpsTest, ButNoneComesBeforeWhatItUses) {
+  DiagramBuilder builder;
+  auto& state = builder.Add<Integrator<>>("state");
+  auto& c = builder.Add<Gain<>>("c", GainParams{.gain = 3});
+  auto& a = builder.Add<Gain<>>("a", GainParams{.gain = 3});
+  auto& b = builder.Add<Gain<>>("b", GainParams{.gain = 3});
+  auto& map = builder.Add<Map>("map", [](double u) { return u + 1; });
+  builder.Connect(state.y, a.u);
+  builder.Connect(a.y, b.u);
+  builder.Connect(b.y, map.u);
+  builder.Connect(map.y, c.u);
+  builder.Connect(c.y, state.u);
+  const auto diagram = builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "a.y, b.y, map.y, c.y");
+  EXPECT_EQ(Derivatives(*diagram->CreateContext(), Eigen::VectorXd::Constant(1, 2)), Vec<1>(57));
+}
+
+/// A chain behind an integrator, closed, in which each takes the result of the one before.
+struct ChainOfMaps {
+  explicit ChainOfMaps(const std::function<double(int, double)>& f) {
+    const OutputPort<double>* last = &state.y;
+    for (int i = 0; i < 6; ++i) {
+      maps.push_back(&builder.Add<Map>("map" + std::to_string(i), [f, i](double u) { return f(i, u); }));
+      builder.Connect(*last, maps.back()->u);
+      last = &maps.back()->y;
+    }
+    builder.Connect(*last, state.u);
+  }
+  DiagramBuilder builder;
+  Integrator<>& state = builder.Add<Integrator<>>("state", {.initial = 1});
+  std::vector<Map*> maps;
+};
+
+TEST(BatchedOpsTest, EachValueOfAChainCanBeRead) {
+  int calls = 0;
+  ChainOfMaps chain([&](int i, double u) {
+    ++calls;
+    return 10 * u + i;
+  });
+  const auto context = chain.builder.Build()->CreateContext();
+  EXPECT_EQ(Derivatives(*context, Vec<1>(3))[0], 3012345);
+  context->SetContinuousState(Vec<1>(2));
+  EXPECT_EQ(context->EvalTimeDerivatives()[0], 2012345);
+  EXPECT_EQ(calls, 12);
+  const double expected[] = {20, 201, 2012, 20123, 201234, 2012345};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(std::as_const(*context).Eval(chain.maps[i]->y), expected[i]);
+  EXPECT_EQ(calls, 12);
+}
+
+TEST(BatchedOpsTest, TheOneOfAChainThatFailsIsNamed) {
+  ChainOfMaps chain([](int i, double u) {
+    if (i == 4) throw std::runtime_error("it breaks");
+    return u;
+  });
+  EXPECT_TRUE(Throws<RunError>([&] { Derivatives(*chain.builder.Build()->CreateContext(), Vec<1>(3)); },
+                               "'map4.y' failed"));
+}
+
+TEST(BatchedOpsTest, AChainBesideOthersOfItsKind) {
+  DiagramBuilder builder;
+  auto& state = builder.Add<Integrator<>>("state");
+  auto& aside = builder.Add<Integrator<>>("aside");
+  const OutputPort<double>* last = &state.y;
+  for (int i = 0; i < 5; ++i) {
+    auto& gain = builder.Add<Gain<>>("gain" + std::to_string(i), GainParams{.gain = 2.0 + i});
+    builder.Connect(*last, gain.u);
+    last = &gain.y;
+  }
+  auto& other = builder.Add<Gain<>>("other", GainParams{.gain = -1});
+  builder.Connect(state.y, other.u);
+  builder.Connect(*last, state.u);
+  builder.Connect(other.y, aside.u);
+  const auto diagram = builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "gain0.y, other.y, gain1.y, gain2.y, gain3.y, gain4.y");
+  EXPECT_EQ(Derivatives(*diagram->CreateContext(), Eigen::Vector2d(3, 0)), Eigen::Vector2d(2160, -3));
+}
+
+TEST(BatchedOpsTest, ListsOfDifferentLengths) {
+  DiagramBuilder builder;
+  auto& states = builder.Add<Integrator<Vec<3>>>("states", {.initial = {1, 2, 3}});
+  auto& parts = builder.Add<Demux<3>>("parts");
+  auto& two = builder.Add<Adder<>>("two", AdderParams{.weights = {2, 3}});
+  auto& three = builder.Add<Adder<>>("three", AdderParams{.weights = {1, 10, 100}});
+  auto& one = builder.Add<Adder<>>("one", AdderParams{.weights = {-1}});
+  auto& join = builder.Add<Mux<3>>("join");
+  builder.Connect(states.y, parts.u);
+  for (std::size_t i = 0; i < 3; ++i) builder.Connect(parts.y[i], three.u[i]);
+  builder.Connect(parts.y[0], two.u[1]);
+  builder.Connect(parts.y[2], two.u[0]);
+  builder.Connect(parts.y[1], one.u[0]);
+  builder.Connect(two.y, join.u[0]);
+  builder.Connect(three.y, join.u[1]);
+  builder.Connect(one.y, join.u[2]);
+  builder.Connect(join.y, states.u);
+  const auto diagram = builder.Build();
+  EXPECT_EQ(AtEachStage(*diagram), "parts.y_0, parts.y_1, parts.y_2, one.y, two.y, three.y, join.y");
+  EXPECT_EQ(Derivatives(*diagram->CreateContext(), Eigen::Vector3d(4, 5, 6)), Eigen::Vector3d(24, 654, -5));
+}
+
+TEST(BatchedOpsTest, TheOneThatFailsIsNamed) {
+  int fails = -1;
+  Maps maps(3, [&](int i, double u) {
+    if (i == fails) throw std::runtime_error("it is tired");
+    return u;
+  });
+  const auto diagram = maps.builder.Build();
+  for (fails = 0; fails < 3; ++fails) {
+    const std::string path = "'map" + std::to_string(fails) + ".y' failed at t = 0 s: it is tired";
+    const auto context = diagram->CreateContext();
+    EXPECT_TRUE(Throws<RunError>([&] { Derivatives(*context, Eigen::Vector3d::Zero()); }, path));
+    EXPECT_TRUE(Throws<RunError>([&] { context->EvalTimeDerivatives(); }, path));
+    EXPECT_TRUE(
+        Throws<RunError>([&] { context->Eval(maps.maps[static_cast<std::size_t>(fails)]->y); }, path));
+    for (const bool profile : {false, true})
+      EXPECT_TRUE(Throws<RunError>([&] { Simulator(diagram, {.profile = profile}).RunTo(1); }, path));
+  }
+}
+
+TEST(BatchedOpsTest, TheOneThatIsNotFiniteIsNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Maps maps(3, [=](int i, double u) { return i == 1 ? nan : u; });
+  EXPECT_TRUE(Throws<RunError>([&] { Simulator(maps.builder.Build()).RunTo(1); }, "'map1.y' is nan"));
+
+  Spring spring;
+  const auto diagram = spring.builder.Build();
+  Simulator simulator(*diagram);
+  simulator.context().Set(spring.position.x, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'position.y' is inf"));
+}
+
+TEST(BatchedOpsTest, WhatIsFreshIsNotComputedAgain) {
+  std::vector<int> calls(3, 0);
+  Maps maps(3, [&](int i, double u) {
+    ++calls[static_cast<std::size_t>(i)];
+    return u;
+  });
+  const auto context = maps.builder.Build()->CreateContext();
+  context->Eval(maps.maps[1]->y);
+  context->EvalTimeDerivatives();
+  EXPECT_EQ(calls, (std::vector<int>{1, 1, 1}));
+  context->EvalTimeDerivatives();
+  EXPECT_EQ(calls, (std::vector<int>{1, 1, 1}));
+  context->Eval(maps.maps[2]->y);
+  context->Set(maps.states[0]->x, 1.0);
+  context->EvalTimeDerivatives();
+  EXPECT_EQ(calls, (std::vector<int>{2, 2, 2}));
+}
+
+TEST(BatchedOpsTest, EachCountsForItselfInAProfile) {
+  Maps maps(3, [](int, double u) { return -u; });
+  Simulator simulator(maps.builder.Build(), {.profile = true});
+  simulator.RunTo(1);
+  const auto calculations = simulator.Profile().calculations;
+  EXPECT_EQ(calculations.size(), 6);
+  for (const auto& each : calculations) {
+    EXPECT_GE(each.calls, simulator.statistics().evaluations) << each.path;
+    EXPECT_EQ(each.calls, calculations[0].calls) << each.path;
+  }
+}
+
+}  // namespace
+}  // namespace tenon
