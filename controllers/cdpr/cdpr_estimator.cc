@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 
 #include <fmt/core.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/model/cross_matrix.h>
 
 #include <Eigen/Cholesky>
@@ -9,6 +10,8 @@
 
 namespace tenon {
 namespace {
+
+constexpr double kBiasTime = 0.2;  // t_b [s]
 
 Eigen::Vector3d RotationVector(const Vec<4>& q) {
   const Eigen::Vector3d v = (q[0] < 0 ? -1 : 1) * q.tail<3>();
@@ -28,14 +31,24 @@ void CdprEstimatorParams::Validate() const {
   check("noise.attitude", noise.attitude);
   check("noise.angular_velocity", noise.angular_velocity);
   check("noise.specific_force", noise.specific_force);
+  check("noise.length_rate", noise.length_rate);
   check("initial_velocity", initial_velocity);
 }
 
+CdprEstimator::Memory CdprEstimator::FirstMemory(const CdprEstimatorParams& params) {
+  Memory memory;
+  memory.length.setZero(params.robot.num_cables());
+  memory.bias.setZero(params.robot.num_cables());
+  return memory;
+}
+
 PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasurement& pose,
-                                             const ImuMeasurement& inertial, const CdprNoise& noise,
-                                             Memory& memory) const {
+                                             const ImuMeasurement& inertial, const CableSignals& cables,
+                                             const CdprNoise& noise, Memory& memory) const {
+  const bool lengths = cables.length.size() > 0;
   if (memory.started) {
-    Predict(inertial, noise, memory);
+    const Step mean = Predict(inertial, noise, memory);
+    if (lengths) CorrectByLengths(cables.length, noise, mean, memory);
     Correct(pose, noise, memory);
   } else {
     memory.started = true;
@@ -46,10 +59,12 @@ PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasu
   }
   memory.platform.w_W = memory.platform.R_WB() * inertial.angular_velocity_B;
   memory.inertial = inertial;
+  if (lengths) memory.length = cables.length;
   return {time, memory.platform};
 }
 
-void CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const {
+CdprEstimator::Step CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noise,
+                                           Memory& memory) const {
   const double T = params.rate.period();
   const Vec<3> w = (memory.inertial.angular_velocity_B + inertial.angular_velocity_B) / 2;
   const Vec<3> f = (memory.inertial.specific_force_B + inertial.specific_force_B) / 2;
@@ -58,6 +73,7 @@ void CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noi
   const Eigen::Matrix3d R_WB =
       RotationFromQuaternion(QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(T / 2 * w)));
   const Vec<3> a_W = R_WB * f - Vec<3>(0, 0, params.gravity);
+  const Step mean{platform.p_WB + T / 2 * platform.v_W, platform.v_W + T / 2 * a_W, w, R_WB};
   platform.p_WB += T * platform.v_W + T * T / 2 * a_W;
   platform.v_W += T * a_W;
   platform.q_WB = QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(T * w)).normalized();
@@ -70,6 +86,34 @@ void CdprEstimator::Predict(const ImuMeasurement& inertial, const CdprNoise& noi
   memory.covariance = FP.lazyProduct(F.transpose());
   memory.covariance.diagonal().segment<3>(3).array() += std::pow(T * noise.specific_force, 2);
   memory.covariance.diagonal().segment<3>(6).array() += std::pow(T * noise.angular_velocity, 2);
+  return mean;
+}
+
+void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean,
+                                     Memory& memory) const {
+  const double T = params.rate.period(), share = T / kBiasTime;
+  const Eigen::Vector3d w_W = mean.R_WB * mean.w_B;
+  PlatformState& platform = memory.platform;
+  Covariance& P = memory.covariance;
+  for (int i = 0; i < params.robot.num_cables(); ++i) {
+    const CableLine line = CalcCableLine(params.robot, i, mean.p_WB, mean.R_WB);
+    const Eigen::Vector3d lever = line.wrench.tail<3>();
+    const double innovation =
+        (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
+    double& bias = memory.bias[i];
+    bias += share * (innovation - bias);
+    const Eigen::Matrix<double, 9, 1> PH = -P.middleCols<3>(3) * line.direction;  // H picks -direction . dv
+    const double S = std::pow(noise.length_rate, 2) + 2 / share * bias * bias +
+                     lever.squaredNorm() * std::pow(noise.angular_velocity, 2) -
+                     line.direction.dot(PH.segment<3>(3));
+    const Eigen::Matrix<double, 9, 1> error = innovation / S * PH;
+    P.noalias() -= PH / S * PH.transpose();
+    platform.p_WB += error.head<3>();
+    platform.v_W += error.segment<3>(3);
+    mean.v_W += error.segment<3>(3);
+    platform.q_WB =
+        QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
+  }
 }
 
 void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const {

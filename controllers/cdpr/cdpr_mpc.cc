@@ -50,7 +50,7 @@ void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, 
                           CableVector* command) const {
   const CdprDescription& robot = params.path->robot();
   plan.Evaluate(time, estimate.time, CentroidalStateOf(robot, estimate.platform, plan.payload), command);
-  (path.path ? *path.path : *params.path).At(time, &reference);
+  (path.path ? *path.path : *params.path).At(time + robot.winch.time_constant, &reference);
   *command -= robot.winch.reel_damping * reference.length_rate;
   *command += robot.winch.time_constant * plan.reference_rate;
   *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);

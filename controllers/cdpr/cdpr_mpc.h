@@ -14,11 +14,11 @@ namespace tenon {
 ///
 /// What goes to the winches is the policy with its feedback, at the winches' rate:
 ///
-///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt + T du_ref/dt)
+///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt (t + T) + T du_ref/dt)
 ///
 /// The last terms are the tension that the reel damping b of the winches adds when the cables run as the
-/// reference says, and what the lag T of their motors takes from its changes; the bounds hold for the
-/// command.
+/// reference says, as early as the lag T of their motors is late, and what that lag takes from changes of the
+/// reference's tensions; the bounds hold for the command.
 ///
 /// If a solve fails (no descent, or not finite) the last policy goes on and is counted; after
 /// `max_fallbacks_in_a_row` the run ends.

@@ -41,11 +41,12 @@ struct WrenchMargins {
 ///
 /// The first follows from h once more: bounds that are tighter by m lower it by m sum_i |c.w_i|.
 ///
-/// SetStructure() finds all normals by Gaussian elimination of [W | 1], one chosen column after the other:
-/// what remains of d rows after d - 1 steps is one row, [c.w_1 ... c.w_n | c]. Choices with a common
-/// beginning share their steps. Dependent columns bound no facet and are left out; a normal too many would do
-/// no harm, since h(c) >= r(c) is necessary for any c. Costs grow as n over d - 1: 56 choices for 8 cables in
-/// space, 792 for 12. Allocates in the constructor alone.
+/// SetStructure() finds all normals by Gaussian elimination of [W | 1], one chosen column after the other,
+/// down to three rows. Choices with a common beginning share their steps. In the space of these rows the
+/// normal to two more columns is their cross product n, and n times the rows is [c.w_1 ... c.w_n | c]:
+/// several choices side by side. Dependent columns bound no facet; if rounding makes a normal of them, it
+/// does no harm, since h(c) >= r(c) is necessary for any c. Costs grow as n over d - 1: 56 choices for 8
+/// cables in space, 792 for 12. Allocates in the constructor alone.
 class WrenchFeasibility {
  public:
   /// @throws ParameterError unless 2 <= rows <= cables.
@@ -60,23 +61,27 @@ class WrenchFeasibility {
   /// Tensions are within [tension_min, tension_max] [N]; both finite.
   WrenchMargins Margins(const WrenchBox& required, double tension_min, double tension_max) const;
 
-  int num_facets() const { return num_facets_; }  ///< pairs of them, at most n over d - 1
-  /// Normal of a facet; its opposite is that of another one. Not of unit length.
-  auto normal(int facet) const { return normals_.col(facet); }
+  int num_facets() const { return num_facets_; }  ///< pairs of them, n over d - 1
+  /// Normal of a facet; its opposite is that of another one. Not of unit length; 0 if its cables are
+  /// dependent.
+  auto normal(int facet) const { return normals_.row(facet).transpose(); }
   /// The cables of which the columns lie in the facet, one less than rows.
   auto cables(int facet) const { return cables_.col(facet); }
 
  private:
   void Eliminate(int level, int first);
-  void AddFacet(const double* row);
+  int Cross(const double* rows, int first);
+  void AddFacets(const double* rows, int count);
+  void SkipFacets(int count);
 
-  int rows_, num_cables_, width_;            // width: columns of [W | 1]
+  int rows_, num_cables_, width_;            // width: columns of [W | 1], filled up
   std::vector<std::vector<double>> levels_;  // level k: d - k rows of that width
   double smallest_pivot_ = 0;
-  int num_facets_ = 0;
-  Eigen::VectorXi chosen_;              // columns that are eliminated, in each level
-  Eigen::MatrixXd normals_;             // c, a column for each facet
-  Eigen::MatrixXi cables_;              // likewise
+  Eigen::MatrixXi cables_;  // a column for each facet
+  Eigen::MatrixX3d cross_;  // n, a row for each of the facets that are computed together
+  int num_facets_ = 0, facets_done_ = 0;
+  // With a row for each facet, and some more.
+  Eigen::MatrixXd normals_;             // c
   Eigen::VectorXd sum_, absolute_sum_;  // of c.w_i over the cables
   Eigen::VectorXd norm_;                // |c|
 };

@@ -50,9 +50,12 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
   AddDisturbances(params);
 
   if (params.mpc || params.offset_free) {
-    estimator = &Add<CdprEstimator>("estimator", params.estimator);
+    CdprEstimatorParams estimator_params = params.estimator;
+    estimator_params.robot = params.path->robot();
+    estimator = &Add<CdprEstimator>("estimator", estimator_params);
     Connect(*told_pose, estimator->pose);
     Connect(*told_inertial, estimator->inertial);
+    Connect(*told_cables, estimator->cables);
   }
   if (params.offset_free) {
     LoadEstimatorParams load_params = params.load;

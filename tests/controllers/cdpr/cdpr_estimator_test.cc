@@ -5,8 +5,10 @@
 #include <cmath>
 #include <random>
 
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
@@ -85,16 +87,28 @@ TEST(CdprEstimator, TheSignOfAQuaternionIsOfNoMatter) {
   }
 }
 
-// The pose alone has 5 mm per axis; differences of it over 5 ms would have 1.4 m/s.
-TEST(CdprEstimator, FiltersNoise) {
-  TestRig<CdprEstimator> rig;
+CableSignals Lengths(const CdprDescription& robot, const PlatformState& platform) {
+  CableSignals cables = CableSignals::Zero(robot.num_cables());
+  cables.length = CalcCableKinematics(robot, platform.p_WB, platform.R_WB()).length;
+  return cables;
+}
+
+/// Deviations of position [m], velocity [m/s] and attitude [rad], after the first two of 20 s.
+struct Deviations {
+  double p = 0, v = 0, turn = 0;
+  double believed_p = 0;  // by the filter, in the end
+};
+/// Of the motion above, with noise as by default; `told` makes of the true lengths what the filter is told.
+template <class Told>
+Deviations FlyWithNoise(const CdprDescription& robot, const Told& told) {
+  TestRig<CdprEstimator> rig(CdprEstimatorParams{.robot = robot});
   std::mt19937 generator(1);
   std::normal_distribution<double> normal;
   const auto noise = [&](double deviation) {
     return Vec<3>(deviation * normal(generator), deviation * normal(generator),
                   deviation * normal(generator));
   };
-  double p = 0, v = 0, turn = 0;
+  Deviations sum;
   int count = 0;
   for (int k = 0; k <= 4000; ++k) {
     const Motion motion = At(0.005 * k);
@@ -104,26 +118,70 @@ TEST(CdprEstimator, FiltersNoise) {
     ImuMeasurement inertial = Inertial(motion);
     inertial.angular_velocity_B += noise(0.005);
     inertial.specific_force_B += noise(0.05);
-    rig.Fix(rig.system().pose, pose).Fix(rig.system().inertial, inertial).Tick();
+    if (robot.num_cables() > 0) rig.Fix(rig->cables, told(k, Lengths(robot, motion.platform)));
+    rig.Fix(rig->pose, pose).Fix(rig->inertial, inertial).Tick();
     if (k < 400) continue;
-    const PlatformState& platform = rig[rig.system().estimate].platform;
-    p += (platform.p_WB - motion.platform.p_WB).squaredNorm();
-    v += (platform.v_W - motion.platform.v_W).squaredNorm();
-    turn += std::pow(TurnBetween(platform, motion.platform), 2);
+    const PlatformState& platform = rig[rig->estimate].platform;
+    sum.p += (platform.p_WB - motion.platform.p_WB).squaredNorm();
+    sum.v += (platform.v_W - motion.platform.v_W).squaredNorm();
+    sum.turn += std::pow(TurnBetween(platform, motion.platform), 2);
     ++count;
   }
-  EXPECT_LT(std::sqrt(p / count), 0.002);
-  EXPECT_LT(std::sqrt(v / count), 0.01);
-  EXPECT_LT(std::sqrt(turn / count), 0.003);
+  return {std::sqrt(sum.p / count), std::sqrt(sum.v / count), std::sqrt(sum.turn / count),
+          std::sqrt(rig[rig->memory].covariance.diagonal().template head<3>().sum())};
+}
+CableSignals AsTheyAre(int, const CableSignals& cables) {
+  return cables;
+}
+
+// The pose alone has 5 mm per axis; differences of it over 5 ms would have 1.4 m/s.
+TEST(CdprEstimator, FiltersNoise) {
+  const Deviations found = FlyWithNoise({}, AsTheyAre);
+  EXPECT_LT(found.p, 0.002);
+  EXPECT_LT(found.v, 0.01);
+  EXPECT_LT(found.turn, 0.003);
   // What the filter believes of itself is of that size too.
-  const auto& memory = rig[rig.system().memory];
-  EXPECT_NEAR(std::sqrt(memory.covariance.diagonal().head<3>().sum()), std::sqrt(p / count), 0.001);
+  EXPECT_NEAR(found.believed_p, found.p, 0.001);
+}
+
+TEST(CdprEstimator, LengthsTellTheVelocity) {
+  const Deviations without = FlyWithNoise({}, AsTheyAre);
+  for (const int cables : {4, 8, 12}) {
+    const Deviations with = FlyWithNoise(test::RobotWithCables(cables), AsTheyAre);
+    EXPECT_LT(with.p, 0.6 * without.p) << cables;
+    EXPECT_LT(with.v, 0.6 * without.v) << cables;
+    EXPECT_LT(with.turn, 1.05 * without.turn) << cables;
+  }
+}
+
+// A drum that changes layers tells metres of 1.1 m; one that slips loses a centimetre now and then. The
+// others tell the velocity none the less.
+TEST(CdprEstimator, ALengthThatIsWrongLosesItsWeight) {
+  const CdprDescription robot = test::FourCableRobot();
+  const double without = FlyWithNoise({}, AsTheyAre).p;
+  const CableSignals start = Lengths(robot, At(0).platform);
+  EXPECT_LT(FlyWithNoise(robot,
+                         [&](int, CableSignals cables) {
+                           cables.length[0] += 0.1 * (cables.length[0] - start.length[0]);
+                           return cables;
+                         })
+                .p,
+            0.9 * without);
+  EXPECT_LT(FlyWithNoise(robot,
+                         [](int k, CableSignals cables) {
+                           cables.length[2] -= 0.01 * (k / 300);
+                           return cables;
+                         })
+                .p,
+            0.9 * without);
 }
 
 TEST(CdprEstimator, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  TestRig<CdprEstimator> rig;
-  rig.Fix(rig.system().pose, Pose(At(0))).Fix(rig.system().inertial, Inertial(At(0))).Tick();
+  const CdprDescription robot = test::FourCableRobot();
+  TestRig<CdprEstimator> rig(CdprEstimatorParams{.robot = robot});
+  rig.Fix(rig->pose, Pose(At(0))).Fix(rig->inertial, Inertial(At(0)));
+  rig.Fix(rig->cables, Lengths(robot, At(0).platform)).Tick();
   const AllocationGuard guard;
   rig.Tick();
   EXPECT_EQ(guard.count(), 0);
@@ -132,6 +190,8 @@ TEST(CdprEstimator, DoesNotAllocate) {
 TEST(CdprEstimator, RefusesSensorsWithoutNoise) {
   EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.noise = {.attitude = 0}}); }, "noise.attitude = 0",
                                      "must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.noise = {.length_rate = 0}}); },
+                                     "noise.length_rate = 0", "must be positive"));
 }
 
 TEST(CdprEstimator, NoiseIsSetInARun) {

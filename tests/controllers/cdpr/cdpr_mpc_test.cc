@@ -155,6 +155,26 @@ TEST(CdprMpc, ReferenceAccelerates) {
   }
 }
 
+// What damps the winches when the cables run as the reference says is subtracted as early as the motors are
+// late.
+TEST(CdprMpc, LeadsTheReelDampingByTheLagOfTheMotors) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.winch.time_constant = 0.1;
+  const PathPoint moving{{0, 0, 2}, {0.3, 0, 0}, {0, 0.2, 0}};
+  const auto command = [&] {
+    CdprMpcParams params = Holding(robot, moving.position);
+    params.path = std::make_shared<EquilibriumPath>(robot, Path::Move(moving, 0, {0.5, 0.5, 2}, 3));
+    TestRig<CdprMpc> rig(params);
+    rig.Fix(rig->estimate, At(params, 0, {0, 0, 0})).Tick();
+    const CdprReference late = params.path->At(robot.winch.time_constant);
+    EXPECT_GT((late.length_rate - params.path->At(0).length_rate).norm(), 0.01);
+    return CableVector(rig[rig->command] + robot.winch.reel_damping * late.length_rate);
+  };
+  const CableVector damped = command();
+  robot.winch.reel_damping = 0;
+  EXPECT_THAT(damped, IsNear(command(), 1e-9));
+}
+
 TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   params.max_fallbacks_in_a_row = 3;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 #include <vector>
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -158,6 +159,37 @@ TEST(WrenchFeasibilityTest, CapacityIsTheRadiusOfTheLargestBall) {
     }
   }
   EXPECT_GE(beyond, 1);
+}
+
+// Each facet has its own choice of cables and is normal to their columns, whether or not some depend on
+// others: by the first eliminations as by the last cross product.
+TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
+  for (const int n : {6, 8, 12}) {
+    const CdprDescription robot = test::RobotWithCables(n);
+    for (const int same : {-1, 0, 3}) {
+      CableMatrix6 W =
+          CalcCableKinematics(robot, {0.3, -0.4, 1.7}, RotationFromEuler({0.1, 0, 0.2})).structure;
+      if (same >= 0) W.col(same + 2) = 2 * W.col(same);
+      WrenchFeasibility feasibility(6, n);
+      feasibility.SetStructure(W);
+      std::set<std::vector<int>> choices;
+      int none = 0;
+      for (int facet = 0; facet < feasibility.num_facets(); ++facet) {
+        const Eigen::VectorXi cables = feasibility.cables(facet);
+        const std::vector<int> choice(cables.begin(), cables.end());
+        EXPECT_TRUE(std::ranges::is_sorted(choice));
+        choices.insert(choice);
+        const Vector6d normal = feasibility.normal(facet);
+        none += normal.norm() < 1e-12 ? 1 : 0;
+        for (const int cable : choice) EXPECT_LT(std::abs(normal.dot(W.col(cable))), 1e-13) << facet;
+      }
+      const int facets = n == 6 ? 6 : n == 8 ? 56 : 792;
+      EXPECT_EQ(feasibility.num_facets(), facets);
+      EXPECT_EQ(static_cast<int>(choices.size()), facets);
+      // With both of a pair: three more of the others.
+      EXPECT_EQ(none, same < 0 ? 0 : (n - 2) * (n - 3) * (n - 4) / 6);
+    }
+  }
 }
 
 // Pairs of parallel cables, as for a platform that only translates, have fewer facets, and the margin still
