@@ -82,14 +82,14 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   using Problem = CdprTrackingProblem<n>;
   const int cables = path.robot().num_cables();
   const CdprReference rest = path.At(path.path().start_time());
-  CentroidalState x = CentroidalState::Zero(), next;
+  CentroidalState x = CentroidalState::Zero();
   x.segment<3>(6) = rest.position;
   x.tail<3>() = rest.euler;
   typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
   typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
   RungeKutta<Problem>(12, cables)
-      .Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
+      .Linearize(Problem(path.robot(), 1), StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
   const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
   return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
                               Eigen::MatrixXd((period * cost.Q).asDiagonal()),
