@@ -17,10 +17,9 @@
 namespace tenon {
 namespace internal {
 
-/// The reference of the solver at a time, with what it is made from.
+/// The reference of the solver at a time.
 struct SolverReference {
   CentroidalState x = CentroidalState::Zero();
-  CdprReference at;
   BalancedReference balanced;
 
   explicit SolverReference(const CdprDescription& robot) : balanced(robot) {}
@@ -40,12 +39,9 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
   return Q;
 }
 
-/// `body` is the platform with the payload of `load`.
-void CalcReference(const EquilibriumPath& path, double time, const LoadEstimate& load,
-                   const CableVector& broken, const LoadedPlatform& body, ReferenceShift& shift,
-                   SolverReference* reference) {
-  CdprReference& at = reference->at;
-  path.At(time, &at);
+/// Of the path's reference `at`; `body` is the platform with the payload of `load`.
+void CalcReference(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
+                   const LoadedPlatform& body, ReferenceShift& shift, SolverReference* reference) {
   reference->balanced.Calc(at, load, broken, shift);
   reference->x = CentroidalStateOf(body, at.position, reference->balanced.R_WB(), reference->balanced.euler(),
                                    at.velocity, EulerRateMatrix(at.euler) * at.euler_rate);
@@ -82,14 +78,14 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   using Problem = CdprTrackingProblem<n>;
   const int cables = path.robot().num_cables();
   const CdprReference rest = path.At(path.path().start_time());
-  CentroidalState x = CentroidalState::Zero(), next;
+  CentroidalState x = CentroidalState::Zero();
   x.segment<3>(6) = rest.position;
   x.tail<3>() = rest.euler;
   typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
   typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
   RungeKutta<Problem>(12, cables)
-      .Step(Problem(path.robot(), 1), StepMethod::kRungeKutta4, period, x, u, next, AB);
+      .Linearize(Problem(path.robot(), 1), StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
   const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
   return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
                               Eigen::MatrixXd((period * cost.Q).asDiagonal()),
@@ -147,7 +143,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
   SolverReference start(params.path->robot());
   CdprPlan plan;
-  CalcReference(*params.path, 0, {}, {}, {params.path->robot(), {}}, plan.shift, &start);
+  CalcReference(params.path->At(0), {}, {}, {params.path->robot(), {}}, plan.shift, &start);
   plan.reference_rate.setZero(n);
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
@@ -188,12 +184,14 @@ class CdprMpcSolver::Impl {
         steps_(Steps(params)),
         reference_(params.path->robot()) {
     ReferenceShift none;
-    CalcReference(*path_, 0, {}, {}, {path_->robot(), {}}, none, &reference_);
+    const CdprReference at = path_->At(0);
+    CalcReference(at, {}, {}, {path_->robot(), {}}, none, &reference_);
     const CableVector& u = reference_.balanced.tension();
     const Target target{reference_.x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
     first_shift_ = none;
-    cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)), {-1, target});
+    cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)),
+                  {-1, at, false, target});
   }
   virtual ~Impl() = default;
   virtual std::unique_ptr<Impl> Clone() const = 0;
@@ -201,7 +199,7 @@ class CdprMpcSolver::Impl {
   void Follow(const std::shared_ptr<const EquilibriumPath>& path) {
     if (path == path_) return;
     path_ = path;
-    for (Cached& cached : cache_) cached.time = -1;
+    for (PathNode& node : cache_) node.time = -1;
   }
 
   SlqReport Solve(double time, CentroidalState x, const LoadEstimate& load, const CableVector& broken,
@@ -214,10 +212,7 @@ class CdprMpcSolver::Impl {
     if (!report.ok()) return report;  // the policy before goes on, about the CoM that it was made for
     plan.payload = load.payload;
     if (!equilibrium_input_) return report;  // whose tensions do not change
-    path_->At(time, &reference_.at);
-    plan.reference_rate = -reference_.at.tension / period_;
-    path_->At(time + period_, &reference_.at);
-    plan.reference_rate += reference_.at.tension / period_;
+    plan.reference_rate = (NodeAt(time, 1).at.tension - NodeAt(time, 0).at.tension) / period_;
     return report;
   }
 
@@ -234,46 +229,71 @@ class CdprMpcSolver::Impl {
                             const CdprMpcCost& cost, CdprPlan& plan) = 0;
 
  private:
-  // A node is at a multiple of the period after `time`; what was computed for an earlier call is used again,
-  // unless there is a load, which changes, or a broken cable. What it shifts at one node is where the next
-  // begins; the first one's is kept for the next call.
+  // What the path says at a time, and what follows from it without a load.
+  struct PathNode {
+    double time;
+    CdprReference at;
+    bool has_target;
+    Target target;
+  };
+
+  // The node `index` periods after `time`; what was computed for an earlier call is used again. If `time` is
+  // a multiple of the period, so is the node's, whichever call comes first.
+  PathNode& NodeAt(double time, long index) {
+    const long now = std::lround(time / period_);
+    const bool multiple = std::abs(time - static_cast<double>(now) * period_) < 1e-6 * period_;
+    const double at =
+        multiple ? static_cast<double>(now + index) * period_ : time + static_cast<double>(index) * period_;
+    PathNode& node = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
+    if (node.time != at) {
+      node.time = at;
+      node.has_target = false;
+      path_->At(at, &node.at);
+    }
+    return node;
+  }
+
+  // With a load, which changes, or a broken cable every node is balanced anew. What it shifts at one node is
+  // where the next begins; the first one's is kept for the next call.
   void SetTargets(double time, const LoadEstimate& load, const CableVector& broken,
                   const LoadedPlatform& body, ReferenceShift& shift) {
     if (load.any() || (broken.array() != 0).any()) return SetShiftedTargets(time, load, broken, body, shift);
-    const long now = std::lround(time / period_);
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
-      Cached& cached = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
-      if (cached.time != time + index * period_) {
-        cached.time = time + index * period_;
-        CalcReference(*path_, cached.time, load, broken, body, shift, &reference_);
-        SetTarget(reference_, cached.target);
+      PathNode& node = NodeAt(time, index);
+      if (!node.has_target) {
+        CalcReference(node.at, load, broken, body, shift, &reference_);
+        SetTarget(node.at, node.target);
+        node.has_target = true;
       }
-      targets_[k] = cached.target;
+      targets_[k] = node.target;
       if (k < steps_.size()) index += steps_[k];
     }
   }
   void SetShiftedTargets(double time, const LoadEstimate& load, const CableVector& broken,
                          const LoadedPlatform& body, ReferenceShift& shift) {
     constexpr int kSteps = 3;  // of Newton's method at the first node
-    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(*path_, time, load, broken, body, shift, &reference_);
+    const CdprReference& first = NodeAt(time, 0).at;
+    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(first, load, broken, body, shift, &reference_);
+    long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
-      CalcReference(*path_, time, load, broken, body, shift, &reference_);
-      SetTarget(reference_, targets_[k]);
+      const CdprReference& at = NodeAt(time, index).at;
+      CalcReference(at, load, broken, body, shift, &reference_);
+      SetTarget(at, targets_[k]);
       for (Eigen::Index i = 0; i < broken.size(); ++i)
         if (broken[i] != 0) targets_[k].u[i] = targets_[k].lower[i] = targets_[k].upper[i] = 0;
       if (k == 0) first_shift_ = shift;
-      if (k < steps_.size()) time += steps_[k] * period_;
+      if (k < steps_.size()) index += steps_[k];
     }
     shift = first_shift_;
   }
-  void SetTarget(const SolverReference& reference, Target& target) const {
+  void SetTarget(const CdprReference& at, Target& target) const {
     const CdprDescription& robot = path_->robot();
     const CableProperties& cable = robot.cable;
-    target.x = reference.x;
-    target.u = reference.balanced.tension();
+    target.x = reference_.x;
+    target.u = reference_.balanced.tension();
     for (int i = 0; i < robot.num_cables(); ++i) {
-      const double reel = robot.winch.reel_damping * reference.at.length_rate[i];
+      const double reel = robot.winch.reel_damping * at.length_rate[i];
       target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
       target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
     }
@@ -285,11 +305,7 @@ class CdprMpcSolver::Impl {
   double period_;
   std::vector<int> steps_;
   std::vector<Target> targets_;
-  struct Cached {
-    double time = -1;
-    Target target;
-  };
-  std::vector<Cached> cache_;
+  std::vector<PathNode> cache_;
   // Work space.
   SolverReference reference_;
   ReferenceShift first_shift_;

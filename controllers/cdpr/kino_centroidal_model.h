@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/controllers/optimization/lanes.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/cdpr_signals.h>
@@ -34,8 +35,11 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
 ///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
 ///
 /// f and tau are a constant load. lambda_i is the direction from attachment p + R r_i to anchor. Exact for a
-/// rigid platform. Singular at pitch = +-pi/2 and where a cable has no length: the result is not finite
-/// there.
+/// rigid platform. Singular at pitch = +-pi/2, where a cable has no length, and not known for angles beyond a
+/// million rad: the result is not finite there.
+///
+/// It makes the steps of RungeKutta itself: in a step the cables stand side by side in the lanes of a
+/// register, in the derivatives of steps four steps do.
 ///
 /// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
 /// instantiated in the library. They are not declared `extern template`: GCC 12 then drops the vector clones
@@ -46,33 +50,7 @@ class KinoCentroidalModel {
   static constexpr int kStates = 12, kInputs = n;
   using State = CentroidalState;
   using Input = Eigen::Matrix<double, n, 1>;
-
-  /// The Jacobians by blocks; the rest of fx is zero but for d(dp/dt)/dv = 1.
-  struct Linearization {
-    Eigen::Matrix<double, 6, 6> momentum_by_pose;  ///< rows v, L; columns p, Theta
-    Eigen::Matrix<double, 6, n> momentum_by_tension;
-    Eigen::Matrix3d euler_by_momentum;  ///< d(dTheta/dt)/dL
-    Eigen::Matrix3d euler_by_euler;     ///< d(dTheta/dt)/dTheta
-    using Tangent = typename DenseLinearization<12, n>::Tangent;
-
-    explicit Linearization(int = kStates, int cables = n) : momentum_by_tension(6, cables) {}
-    int cables() const { return n == Eigen::Dynamic ? static_cast<int>(momentum_by_tension.cols()) : n; }
-    void Multiply(const Tangent& tangent, Tangent& rate) const;
-    void MultiplyIdentity(Tangent& rate) const {
-      rate.setZero();
-      for (int r = 0; r < 6; ++r) {
-        for (int c = 0; c < 6; ++c) rate(r, 6 + c) = momentum_by_pose(r, c);
-        for (int c = 0; c < cables(); ++c) rate(r, 12 + c) = momentum_by_tension(r, c);
-      }
-      for (int r = 0; r < 3; ++r) {
-        rate(6 + r, r) = 1;
-        for (int c = 0; c < 3; ++c) {
-          rate(9 + r, 3 + c) = euler_by_momentum(r, c);
-          rate(9 + r, 9 + c) = euler_by_euler(r, c);
-        }
-      }
-    }
-  };
+  using Tangent = typename DenseLinearization<12, n>::Tangent;
 
   Eigen::Matrix<double, 6, 1> load =
       Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the CoM of all that moves [N, N m]
@@ -83,15 +61,35 @@ class KinoCentroidalModel {
   explicit KinoCentroidalModel(const CdprDescription& robot);
 
   int num_states() const { return kStates; }
-  int num_inputs() const { return static_cast<int>(anchor_W_.cols()); }
+  int num_inputs() const { return n == Eigen::Dynamic ? cables_ : n; }
   void Derivative(const State& x, const Input& u, State& dx) const;
-  void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
+
+  /// See TakesOwnSteps.
+  struct StepWorkspace {
+    /// Of every cable d(momentum's rate)/d(tension), in all stages and lanes.
+    Eigen::Matrix<double, 6 * 4 * StepTableau::kMaxStages, n> wrench;
+
+    explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}
+  };
+  void Step(StepMethod method, double h, const State& x, const Input& u, State& next) const;
+  void LinearizeSteps(StepMethod method, int count, const double* h, const State* x, const Input* u,
+                      Tangent* tangents, StepWorkspace& workspace) const;
 
  private:
-  struct Attitude;
+  static constexpr int kLanes = n == Eigen::Dynamic ? n : (n + 3) / 4 * 4;  // cables, filled up to registers
+  struct Stage;
+  void CalcRate(const internal::Lanes (&x)[3], const double* u, internal::Lanes (&dx)[3]) const;
+  template <class Tension, class Wrench>
+  void LinearizeFour(const internal::Lanes (&x)[12], const Tension& u, internal::Lanes (&dx)[12], Stage& f,
+                     const Wrench& wrench) const;
+  template <int block>
+  static void CalcColumn(const Stage* stages, const StepTableau& tableau, const internal::Lanes& h, int c,
+                         const double* wrench, internal::Lanes (&sum)[12]);
+
+  int cables_;
   double mass_inverse_;
-  Eigen::Matrix3d inertia_inverse_;                                       // m I^{-1}, in B
-  Eigen::Matrix<double, 3, n, Eigen::RowMajor> anchor_W_, attachment_B_;  // cables side by side
+  Eigen::Matrix3d inertia_inverse_;                           // m I^{-1}, in B
+  Eigen::Matrix<double, kLanes, 3> anchor_W_, attachment_B_;  // cables side by side
 };
 
 }  // namespace tenon

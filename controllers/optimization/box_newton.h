@@ -30,9 +30,59 @@ class BoxNewton {
         curvature_(size) {}
 
   /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
-  /// something is not finite, or after 50 iterations without end.
-  [[gnu::noinline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper,
-                               Vector& x) {
+  /// something is not finite, or after 50 iterations without end. What is not at a bound costs little: the
+  /// solution without bounds is tried first.
+  [[gnu::always_inline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower,
+                                    const Vector& upper, Vector& x) {
+    if (SolveFree(H, g, trial_) && Within(trial_, lower, upper)) {
+      x = trial_;
+      return true;
+    }
+    return SolveBounded(H, g, lower, upper, x);
+  }
+
+  /// All entries free: x = -H^{-1} g. False if H is not positive definite.
+  [[gnu::always_inline]] bool SolveFree(const Matrix& H, const Vector& g, Vector& x) {
+    free_.setOnes();
+    if (!Factor(H)) return false;
+    x = -g;
+    Substitute(x.data());
+    return true;
+  }
+
+  /// Of the last solution: 1 where an entry is free, 0 where it is held at a bound.
+  const Vector& free() const { return free_; }
+
+  /// `C` holds the transpose of a matrix G; of -H_ff^{-1} G_f, in the rows of free entries, and zero in the
+  /// others it becomes the transpose: how the solution moves when g moves by G y, as long as the same entries
+  /// are free.
+  template <class Derived>
+  [[gnu::always_inline]] void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
+    const Eigen::Index size = free_.size(), rows = C.rows();
+    const auto subtract = [&](Eigen::Index j, double factor, Eigen::Index k) __attribute__((always_inline)) {
+      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) -= factor * C(r, k);
+    };
+    for (Eigen::Index j = 1; j < size; ++j)
+      for (Eigen::Index k = 0; k < j; ++k) subtract(j, masked_(j, k), k);
+    for (Eigen::Index j = size - 1; j >= 0; --j) {
+      const double scale = -(free_[j] * masked_(j, j));
+      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) *= scale;
+      for (Eigen::Index k = j + 1; k < size; ++k) subtract(j, masked_(k, j), k);
+    }
+  }
+
+ private:
+  static constexpr double kHuge = 1e300;
+
+  static double Largest(const Vector& v) { return v.cwiseAbs().maxCoeff(); }
+  [[gnu::always_inline]] static bool Within(const Vector& x, const Vector& lower, const Vector& upper) {
+    bool within = true;
+    for (Eigen::Index i = 0; i < x.size(); ++i) within = within && lower[i] <= x[i] && x[i] <= upper[i];
+    return within;
+  }
+
+  [[gnu::noinline]] bool SolveBounded(const Matrix& H, const Vector& g, const Vector& lower,
+                                      const Vector& upper, Vector& x) {
     constexpr int kMaxIterations = 50, kMaxHalvings = 30;
     constexpr double kSufficientDecrease = 0.1;
     const Eigen::Index size = x.size();
@@ -71,48 +121,8 @@ class BoxNewton {
     return false;
   }
 
-  /// All entries free: x = -H^{-1} g. False if H is not positive definite.
-  bool SolveFree(const Matrix& H, const Vector& g, Vector& x) {
-    free_.setOnes();
-    if (!Factor(H)) return false;
-    x = -g;
-    Substitute(x.data());
-    return true;
-  }
-
-  /// Of the last solution: 1 where an entry is free, 0 where it is held at a bound.
-  const Vector& free() const { return free_; }
-
-  /// `C` holds the transpose of a matrix G; of -H_ff^{-1} G_f, in the rows of free entries, and zero in the
-  /// others it becomes the transpose: how the solution moves when g moves by G y, as long as the same entries
-  /// are free.
-  template <class Derived>
-  [[gnu::noinline]] void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
-    const Eigen::Index size = free_.size(), rows = C.rows();
-    const auto scale = [&](Eigen::Index j, double factor) {
-      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) *= factor;
-    };
-    const auto subtract = [&](Eigen::Index j, double factor, Eigen::Index k) {
-      for (Eigen::Index r = 0; r < rows; ++r) C(r, j) -= factor * C(r, k);
-    };
-    for (Eigen::Index j = 0; j < size; ++j) {
-      scale(j, -free_[j]);
-      for (Eigen::Index k = 0; k < j; ++k) subtract(j, masked_(j, k), k);
-      scale(j, masked_(j, j));
-    }
-    for (Eigen::Index j = size - 1; j >= 0; --j) {
-      for (Eigen::Index k = j + 1; k < size; ++k) subtract(j, masked_(k, j), k);
-      scale(j, masked_(j, j));
-    }
-  }
-
- private:
-  static constexpr double kHuge = 1e300;
-
-  static double Largest(const Vector& v) { return v.cwiseAbs().maxCoeff(); }
-
   // H with the rows and columns of held entries replaced by those of the unit matrix.
-  [[gnu::noinline]] bool Factor(const Matrix& H) {
+  [[gnu::always_inline]] bool Factor(const Matrix& H) {
     masked_ = H;
     const Eigen::Index size = free_.size();
     for (Eigen::Index i = 0; i < size; ++i) {
@@ -120,32 +130,31 @@ class BoxNewton {
       for (Eigen::Index j = 0; j < size; ++j) masked_(i, j) = masked_(j, i) = 0;
       masked_(i, i) = 1;
     }
-    // Cholesky, with the reciprocals of the diagonal.
+    // L D L^T, without square roots: a column of L waits for one division.
     for (Eigen::Index j = 0; j < size; ++j) {
-      for (Eigen::Index k = 0; k < j; ++k)
-        for (Eigen::Index i = j; i < size; ++i) masked_(i, j) -= masked_(i, k) * masked_(j, k);
       if (!(masked_(j, j) > 0)) return false;
-      const double inverse = 1 / std::sqrt(masked_(j, j));
-      for (Eigen::Index i = j + 1; i < size; ++i) masked_(i, j) *= inverse;
-      masked_(j, j) = inverse;
+      masked_(j, j) = 1 / masked_(j, j);
+      for (Eigen::Index k = j + 1; k < size; ++k) {
+        const double factor = masked_(k, j) * masked_(j, j);
+        for (Eigen::Index i = k; i < size; ++i) masked_(i, k) -= masked_(i, j) * factor;
+      }
+      for (Eigen::Index i = j + 1; i < size; ++i) masked_(i, j) *= masked_(j, j);
     }
     return true;
   }
 
-  // x <- (L L^T)^{-1} x
+  // x <- (L D L^T)^{-1} x
   [[gnu::always_inline]] void Substitute(double* x) const {
     const Eigen::Index size = free_.size();
-    for (Eigen::Index j = 0; j < size; ++j) {
-      x[j] *= masked_(j, j);
+    for (Eigen::Index j = 0; j < size; ++j)
       for (Eigen::Index i = j + 1; i < size; ++i) x[i] -= masked_(i, j) * x[j];
-    }
     for (Eigen::Index j = size - 1; j >= 0; --j) {
-      for (Eigen::Index i = j + 1; i < size; ++i) x[j] -= masked_(i, j) * x[i];
       x[j] *= masked_(j, j);
+      for (Eigen::Index i = j + 1; i < size; ++i) x[j] -= masked_(i, j) * x[i];
     }
   }
 
-  Matrix masked_;  // below the diagonal L, on it the reciprocals of L's diagonal
+  Matrix masked_;  // below the diagonal L, on it D^{-1}
   Vector gradient_, step_, trial_, change_, free_, curvature_;
 };
 

@@ -31,21 +31,33 @@ struct DenseLinearization {
   }
 };
 
-/// One explicit step x' = F(x, u) of a system  dx/dt = f(x, u)  with u constant, and the exact derivatives
-/// [dF/dx  dF/du] of that same step (not of the flow that it approximates).
-///
 /// The stages of Euler, the midpoint rule and the classical method of order 4 are all of the form
 ///
-///     k_i = f(x + a_i h k_{i-1}, u),   x' = x + h sum_i b_i k_i,
-///
-/// so that K_i = fx S_i + [0 fu] with S_i = [1 0] + a_i h K_{i-1} are the derivatives of the k_i.
+///     k_i = f(x + a_i h k_{i-1}, u),   x' = x + h sum_i b_i k_i.
+struct StepTableau {
+  static constexpr int kMaxStages = 4;
+  int stages;
+  double a[kMaxStages], b[kMaxStages];
+};
+
+inline const StepTableau& TableauOf(StepMethod method) {
+  static constexpr StepTableau kEuler{1, {0}, {1}};
+  static constexpr StepTableau kMidpoint{2, {0, 0.5}, {0, 1}};
+  static constexpr StepTableau kClassic{4, {0, 0.5, 0.5, 1}, {1. / 6, 1. / 3, 1. / 3, 1. / 6}};
+  return method == StepMethod::kEuler ? kEuler : method == StepMethod::kMidpoint ? kMidpoint : kClassic;
+}
+
+/// One explicit step x' = F(x, u) of a system  dx/dt = f(x, u)  with u constant, and the exact derivatives
+/// [dF/dx  dF/du] of that same step (not of the flow that it approximates): with the k_i of StepTableau,
+/// K_i = fx S_i + [0 fu] with S_i = [1 0] + a_i h K_{i-1} are the derivatives of the k_i.
 ///
 /// `System` provides
 ///
 ///     void Derivative(const State& x, const Input& u, State& dx) const;
 ///     void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
 ///
-/// and Linearization the products that make use of its structure; see DenseLinearization.
+/// and Linearization the products that make use of its structure; see DenseLinearization. Or it makes its
+/// steps itself, see TakesOwnSteps.
 template <class System>
 class RungeKutta {
  public:
@@ -62,7 +74,7 @@ class RungeKutta {
         f_(states, inputs) {}
 
   void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
-    const Tableau& tableau = TableauOf(method);
+    const StepTableau& tableau = TableauOf(method);
     next = x;
     for (int i = 0; i < tableau.stages; ++i) {
       if (i == 0) {
@@ -75,10 +87,15 @@ class RungeKutta {
     }
   }
 
-  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next,
-            Tangent& tangent) {
-    const Tableau& tableau = TableauOf(method);
-    next = x;
+  /// The derivatives of `count` steps, h[i] from x[i] with u[i].
+  void Linearize(const System& system, StepMethod method, int count, const double* h, const State* x,
+                 const Input* u, Tangent* tangents) {
+    for (int i = 0; i < count; ++i) Linearize(system, TableauOf(method), h[i], x[i], u[i], tangents[i]);
+  }
+
+ private:
+  void Linearize(const System& system, const StepTableau& tableau, double h, const State& x, const Input& u,
+                 Tangent& tangent) {
     tangent.setZero();
     for (Eigen::Index j = 0; j < tangent.rows(); ++j) tangent(j, j) = 1;
     for (int i = 0; i < tableau.stages; ++i) {
@@ -95,26 +112,53 @@ class RungeKutta {
       }
       if (tableau.b[i] == 0) continue;
       const double weight = tableau.b[i] * h;
-      next += weight * k_;
       for (Eigen::Index j = 0; j < K_.size(); ++j) tangent.data()[j] += weight * K_.data()[j];
     }
-  }
-
- private:
-  struct Tableau {
-    int stages;
-    double a[4], b[4];
-  };
-  static const Tableau& TableauOf(StepMethod method) {
-    static constexpr Tableau kEuler{1, {0}, {1}};
-    static constexpr Tableau kMidpoint{2, {0, 0.5}, {0, 1}};
-    static constexpr Tableau kClassic{4, {0, 0.5, 0.5, 1}, {1. / 6, 1. / 3, 1. / 3, 1. / 6}};
-    return method == StepMethod::kEuler ? kEuler : method == StepMethod::kMidpoint ? kMidpoint : kClassic;
   }
 
   State k_, at_;
   Tangent S_, K_;
   Linearization f_;
+};
+
+template <class System>
+concept GivesJacobians = requires(const System& system, Eigen::Matrix<double, System::kStates, 1>& x,
+                                  const Eigen::Matrix<double, System::kInputs, 1>& u,
+                                  typename System::Linearization& f) {
+  system.Derivative(x, u, x);
+  system.Linearize(x, u, x, f);
+};
+
+/// A system that makes the steps of RungeKutta itself, say, the derivatives of several at once:
+///
+///     void Step(StepMethod, double h, const State& x, const Input& u, State& next) const;
+///     void LinearizeSteps(StepMethod, int count, const double* h, const State* x, const Input* u,
+///                         Tangent* tangents, StepWorkspace&) const;
+///     struct StepWorkspace { explicit StepWorkspace(int inputs); };
+template <class System>
+concept TakesOwnSteps = requires {
+  typename System::StepWorkspace;
+};
+
+template <TakesOwnSteps System>
+class RungeKutta<System> {
+ public:
+  using State = Eigen::Matrix<double, System::kStates, 1>;
+  using Input = Eigen::Matrix<double, System::kInputs, 1>;
+  using Tangent = typename DenseLinearization<System::kStates, System::kInputs>::Tangent;
+
+  RungeKutta(int, int inputs) : workspace_(inputs) {}
+
+  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
+    system.Step(method, h, x, u, next);
+  }
+  void Linearize(const System& system, StepMethod method, int count, const double* h, const State* x,
+                 const Input* u, Tangent* tangents) {
+    system.LinearizeSteps(method, count, h, x, u, tangents, workspace_);
+  }
+
+ private:
+  typename System::StepWorkspace workspace_;
 };
 
 }  // namespace tenon

@@ -18,7 +18,8 @@ namespace tenon {
 /// What Slq optimises. The sizes kStates and kInputs are constants or Eigen::Dynamic; k counts the nodes.
 ///
 ///     int num_states() const, num_inputs() const;
-///     Derivative, Linearize and the type Linearization     f and its Jacobians, see RungeKutta
+///     Derivative, Linearize and the type Linearization     f and its Jacobians, see RungeKutta, or the steps
+///                                                          themselves, see TakesOwnSteps
 ///     double StageCost(int k, x, u) const                  L_k [per second]
 ///     void AddStageCost(int k, x, u, h, gx, gu, Hxx, Huu)  adds h times gradients and Hessians of L_k
 ///     double TerminalCost(x) const                         phi
@@ -27,19 +28,17 @@ namespace tenon {
 ///
 /// Hxx and Huu are to be positive semidefinite (of a sum of squares: Gauss-Newton).
 template <class P>
-concept SlqProblem = requires(const P& p, int k, typename RungeKutta<P>::State& x,
-                              typename RungeKutta<P>::Input& u,
+concept SlqProblem = requires(const P& p, int k, Eigen::Matrix<double, P::kStates, 1>& x,
+                              Eigen::Matrix<double, P::kInputs, 1>& u,
                               Eigen::Matrix<double, P::kStates, P::kStates>& Hxx,
-                              Eigen::Matrix<double, P::kInputs, P::kInputs>& Huu,
-                              typename P::Linearization& f) {
+                              Eigen::Matrix<double, P::kInputs, P::kInputs>& Huu) {
+  requires TakesOwnSteps<P> || GivesJacobians<P>;
   { p.num_states() } -> std::convertible_to<int>;
   { p.num_inputs() } -> std::convertible_to<int>;
   { p.StageCost(k, x, u) } -> std::convertible_to<double>;
   { p.TerminalCost(x) } -> std::convertible_to<double>;
-  { p.Lower(k) } -> std::convertible_to<const typename RungeKutta<P>::Input&>;
-  { p.Upper(k) } -> std::convertible_to<const typename RungeKutta<P>::Input&>;
-  p.Derivative(x, u, x);
-  p.Linearize(x, u, x, f);
+  { p.Lower(k) } -> std::convertible_to<const Eigen::Matrix<double, P::kInputs, 1>&>;
+  { p.Upper(k) } -> std::convertible_to<const Eigen::Matrix<double, P::kInputs, 1>&>;
   p.AddStageCost(k, x, u, 0.0, x, u, Hxx, Huu);
   p.AddTerminalCost(x, x, Hxx);
 };
@@ -59,10 +58,10 @@ struct SlqNode {
 ///
 /// with F one Runge-Kutta step of dx/dt = f(x, u), u constant over the step. An iteration
 ///
-/// 1. rolls out the present policy, with its feedback, and linearises f along it,
+/// 1. rolls out the present policy, with its feedback, and linearises its steps, all in one go,
 /// 2. runs the Riccati recursion backwards: at every node the input's increment du minimises
 ///    1/2 du^T Huu du + gu^T du over the box, and the feedback is K = -Huu^{-1} Hux on the inputs that are
-///    not at a bound, zero on the others,
+///    not at a bound, zero on the others; the box is looked at where the best du is beyond it,
 /// 3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a cost that falls by a fair part of
 ///    what the quadratic model expects.
 ///
@@ -115,7 +114,8 @@ class Slq {
     const Input &lower = problem_.Lower(k), &upper = problem_.Upper(k);
     for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::min(std::max(u[i], lower[i]), upper[i]);
   }
-  bool Linearize(const State& x0, bool with_policy);  ///< along a roll-out; the result is nominal_
+  void Advance(int k, const Gain& K, const State& x_bar, Trajectory& trajectory);
+  bool Start(const State& x0);  ///< rolls out the policy; the result is nominal_
   bool Backward(double mu);
   bool RollOut(double alpha);  ///< of nominal_ with increments and feedback; the result is candidate_
   bool Search(SlqReport& report);
@@ -134,7 +134,8 @@ class Slq {
   // Work space of the passes.
   RungeKutta<Problem> step_;
   BoxNewton<m> box_;
-  State gx_, Vx_, dx_;
+  State gx_, Vx_;
+  Eigen::Matrix<double, Tangent::ColsAtCompileTime, 1> g_;  // [gx ; gu]
   Input gu_, du_, lower_, upper_;
   StateMatrix V_;
   Tangent VT_;

@@ -46,7 +46,8 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
     increment_[k].setZero(inputs);
     gain_[k].setZero(inputs, states);
   }
-  for (State* x : {&gx_, &Vx_, &dx_}) x->setZero(states);
+  g_.setZero(states + inputs);
+  for (State* x : {&gx_, &Vx_}) x->setZero(states);
   for (Input* u : {&gu_, &du_, &lower_, &upper_}) u->setZero(inputs);
   for (StateMatrix* A : {&V_, &decrease_}) A->setZero(states, states);
   VT_.setZero(states, states + inputs);
@@ -94,21 +95,29 @@ typename Slq<P>::Input Slq<P>::Evaluate(double time, const State& x) const {
   return u;
 }
 
+// A step of `trajectory`, whose input is what is there already and the feedback K (x - x_bar).
 template <SlqProblem P>
-bool Slq<P>::Linearize(const State& x0, bool with_policy) {
+[[gnu::always_inline]] inline void Slq<P>::Advance(int k, const Gain& K, const State& x_bar,
+                                                   Trajectory& trajectory) {
+  const State& x = trajectory.x[k];
+  Input& u = trajectory.u[k];
+  for (Eigen::Index j = 0; j < x.size(); ++j) {
+    const double error = x[j] - x_bar[j];
+    for (Eigen::Index i = 0; i < u.size(); ++i) u[i] += K(i, j) * error;
+  }
+  Clamp(k, u);
+  trajectory.cost += steps_[k] * problem_.StageCost(k, x, u);
+  step_.Step(problem_, options_.method, steps_[k], x, u, trajectory.x[k + 1]);
+}
+
+template <SlqProblem P>
+TENON_VECTOR_CLONES bool Slq<P>::Start(const State& x0) {
   nominal_.x[0] = x0;
   nominal_.cost = 0;
   for (int k = 0; k < num_steps(); ++k) {
-    const State& x = nominal_.x[k];
-    Input& u = nominal_.u[k];
-    if (with_policy) {
-      dx_ = x - policy_[k].x;
-      u = policy_[k].u;
-      u.noalias() += policy_[k].K * dx_;
-      Clamp(k, u);
-    }
-    nominal_.cost += steps_[k] * problem_.StageCost(k, x, u);
-    step_.Step(problem_, options_.method, steps_[k], x, u, nominal_.x[k + 1], tangents_[k]);
+    const Node& node = policy_[k];
+    nominal_.u[k] = node.u;
+    Advance(k, node.K, node.x, nominal_);
   }
   nominal_.cost += problem_.TerminalCost(nominal_.x.back());
   return std::isfinite(nominal_.cost);
@@ -123,11 +132,12 @@ TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
   problem_.AddTerminalCost(nominal_.x.back(), Vx_, V_);
   for (int k = num_steps() - 1; k >= 0; --k) {
     // [A B]^T V [A B] and [A B]^T Vx
-    internal::Multiply(V_, tangents_[k], VT_);
     internal::Transpose(tangents_[k], transposed_);
+    internal::Multiply(V_, tangents_[k], VT_);
     internal::MultiplyLower(transposed_, VT_, H_);
-    gx_ = transposed_.topRows(states).lazyProduct(Vx_);
-    gu_ = transposed_.bottomRows(inputs).lazyProduct(Vx_);
+    internal::Multiply(transposed_, Vx_, g_);
+    gx_ = g_.head(states);
+    gu_ = g_.tail(inputs);
     for (int c = 0; c < states; ++c) {
       for (int r = 0; r < states; ++r) V_(r, c) = H_(r, c);
       for (int r = 0; r < inputs; ++r) Hux_(r, c) = H_(states + r, c);
@@ -162,25 +172,20 @@ TENON_VECTOR_CLONES bool Slq<P>::Backward(double mu) {
     if (mu > 0) Vx_ -= mu * K.transpose().lazyProduct(du);
     if (mu > 0) Hxu_ -= mu * Kt_;
     internal::MultiplyLower(Hxu_, K, decrease_);
-    for (int c = 0; c < states; ++c)
-      for (int r = c; r < states; ++r) V_(r, c) = V_(c, r) = V_(r, c) + decrease_(r, c);
+    for (Eigen::Index i = 0; i < V_.size(); ++i) V_.data()[i] += decrease_.data()[i];
+    internal::Mirror(V_);
   }
   return std::isfinite(slope_) && std::isfinite(curvature_);
 }
 
 template <SlqProblem P>
-bool Slq<P>::RollOut(double alpha) {
+TENON_VECTOR_CLONES bool Slq<P>::RollOut(double alpha) {
   candidate_.x[0] = nominal_.x[0];
   candidate_.cost = 0;
   for (int k = 0; k < num_steps(); ++k) {
-    const State& x = candidate_.x[k];
     Input& u = candidate_.u[k];
-    dx_ = x - nominal_.x[k];
     for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = nominal_.u[k][i] + alpha * increment_[k][i];
-    u.noalias() += gain_[k] * dx_;
-    Clamp(k, u);
-    candidate_.cost += steps_[k] * problem_.StageCost(k, x, u);
-    step_.Step(problem_, options_.method, steps_[k], x, u, candidate_.x[k + 1]);
+    Advance(k, gain_[k], nominal_.x[k], candidate_);
   }
   candidate_.cost += problem_.TerminalCost(candidate_.x.back());
   return std::isfinite(candidate_.cost);
@@ -218,12 +223,14 @@ SlqReport Slq<P>::Solve(const State& x0) {
   constexpr double kLeastMu = 1e-6, kLargestMu = 1e10, kFactor = 10;
   SlqReport report;
   double mu = 0;
-  if (!x0.allFinite() || !Linearize(x0, true)) {
+  if (!x0.allFinite() || !Start(x0)) {
     report.status = SlqStatus::kNotFinite;
     return report;
   }
   report.initial_cost = report.cost = nominal_.cost;
   for (;;) {
+    step_.Linearize(problem_, options_.method, num_steps(), steps_.data(), nominal_.x.data(),
+                    nominal_.u.data(), tangents_.data());
     bool descends = false, converged = false;
     for (; mu <= kLargestMu && !descends; mu = std::max(kLeastMu, kFactor * mu)) {
       if (!Backward(mu)) continue;
@@ -246,10 +253,6 @@ SlqReport Slq<P>::Solve(const State& x0) {
     report.cost = nominal_.cost;
     report.status = SlqStatus::kStepped;
     if (report.iterations >= options_.max_iterations) break;
-    if (!Linearize(x0, false)) {
-      report.status = SlqStatus::kNotFinite;
-      return report;
-    }
   }
   Adopt();
   return report;

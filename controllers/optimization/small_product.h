@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/controllers/optimization/lanes.h>
+
 #include <Eigen/Core>
 
 /// Compiles a function for AVX2 with FMA besides the target of the build; which one runs is decided when the
@@ -14,22 +16,6 @@
 #endif
 
 namespace tenon::internal {
-
-#if defined(__GNUC__)
-/// Four doubles, which lie anywhere; two registers without AVX.
-typedef double Packet __attribute__((vector_size(32), aligned(8), may_alias));
-#else
-struct Packet {
-  double value[4];
-  Packet& operator+=(const Packet& other) {
-    for (int i = 0; i < 4; ++i) value[i] += other.value[i];
-    return *this;
-  }
-  friend Packet operator*(const Packet& a, double b) {
-    return {a.value[0] * b, a.value[1] * b, a.value[2] * b, a.value[3] * b};
-  }
-};
-#endif
 
 /// C = A B for matrices of a size that the compiler knows, stored by columns with the leading dimensions lda,
 /// ldb, ldc; C overlaps neither A nor B. Two columns of C at a time stay in registers. Eigen hands products
@@ -59,14 +45,14 @@ template <int rows, int inner, int columns>
   }
 }
 
-/// C = A B where only the lower triangle of C counts: columns in groups of four, from the diagonal down. Some
-/// of the upper triangle is written.
+/// C = A B where only the lower triangle of C counts: columns in groups of four, the last ones first, from
+/// the diagonal down. Some of the upper triangle is written.
 template <int size, int inner, int first = 0>
 [[gnu::always_inline]] inline void LowerProduct(const double* A, const double* B, double* __restrict C) {
   constexpr int group = size - first < 4 ? size - first : 4;
+  if constexpr (first + group < size) LowerProduct<size, inner, first + group>(A, B, C);
   Product<size - first, inner, group>(A + first, size, B + first * inner, inner, C + first * size + first,
                                       size);
-  if constexpr (first + group < size) LowerProduct<size, inner, first + group>(A, B, C);
 }
 
 /// C = A B
@@ -94,8 +80,48 @@ template <class MA, class MB, class MC>
 /// B = A^T
 template <class MA, class MB>
 [[gnu::always_inline]] inline void Transpose(const MA& A, MB& B) {
-  for (Eigen::Index c = 0; c < A.cols(); ++c)
-    for (Eigen::Index r = 0; r < A.rows(); ++r) B(c, r) = A(r, c);
+  constexpr int rows = MA::RowsAtCompileTime, columns = MA::ColsAtCompileTime;
+  const auto one_by_one = [&](Eigen::Index first_row, Eigen::Index first_column)
+      __attribute__((always_inline)) {
+    for (Eigen::Index c = 0; c < A.cols(); ++c)
+      for (Eigen::Index r = c < first_column ? first_row : 0; r < A.rows(); ++r) B(c, r) = A(r, c);
+  };
+  if constexpr (rows != Eigen::Dynamic && columns != Eigen::Dynamic) {
+    for (int c = 0; c + 4 <= columns; c += 4) {
+      for (int r = 0; r + 4 <= rows; r += 4) {
+        Lanes block[4];
+        for (int i = 0; i < 4; ++i) block[i] = PacketAt(A.data() + (c + i) * rows + r);
+        Transpose(block);
+        for (int i = 0; i < 4; ++i) PacketAt(B.data() + (r + i) * columns + c) = block[i];
+      }
+    }
+    if constexpr (rows % 4 != 0 || columns % 4 != 0) one_by_one(rows / 4 * 4, columns / 4 * 4);
+  } else {
+    one_by_one(0, 0);
+  }
+}
+
+/// The upper triangle of A becomes that of its lower one, transposed.
+template <class M>
+[[gnu::always_inline]] inline void Mirror(M& A) {
+  constexpr int size = M::RowsAtCompileTime;
+  const auto mirror = [&](Eigen::Index first, Eigen::Index end) __attribute__((always_inline)) {
+    for (Eigen::Index c = first; c < end; ++c)
+      for (Eigen::Index r = c + 1; r < end; ++r) A(c, r) = A(r, c);
+  };
+  if constexpr (size != Eigen::Dynamic && size % 4 == 0) {
+    for (int c = 0; c < size; c += 4) {
+      mirror(c, c + 4);
+      for (int r = c + 4; r < size; r += 4) {
+        Lanes block[4];
+        for (int i = 0; i < 4; ++i) block[i] = PacketAt(A.data() + (c + i) * size + r);
+        Transpose(block);
+        for (int i = 0; i < 4; ++i) PacketAt(A.data() + (r + i) * size + c) = block[i];
+      }
+    }
+  } else {
+    mirror(0, A.rows());
+  }
 }
 
 /// C = (1 - s) A + s B

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <vector>
 
 namespace tenon {
@@ -55,14 +56,15 @@ void Iterate(benchmark::State& state, int steps, const SlqOptions& options) {
   state.counters["p99_us"] = times[times.size() * 99 / 100];
 }
 
-void Register(const char* name, int steps, const SlqOptions& options) {
-  benchmark::RegisterBenchmark(name, Iterate, steps, options)->Unit(benchmark::kMicrosecond);
+void Register(const std::string& name, int steps, const SlqOptions& options) {
+  benchmark::RegisterBenchmark(name.c_str(), Iterate, steps, options)->Unit(benchmark::kMicrosecond);
 }
 
 const bool kRegistered = [] {
-  Register("slq/100", 100, {});
-  Register("slq/50", 50, {});
-  Register("slq_midpoint/50", 50, {.method = StepMethod::kMidpoint});
+  for (const int steps : {100, 50}) {
+    Register("slq/" + std::to_string(steps), steps, {.method = StepMethod::kRungeKutta4});
+    Register("slq_midpoint/" + std::to_string(steps), steps, {.method = StepMethod::kMidpoint});
+  }
   return true;
 }();
 

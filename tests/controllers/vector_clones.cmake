@@ -2,9 +2,10 @@
 # out clones of templates in some cases, without a warning.
 execute_process(COMMAND ${NM} -C ${LIBRARY} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 foreach(cables 4 5 6 7 8 -1)
+  set(slq "Slq<tenon::CdprTrackingProblem<${cables}> >")
   foreach(function
-      "KinoCentroidalModel<${cables}>::Derivative" "KinoCentroidalModel<${cables}>::Linearize"
-      "KinoCentroidalModel<${cables}>::Linearization::Multiply" "Slq<tenon::CdprTrackingProblem<${cables}> >::Backward")
+      "KinoCentroidalModel<${cables}>::Derivative" "KinoCentroidalModel<${cables}>::Step"
+      "KinoCentroidalModel<${cables}>::LinearizeSteps" "${slq}::Start" "${slq}::Backward" "${slq}::RollOut")
     if(NOT symbols MATCHES "tenon::${function}\\([^\n]*\\[clone \\.arch_x86_64_v3\\]")
       message(SEND_ERROR "no clone of ${function} in ${LIBRARY}")
     endif()

@@ -11,6 +11,8 @@
 #include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/LU>
+#include <limits>
+#include <vector>
 
 namespace tenon {
 namespace {
@@ -25,6 +27,19 @@ CentroidalState SomeState() {
   CentroidalState x;
   x << 0.4, -0.3, 0.2, 0.01, -0.02, 0.03, 0.5, -0.4, 1.8, 0.2, -0.3, 0.5;
   return x;
+}
+
+/// [fx  fu], of a step of Euler.
+template <int n>
+Eigen::MatrixXd JacobianOf(const KinoCentroidalModel<n>& model, const CentroidalState& x,
+                           const typename KinoCentroidalModel<n>::Input& u) {
+  const double h = 1;
+  typename KinoCentroidalModel<n>::Tangent tangent(12, 12 + u.size());
+  RungeKutta<KinoCentroidalModel<n>>(12, static_cast<int>(u.size()))
+      .Linearize(model, StepMethod::kEuler, 1, &h, &x, &u, &tangent);
+  Eigen::MatrixXd jacobian = tangent;
+  jacobian.diagonal().array() -= 1;
+  return jacobian;
 }
 
 /// A robot of so many cables, and the n of the model.
@@ -63,45 +78,6 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   EXPECT_THAT(dx, IsNear(expected, 1e-13));
 }
 
-TYPED_TEST(KinoCentroidalModelTest, JacobiansAreThoseOfFiniteDifferences) {
-  using Model = typename TestFixture::Model;
-  const CentroidalState x = SomeState();
-  CentroidalState dx, same;
-  typename Model::Linearization f(12, TestFixture::n);
-  this->model.Linearize(x, this->u, dx, f);
-  this->model.Derivative(x, this->u, same);
-  EXPECT_THAT(dx, IsNear(same, 1e-13));
-
-  typename Model::Linearization::Tangent jacobian(12, 12 + TestFixture::n);
-  f.MultiplyIdentity(jacobian);
-  Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
-  z << x, this->u;
-  const auto rate = [&](const auto& z) -> Eigen::VectorXd {
-    CentroidalState out;
-    this->model.Derivative(z.template head<12>(), z.template tail<TestFixture::n>(), out);
-    return out;
-  };
-  EXPECT_TRUE(IsJacobian(jacobian, rate, z, 1e-8));
-}
-
-TYPED_TEST(KinoCentroidalModelTest, ProductsKnowTheStructure) {
-  using Linearization = typename TestFixture::Model::Linearization;
-  CentroidalState dx;
-  Linearization f(12, TestFixture::n);
-  this->model.Linearize(SomeState(), this->u, dx, f);
-  typename Linearization::Tangent jacobian = Linearization::Tangent::Zero(12, 12 + TestFixture::n);
-  typename Linearization::Tangent rate = jacobian;
-  f.MultiplyIdentity(jacobian);
-  DenseLinearization<12, TypeParam::kModel> dense(12, TestFixture::n);
-  dense.fx = jacobian.template leftCols<12>();
-  dense.fu = jacobian.template rightCols<TestFixture::n>();
-  const typename Linearization::Tangent tangent = Linearization::Tangent::Random(12, 12 + TestFixture::n);
-  typename Linearization::Tangent expected = tangent;
-  dense.Multiply(tangent, expected);
-  f.Multiply(tangent, rate);
-  EXPECT_THAT(rate, IsNear(expected, 1e-12));
-}
-
 // With a payload it is the model of the one body that both make, and its Jacobians are those of differences.
 TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   using Model = typename TestFixture::Model;
@@ -119,34 +95,80 @@ TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   };
   Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
   z << SomeState(), this->u;
-  CentroidalState dx, expected;
+  CentroidalState expected;
   Model(both).Derivative(SomeState(), this->u, expected);
-  typename Model::Linearization f(12, TestFixture::n);
-  model.Linearize(SomeState(), this->u, dx, f);
-  EXPECT_THAT(dx, IsNear(expected, 1e-13));
   EXPECT_THAT(rate(z), IsNear(expected, 1e-13));
-  typename Model::Linearization::Tangent jacobian(12, 12 + TestFixture::n);
-  f.MultiplyIdentity(jacobian);
-  EXPECT_TRUE(IsJacobian(jacobian, rate, z, 1e-8));
+  EXPECT_TRUE(IsJacobian(JacobianOf<TypeParam::kModel>(model, SomeState(), this->u), rate, z, 1e-8));
 }
 
-// The derivatives of a step are those of that step itself, whatever its length.
+/// The model by its rate alone, so that RungeKutta makes its steps.
+template <class Model>
+struct RateOnly {
+  static constexpr int kStates = 12, kInputs = Model::kInputs;
+  using Linearization = DenseLinearization<12, kInputs>;
+  const Model& model;
+  void Derivative(const CentroidalState& x, const typename Model::Input& u, CentroidalState& dx) const {
+    model.Derivative(x, u, dx);
+  }
+};
+
+TYPED_TEST(KinoCentroidalModelTest, StepsAreThoseOfRungeKutta) {
+  using Model = typename TestFixture::Model;
+  RungeKutta<RateOnly<Model>> plain(12, TestFixture::n);
+  RungeKutta<Model> own(12, TestFixture::n);
+  for (const StepMethod method : {StepMethod::kEuler, StepMethod::kMidpoint, StepMethod::kRungeKutta4}) {
+    CentroidalState expected, next;
+    plain.Step({this->model}, method, 0.05, SomeState(), this->u, expected);
+    own.Step(this->model, method, 0.05, SomeState(), this->u, next);
+    EXPECT_THAT(next, IsNear(expected, 1e-14));
+  }
+}
+
+// The derivatives of a step are those of that step itself, whatever its length; of seven steps, since four
+// are done at once.
 TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
   using Model = typename TestFixture::Model;
-  Eigen::Matrix<double, 12 + TestFixture::n, 1> z;
-  z << SomeState(), this->u;
-  RungeKutta<Model> step(12, TestFixture::n);
+  constexpr int kSteps = 7, n = TestFixture::n;
+  std::vector<double> h;
+  std::vector<CentroidalState> x;
+  std::vector<typename Model::Input> u;
+  for (int k = 0; k < kSteps; ++k) {
+    h.push_back(0.01 + 0.01 * k);
+    x.push_back(SomeState() * (1 - 0.2 * k));
+    u.push_back(this->u * (1 + 0.1 * k));
+  }
+  RungeKutta<Model> step(12, n);
   for (const StepMethod method : {StepMethod::kEuler, StepMethod::kMidpoint, StepMethod::kRungeKutta4}) {
-    const auto next = [&](const auto& z) -> Eigen::VectorXd {
-      CentroidalState out;
-      step.Step(this->model, method, 0.05, z.template head<12>(), z.template tail<TestFixture::n>(), out);
-      return out;
-    };
-    typename RungeKutta<Model>::Tangent tangent(12, 12 + TestFixture::n);
-    CentroidalState out;
-    step.Step(this->model, method, 0.05, SomeState(), this->u, out, tangent);
-    EXPECT_THAT(out, IsNear(next(z), 1e-13));
-    EXPECT_TRUE(IsJacobian(tangent, next, z, 1e-8));
+    using Tangent = typename RungeKutta<Model>::Tangent;
+    std::vector<Tangent> tangents(kSteps, Tangent::Zero(12, 12 + n));
+    step.Linearize(this->model, method, kSteps, h.data(), x.data(), u.data(), tangents.data());
+    for (int k = 0; k < kSteps; ++k) {
+      const auto next = [&](const auto& z) -> Eigen::VectorXd {
+        CentroidalState out;
+        step.Step(this->model, method, h[k], z.template head<12>(), z.template tail<n>(), out);
+        return out;
+      };
+      Eigen::Matrix<double, 12 + n, 1> z;
+      z << x[k], u[k];
+      EXPECT_TRUE(IsJacobian(tangents[k], next, z, 1e-8)) << k;
+      Tangent alone = Tangent::Zero(12, 12 + n);
+      step.Linearize(this->model, method, 1, &h[k], &x[k], &u[k], &alone);
+      EXPECT_THAT(tangents[k], IsNear(alone, 0)) << k;
+    }
+  }
+}
+
+// Where sine and cosine are no longer known.
+TEST(KinoCentroidalModel, IsNotFiniteWhereItSaysNothing) {
+  const KinoCentroidalModel<4> model(RobotWith(4));
+  const Eigen::Vector4d u(50, 60, 70, 80);
+  CentroidalState x = SomeState(), next;
+  model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
+  EXPECT_TRUE(next.allFinite());
+  for (const double angle : {1.1e6, -1e300, std::numeric_limits<double>::infinity()}) {
+    x[11] = angle;
+    model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
+    EXPECT_FALSE(next.allFinite()) << angle;
   }
 }
 

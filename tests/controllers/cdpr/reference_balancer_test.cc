@@ -152,10 +152,6 @@ TEST(BalancedReferenceTest, IsAnEquilibriumOfTheModelWithPayload) {
   CentroidalState rate;
   model.Derivative(x, balanced.tension(), rate);
   EXPECT_LT(rate.norm(), 1e-7) << rate.transpose();
-  KinoCentroidalModel<4>::Linearization f;
-  CentroidalState same;
-  model.Linearize(x, balanced.tension(), same, f);
-  EXPECT_LT((same - rate).norm(), 1e-10);
 }
 
 TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <limits>
 #include <random>
 
@@ -95,6 +96,37 @@ TEST(BoxNewton, StartsFromAnywhere) {
   ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, a));
   ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, b));
   EXPECT_THAT(a, IsNear(b, 1e-12));
+}
+
+TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
+  std::mt19937 generator(5);
+  auto problem = RandomProblem<4>(generator, 4);
+  const Eigen::Vector4d best = -(problem.H.inverse() * problem.g);
+  BoxNewton<4> box;
+  Eigen::Vector4d x = Eigen::Vector4d::Zero(), free = x;
+  ASSERT_TRUE(box.SolveFree(problem.H, problem.g, free));
+  EXPECT_THAT(free, IsNear(best, 1e-10));
+  problem.lower = free;  // one bound of each is just reached
+  problem.upper = free;
+  problem.lower.head<2>().array() -= 100;
+  problem.upper.tail<2>().array() += 100;
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
+  EXPECT_EQ(x, free);
+  EXPECT_EQ(box.free().sum(), 4);
+  problem.upper[1] -= 1e-3;
+  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
+  EXPECT_EQ(x[1], problem.upper[1]);
+  EXPECT_LT(box.free().sum(), 4);
+  ExpectOptimal(problem, x);
+}
+
+// What is not convex may be so where it counts: with the entries at their bounds held.
+TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
+  BoxNewton<2> box;
+  Eigen::Vector2d x(0.2, 1), lower(-1, -1), upper(1, 1), g(0.1, -3);
+  const Eigen::Matrix2d H = Eigen::Vector2d(1, -1).asDiagonal();
+  ASSERT_TRUE(box.Solve(H, g, lower, upper, x));
+  EXPECT_THAT(x, IsNear(Eigen::Vector2d(-0.1, 1), 1e-12));
 }
 
 TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
