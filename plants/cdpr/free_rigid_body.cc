@@ -43,12 +43,6 @@ Matrix6 ToEigen(const SimTK::SpatialInertia& body) {
   return SpatialInertia(body.getMass(), {com[0], com[1], com[2]}, J);
 }
 
-Vector6 ToEigen(const SimTK::SpatialVec& v) {
-  Vector6 out;
-  out << v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2];
-  return out;
-}
-
 }  // namespace
 
 struct FreeRigidBody::Model {
@@ -66,9 +60,19 @@ struct FreeRigidBody::Model {
 struct FreeRigidBody::Work {
   explicit Work(const Model& model) : state(model.system.getDefaultState()) {
     model.system.realizeModel(state);
-    model.system.realize(state, SimTK::Stage::Instance);
+    Find(model);
   }
+  Work(const Model& model, const Work& other) : state(other.state) { Find(model); }
+
   SimTK::State state;
+  const SimTK::SpatialInertia* inertia = nullptr;  // where in the state Simbody computes it: there it stays
+
+ private:
+  void Find(const Model& model) {
+    model.system.realize(state, SimTK::Stage::Instance);
+    model.matter.realizePositionKinematics(state);
+    inertia = &model.body.getBodySpatialInertiaInGround(state);
+  }
 };
 
 FreeRigidBody::FreeRigidBody() = default;
@@ -79,7 +83,7 @@ FreeRigidBody::FreeRigidBody(double mass, const Eigen::Matrix3d& inertia_B)
 
 FreeRigidBody::FreeRigidBody(const FreeRigidBody& other)
     : model_(other.model_),
-      work_(other.work_ == nullptr ? nullptr : std::make_unique<Work>(*other.work_)),
+      work_(other.work_ == nullptr ? nullptr : std::make_unique<Work>(*model_, *other.work_)),
       acceleration_(other.acceleration_),
       quaternion_rate_(other.quaternion_rate_),
       kinetic_energy_(other.kinetic_energy_) {}
@@ -99,21 +103,21 @@ void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, c
   SimTK::State& state = work_->state;
   // Raw data, because Simbody as packaged checks every access to an element.
   double* q = state.updQ().updContiguousScalarData();  // (w, x, y, z), position
-  double* u = state.updU().updContiguousScalarData();  // angular before linear velocity, both in W
   Vector6 velocity;
   velocity << x.w_W, x.v_W;
   for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
   for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
-  for (int i = 0; i < 6; ++i) u[i] = velocity[i];
-  // No more than what is read below: whole stages of the System take twice the time.
+  // No more than what is read below: whole stages of the System take four times as long.
   model_->matter.realizePositionKinematics(state);
-  model_->matter.realizeVelocityKinematics(state);
   quaternion_rate_ = QuaternionRate(x.q_WB, x.w_W);
 
-  Matrix6 inertia = ToEigen(model_->body.getBodySpatialInertiaInGround(state));
+  const SimTK::SpatialInertia& body = *work_->inertia;
+  Matrix6 inertia = ToEigen(body);
   Vector6 force;
   force << wrench.torque_W, wrench.force_W;
-  force -= ToEigen(model_->matter.getGyroscopicForce(state, model_->body.getMobilizedBodyIndex()));
+  const SimTK::Vec3 w(x.w_W[0], x.w_W[1], x.w_W[2]);
+  const SimTK::Vec3 gyroscopic = body.getMass() * (w % (body.getUnitInertia() * w));
+  for (int i = 0; i < 3; ++i) force[i] -= gyroscopic[i];
   if (payload.mass != 0) {
     const Vec<3> r = RotationFromQuaternion(x.q_WB) * payload.p_B;
     const Vec<3> centripetal = payload.mass * x.w_W.cross(x.w_W.cross(r));

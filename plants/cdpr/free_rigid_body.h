@@ -10,15 +10,15 @@ namespace tenon {
 /// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), and perhaps a
 /// point mass fixed to it.
 ///
-/// Simbody gives the spatial inertia M in W, the gyroscopic force b and the quaternion's rate. The mass
-/// properties of its bodies belong to the topology and cannot change in a run, so the point mass m at
-/// r = R_WB p_B adds its own share: with the spatial inertia M_m about the body's origin and w the angular
-/// velocity, all spatial vectors angular before linear,
+/// Simbody gives the spatial inertia M in W, from which comes the gyroscopic force b. The mass properties of
+/// its bodies belong to the topology and cannot change in a run, so the point mass m at r = R_WB p_B adds its
+/// own share: with the spatial inertia M_m about the body's origin and w the angular velocity, all spatial
+/// vectors angular before linear,
 ///
 ///     (M + M_m) [alpha; a] = [torque; force] - b - [r x c; c],   c = m w x (w x r),
 ///
-/// which is exact, with one Cholesky factorisation for both. It needs Simbody's Velocity stage alone: forward
-/// dynamics, which for one body solves the same six equations, would take three times as long and allocate.
+/// which is exact, with one Cholesky factorisation for both. It needs Simbody's Position stage alone: forward
+/// dynamics, which for one body solves the same six equations, would take five times as long and allocate.
 /// Gravity accelerates all masses alike: it is added to a last, as is exact.
 ///
 /// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run

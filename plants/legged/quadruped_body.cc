@@ -1,16 +1,22 @@
 #include <tenon/plants/legged/quadruped_body.h>
 
+#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/internal/lanes.h>
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <array>
 #include <utility>
 
 namespace tenon {
 namespace {
 
+using internal::Lanes;
+using internal::Matrix3;
+using internal::Vector3;
+template <class T>
+using Vector6 = Eigen::Matrix<T, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kNumBodies = 1 + kNumJoints;
@@ -22,34 +28,98 @@ template <class Vec3>  // Simbody's, unit or not
 Vec<3> ToEigen(const Vec3& v) {
   return {v[0], v[1], v[2]};
 }
+Matrix3<double> ToEigen(const SimTK::Rotation& R) {
+  Matrix3<double> out;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) out(row, column) = R.asMat33()(row, column);
+  return out;
+}
+/// Of the body that a leg's i-th joint moves, the trunk being 0.
+std::size_t BodyOf(int leg, std::size_t i) {
+  return 1 + kJointsPerLeg * static_cast<std::size_t>(leg) + i;
+}
+
+/// One leg's.
+template <int R>
+Eigen::Matrix<double, R, 1> Of(int leg, const Eigen::Matrix<Lanes, R, 1>& legs) {
+  Eigen::Matrix<double, R, 1> out;
+  for (int i = 0; i < R; ++i) out[i] = legs[i][leg];
+  return out;
+}
+/// Over the legs.
+template <int R, int C>
+Eigen::Matrix<double, R, C> Sum(const Eigen::Matrix<Lanes, R, C>& of_legs) {
+  Eigen::Matrix<double, R, C> sum;
+  for (int i = 0; i < R * C; ++i) sum(i) = of_legs(i).Sum();
+  return sum;
+}
 
 /// A force at r from the point that it is wanted about: torque before force.
-Vec<6> At(const Vec<3>& r, const Vec<3>& torque, const Vec<3>& force) {
-  Vec<6> wrench;
-  wrench << torque + r.cross(force), force;
+template <class T>
+Vector6<T> At(const Vector3<T>& r, const Vector3<T>& torque, const Vector3<T>& force) {
+  Vector6<T> wrench;
+  wrench.template head<3>() = torque + r.cross(force);
+  wrench.template tail<3>() = force;
   return wrench;
 }
 
+/// How a body moves: its origin's velocities in W, and its accelerations as far as they do not depend on
+/// those of the trunk and the joints.
+template <class T>
+struct Motion {
+  Vector3<T> w, v, alpha, a;
+};
+
+/// The inertia of a body, in W about its origin.
+template <class T>
+struct Inertia {
+  T mass;
+  Vector3<T> com;
+  Matrix3<T> unit;  // over mass
+
+  /// What its motion takes, about a point that is r before its origin.
+  Vector6<T> Bias(const Vector3<T>& r, const Motion<T>& motion) const {
+    const Vector3<T>& w = motion.w;
+    const Vector3<T> force = mass * (motion.a + motion.alpha.cross(com) + w.cross(w.cross(com)));
+    const Vector3<T> torque = mass * (unit * motion.alpha + com.cross(motion.a) + w.cross(unit * w));
+    return At(r, torque, force);
+  }
+};
+
+/// From Simbody's numbers, of which `get` applies the given function to whatever T is made of.
+template <class T, class Get>
+Inertia<T> MakeInertia(const Get& get) {
+  Inertia<T> inertia;
+  inertia.mass = get([](const SimTK::SpatialInertia& body) { return body.getMass(); });
+  for (int i = 0; i < 3; ++i) {
+    inertia.com[i] = get([i](const SimTK::SpatialInertia& body) { return body.getMassCenter()[i]; });
+    for (int k = 0; k <= i; ++k)
+      inertia.unit(i, k) = inertia.unit(k, i) =
+          get([i, k](const SimTK::SpatialInertia& body) { return body.getUnitInertia().asSymMat33()(i, k); });
+  }
+  return inertia;
+}
+
 /// The inertia of bodies that move as one, about a point.
+template <class T>
 struct Composite {
-  double mass = 0;
-  Vec<3> moment = Vec<3>::Zero();  // mass times position of the centre of mass
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  T mass = T(0);
+  Vector3<T> moment = Vector3<T>::Zero();  // mass times position of the centre of mass
+  Matrix3<T> inertia = Matrix3<T>::Zero();
 
   /// A body with its origin at r.
-  void Add(const Vec<3>& r, const SimTK::SpatialInertia& body) {
-    const double m = body.getMass();
-    const Vec<3> p = ToEigen(body.getMassCenter()), com = r + p;
-    const SimTK::SymMat33& unit = body.getUnitInertia().asSymMat33();
-    const Vec<3> squares = com.cwiseAbs2() - p.cwiseAbs2();
-    mass += m;
-    moment += m * com;
-    inertia(0, 0) += m * (unit(0, 0) + squares[1] + squares[2]);
-    inertia(1, 1) += m * (unit(1, 1) + squares[2] + squares[0]);
-    inertia(2, 2) += m * (unit(2, 2) + squares[0] + squares[1]);
+  void Add(const Vector3<T>& r, const Inertia<T>& body) {
+    const Vector3<T>& p = body.com;
+    const Vector3<T> com = r + p;
+    const Vector3<T> squares = com.cwiseProduct(com) - p.cwiseProduct(p);
+    mass += body.mass;
+    moment += body.mass * com;
+    inertia(0, 0) += body.mass * (body.unit(0, 0) + squares[1] + squares[2]);
+    inertia(1, 1) += body.mass * (body.unit(1, 1) + squares[2] + squares[0]);
+    inertia(2, 2) += body.mass * (body.unit(2, 2) + squares[0] + squares[1]);
     for (int i = 1; i < 3; ++i)
       for (int k = 0; k < i; ++k)
-        inertia(k, i) = inertia(i, k) += m * (unit(i, k) + p[i] * p[k] - com[i] * com[k]);
+        inertia(k, i) = inertia(i, k) += body.mass * (body.unit(i, k) + p[i] * p[k] - com[i] * com[k]);
   }
   void Add(const Composite& other) {
     mass += other.mass;
@@ -57,18 +127,45 @@ struct Composite {
     inertia += other.inertia;
   }
   /// Of a motion with this velocity about the point, angular before linear.
-  Vec<6> Momentum(const Vec<6>& velocity) const {
-    const Vec<3> w = velocity.head<3>(), v = velocity.tail<3>();
-    Vec<6> momentum;
-    momentum << inertia * w + moment.cross(v), mass * v + w.cross(moment);
+  Vector6<T> Momentum(const Vector6<T>& velocity) const {
+    const Vector3<T> w = velocity.template head<3>(), v = velocity.template tail<3>();
+    Vector6<T> momentum;
+    momentum.template head<3>() = inertia * w + moment.cross(v);
+    momentum.template tail<3>() = mass * v + w.cross(moment);
     return momentum;
   }
-  Matrix6 AsMatrix() const {
-    Matrix6 M;
-    for (int i = 0; i < 6; ++i) M.col(i) = Momentum(Vec<6>::Unit(i));
-    return M;
-  }
 };
+
+Matrix6 MassMatrix(const Composite<double>& bodies) {
+  Matrix6 M;
+  M << bodies.inertia, CrossMatrix(bodies.moment), -CrossMatrix(bodies.moment),
+      bodies.mass * Matrix3<double>::Identity();
+  return M;
+}
+
+Composite<double> Sum(const Composite<Lanes>& legs) {
+  return {legs.mass.Sum(), Sum(legs.moment), Sum(legs.inertia)};
+}
+
+/// Of a symmetric matrix.
+Matrix3<Lanes> Inverse(const Matrix3<Lanes>& M) {
+  Matrix3<Lanes> out;
+  const Lanes a = M(1, 1) * M(2, 2) - M(1, 2) * M(1, 2), b = M(0, 2) * M(1, 2) - M(0, 1) * M(2, 2),
+              c = M(0, 1) * M(1, 2) - M(0, 2) * M(1, 1);
+  const Lanes inverse_determinant = Lanes(1) / (M(0, 0) * a + M(0, 1) * b + M(0, 2) * c);
+  out(0, 0) = inverse_determinant * a;
+  out(0, 1) = out(1, 0) = inverse_determinant * b;
+  out(0, 2) = out(2, 0) = inverse_determinant * c;
+  out(1, 1) = inverse_determinant * (M(0, 0) * M(2, 2) - M(0, 2) * M(0, 2));
+  out(1, 2) = out(2, 1) = inverse_determinant * (M(0, 1) * M(0, 2) - M(0, 0) * M(1, 2));
+  out(2, 2) = inverse_determinant * (M(0, 0) * M(1, 1) - M(0, 1) * M(0, 1));
+  return out;
+}
+
+/// A frame with its z on an axis, the same for all that are parallel.
+SimTK::Rotation Turned(const Eigen::Vector3d& axis) {
+  return SimTK::Rotation(SimTK::UnitVec3(ToSimbody(axis)), SimTK::ZAxis);
+}
 
 /// Simbody wants the inertia about the body's origin.
 SimTK::MassProperties MassOf(const RigidInertia& body) {
@@ -82,23 +179,37 @@ SimTK::MassProperties MassOf(const RigidInertia& body) {
 
 struct QuadrupedBody::Model {
   explicit Model(const QuadrupedDescription& robot)
-      : matter(system),
-        trunk(matter.Ground(), SimTK::Transform(), SimTK::Body::Rigid(MassOf(robot.trunk)),
-              SimTK::Transform()),
-        rotor_inertia(robot.drive.rotor_inertia) {
-    bodies[0] = trunk;
+      : matter(system), rotor_inertia(robot.drive.rotor_inertia) {
+    axes[0] = Turned(robot.legs[0].joints[0].axis);
+    const SimTK::Vec4 turn = axes[0].convertRotationToQuaternion().asVec4();
+    trunk_turn = {turn[0], turn[1], turn[2], turn[3]};
+    bodies[0] = SimTK::MobilizedBody::Free(matter.Ground(), SimTK::Transform(),
+                                           SimTK::Body::Rigid(MassOf(robot.trunk).reexpress(axes[0])),
+                                           SimTK::Transform());
     for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
       for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
         const JointDescription& joint = robot.legs[leg].joints[i];
         const std::size_t own = 1 + kJointsPerLeg * leg + i, carrier = i == 0 ? 0 : own - 1;
-        axes[own] = SimTK::Rotation(SimTK::UnitVec3(ToSimbody(joint.axis)), SimTK::ZAxis);
+        axes[own] = Turned(joint.axis);
         bodies[own] = SimTK::MobilizedBody::Pin(
             bodies[carrier],
             SimTK::Transform(~axes[carrier] * axes[own], ~axes[carrier] * ToSimbody(joint.p_PJ)),
             SimTK::Body::Rigid(MassOf(robot.legs[leg].bodies[i]).reexpress(axes[own])), SimTK::Transform());
       }
-      feet[leg] = ~axes[kJointsPerLeg * (leg + 1)] * ToSimbody(robot.legs[leg].foot_J);
     }
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      for (int k = 0; k < 3; ++k)
+        offsets[i][k] = Lanes::Of([&](int leg) {
+          const std::size_t own = BodyOf(leg, i), before = i == 0 ? 0 : own - 1;
+          const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
+          return (~axes[before] * ToSimbody(of.joints[i].p_PJ))[k];
+        });
+    }
+    for (int k = 0; k < 3; ++k)
+      feet[k] = Lanes::Of([&](int leg) {
+        const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
+        return (~axes[BodyOf(leg, kJointsPerLeg - 1)] * ToSimbody(of.foot_J))[k];
+      });
     system.realizeTopology();
     SimTK::State state = system.getDefaultState();
     system.realizeModel(state);
@@ -109,30 +220,52 @@ struct QuadrupedBody::Model {
   }
   SimTK::MultibodySystem system;
   SimTK::SimbodyMatterSubsystem matter;
-  SimTK::MobilizedBody::Free trunk;
   std::array<SimTK::MobilizedBody, kNumBodies> bodies;
-  // Of the bodies here in those of the description: z on the joint's axis, about which a Pin turns. Frames of
-  // Pins that coincide with their bodies' save Simbody a sixth of its kinematics.
+  // Of the bodies here in those of the description: z on the joint's axis, about which a Pin turns; the
+  // trunk's on that of the first hip. Frames of Pins that coincide with their bodies' save Simbody a sixth of
+  // its kinematics, axes that are those of the bodies before as much.
   std::array<SimTK::Rotation, kNumBodies> axes;
-  std::array<SimTK::Vec3, kNumLegs> feet;
+  Vec<4> trunk_turn;  // axes[0] as a quaternion
   std::array<int, kNumJoints> q_index, u_index;
+  // Of all legs: where the joints are in the frames of the bodies before, and the feet in those of the last.
+  std::array<Vector3<Lanes>, kJointsPerLeg> offsets;
+  Vector3<Lanes> feet;
   double rotor_inertia;
 };
 
 struct QuadrupedBody::Work {
   explicit Work(const Model& model) : state(model.system.getDefaultState()) {
     model.system.realizeModel(state);
-    model.system.realize(state, SimTK::Stage::Instance);
+    Find(model);
   }
+  Work(const Model& model, const Work& other) : Work(other) { Find(model); }
+
   SimTK::State state;
+  // Where in the state Simbody computes them: there they stay, and each look-up takes it two dynamic casts.
+  std::array<const SimTK::Transform*, kNumBodies> poses;
+  std::array<const SimTK::SpatialInertia*, kNumBodies> inertias;
+  LeggedState x;
   // The equations of motion, with spatial vectors in W about the trunk's origin, angular before linear.
-  Vec<3> origin;                      // of the trunk
-  Eigen::Matrix<double, 6, 12> axes;  // velocities that unit joint speeds give
-  Vec<6> trunk_bias;                  // forces that it takes for no accelerations
-  Vec<12> joint_bias;
-  std::array<Eigen::Matrix3d, kNumLegs> leg_mass_inverse;
-  std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> legs_per_trunk;  // how legs yield to the trunk
-  Eigen::LLT<Matrix6> trunk_mass;                                    // felt at the trunk, with yielding legs
+  Vec<3> origin;  // of the trunk
+  Vec<3> com;     // of the robot
+  std::array<FootMotion, kNumLegs> feet;
+  std::array<Vector6<Lanes>, kJointsPerLeg> axes;  // velocities that unit joint speeds give
+  Vec<6> trunk_bias;                               // forces that it takes for no accelerations
+  Vector3<Lanes> joint_bias;
+  Matrix3<Lanes> leg_mass_inverse;
+  Eigen::Matrix<Lanes, 3, 6> legs_per_trunk;  // how legs yield to the trunk
+  Eigen::LLT<Matrix6> trunk_mass;             // felt at the trunk, with yielding legs
+
+ private:
+  Work(const Work&) = default;
+  void Find(const Model& model) {
+    model.system.realize(state, SimTK::Stage::Instance);
+    model.matter.realizePositionKinematics(state);
+    for (std::size_t i = 0; i < kNumBodies; ++i) {
+      poses[i] = &model.bodies[i].getBodyTransform(state);
+      inertias[i] = &model.bodies[i].getBodySpatialInertiaInGround(state);
+    }
+  }
 };
 
 QuadrupedBody::QuadrupedBody() = default;
@@ -142,7 +275,8 @@ QuadrupedBody::QuadrupedBody(const QuadrupedDescription& robot)
     : model_(std::make_shared<const Model>(robot)), work_(std::make_unique<Work>(*model_)) {}
 
 QuadrupedBody::QuadrupedBody(const QuadrupedBody& other)
-    : model_(other.model_), work_(other.work_ == nullptr ? nullptr : std::make_unique<Work>(*other.work_)) {}
+    : model_(other.model_),
+      work_(other.work_ == nullptr ? nullptr : std::make_unique<Work>(*model_, *other.work_)) {}
 
 QuadrupedBody& QuadrupedBody::operator=(const QuadrupedBody& other) {
   QuadrupedBody copy(other);
@@ -152,123 +286,140 @@ QuadrupedBody& QuadrupedBody::operator=(const QuadrupedBody& other) {
 }
 
 void QuadrupedBody::SetState(const LeggedState& x) {
+  work_->x = x;
   SimTK::State& state = work_->state;
   // Raw data, because Simbody as packaged checks every access to an element.
   double* q = state.updQ().updContiguousScalarData();  // (w, x, y, z), position, joint angles
-  double* u = state.updU().updContiguousScalarData();  // angular before linear velocity, both in W
-  for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
-  for (int i = 0; i < 3; ++i) {
-    q[4 + i] = x.p_WB[i];
-    u[i] = x.w_W[i];
-    u[3 + i] = x.v_W[i];
-  }
-  for (std::size_t j = 0; j < kNumJoints; ++j) {
-    q[model_->q_index[j]] = x.q[static_cast<Eigen::Index>(j)];
-    u[model_->u_index[j]] = x.qd[static_cast<Eigen::Index>(j)];
-  }
+  const Vec<4> turn = QuaternionProduct(x.q_WB, model_->trunk_turn);
+  for (int i = 0; i < 4; ++i) q[i] = turn[i];
+  for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
+  for (std::size_t j = 0; j < kNumJoints; ++j) q[model_->q_index[j]] = x.q[static_cast<Eigen::Index>(j)];
   // No more than what is read below: whole stages of the System take longer.
   model_->matter.realizePositionKinematics(state);
-  model_->matter.realizeVelocityKinematics(state);
   Factorise();
 }
 
 void QuadrupedBody::Factorise() {
   Work& work = *work_;
-  const SimTK::State& state = work.state;
-  work.origin = ToEigen(model_->trunk.getBodyTransform(state).p());
-  const auto bias_of = [&](const SimTK::MobilizedBody& body, const Vec<3>& r) {
-    const SimTK::SpatialVec& force =
-        model_->matter.getTotalCentrifugalForces(state, body.getMobilizedBodyIndex());
-    return At(r, ToEigen(force[0]), ToEigen(force[1]));
-  };
-  Composite all;
-  all.Add(Vec<3>::Zero(), model_->trunk.getBodySpatialInertiaInGround(state));
-  work.trunk_bias = bias_of(model_->trunk, Vec<3>::Zero());
-  Matrix6 yielded = Matrix6::Zero();
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    Composite carried;
-    Vec<6> carried_bias = Vec<6>::Zero();
-    Eigen::Matrix3d M;
-    Eigen::Matrix<double, 6, 3> momentum;  // of what each joint carries, at its unit speed
-    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-      const int j = kJointsPerLeg * leg + i;
-      const SimTK::MobilizedBody& body = model_->bodies[static_cast<std::size_t>(1 + j)];
-      const SimTK::Transform& X = body.getBodyTransform(state);
-      const Vec<3> r = ToEigen(X.p()) - work.origin;
-      const Vec<3> axis = ToEigen(X.R().z());
-      Vec<6> motion;
-      motion << axis, r.cross(axis);
-      carried.Add(r, body.getBodySpatialInertiaInGround(state));
-      carried_bias += bias_of(body, r);
-      momentum.col(i) = carried.Momentum(motion);
-      for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = motion.dot(momentum.col(k));
-      M(i, i) += model_->rotor_inertia;
-      work.axes.col(j) = motion;
-      work.joint_bias[j] = motion.dot(carried_bias);
-    }
-    Eigen::Matrix3d& inverse = work.leg_mass_inverse[static_cast<std::size_t>(leg)];
-    Eigen::Matrix<double, 3, 6>& per_trunk = work.legs_per_trunk[static_cast<std::size_t>(leg)];
-    inverse = M.inverse();
-    per_trunk = inverse.lazyProduct(momentum.transpose());
-    yielded += momentum.lazyProduct(per_trunk);
-    all.Add(carried);
-    work.trunk_bias += carried_bias;
+  const LeggedState& x = work.x;
+  const auto trunk = MakeInertia<double>([&](auto element) { return element(*work.inertias[0]); });
+  const Vec<3> none = Vec<3>::Zero();
+  work.origin = ToEigen(work.poses[0]->p());
+  Composite<double> all;
+  all.Add(none, trunk);
+  work.trunk_bias = trunk.Bias(none, {x.w_W, x.v_W, none, none});
+
+  // From the trunk to the feet.
+  std::array<Vector3<Lanes>, kJointsPerLeg> places;  // from the trunk's origin
+  std::array<Inertia<Lanes>, kJointsPerLeg> bodies;
+  std::array<Vector6<Lanes>, kJointsPerLeg> biases;
+  Matrix3<Lanes> R = ToEigen(work.poses[0]->R()).cast<Lanes>();
+  Vector3<Lanes> r = none.cast<Lanes>();
+  Motion<Lanes> motion{x.w_W.cast<Lanes>(), x.v_W.cast<Lanes>(), r, r};
+  for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+    const Vector3<Lanes> arm = R * model_->offsets[i], w = motion.w;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        R(row, column) =
+            Lanes::Of([&](int leg) { return work.poses[BodyOf(leg, i)]->R().asMat33()(row, column); });
+    const Vector3<Lanes> axis = R.col(2);
+    const Lanes speed = Lanes::Of([&](int leg) { return x.qd[static_cast<int>(BodyOf(leg, i)) - 1]; });
+    motion.a += motion.alpha.cross(arm) + w.cross(w.cross(arm));
+    motion.alpha += speed * w.cross(axis);
+    motion.v += w.cross(arm);
+    motion.w += speed * axis;
+    r += arm;
+    places[i] = r;
+    bodies[i] = MakeInertia<Lanes>([&](auto element) {
+      return Lanes::Of([&](int leg) { return element(*work.inertias[BodyOf(leg, i)]); });
+    });
+    biases[i] = bodies[i].Bias(r, motion);
+    work.axes[i].head<3>() = axis;
+    work.axes[i].tail<3>() = r.cross(axis);
   }
-  work.trunk_mass.compute(all.AsMatrix() - yielded);
+  const Vector3<Lanes> arm = R * model_->feet;
+  const Vector3<Lanes> foot = r + arm, foot_velocity = motion.v + motion.w.cross(arm);
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    work.feet[static_cast<std::size_t>(leg)] = {work.origin + Of(leg, foot), Of(leg, foot_velocity),
+                                                Of(leg, motion.w)};
+
+  // And back.
+  Composite<Lanes> carried;
+  Vector6<Lanes> bias = Vector6<Lanes>::Zero();
+  Matrix3<Lanes> M;
+  Eigen::Matrix<Lanes, 6, 3> momentum;  // of what each joint carries, at its unit speed
+  for (int i = kJointsPerLeg - 1; i >= 0; --i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Vector6<Lanes>& axis = work.axes[at];
+    carried.Add(places[at], bodies[at]);
+    bias += biases[at];
+    momentum.col(i) = carried.Momentum(axis);
+    for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = axis.dot(momentum.col(k));
+    M(i, i) += model_->rotor_inertia;
+    work.joint_bias[i] = axis.dot(bias);
+  }
+  work.leg_mass_inverse = Inverse(M);
+  work.legs_per_trunk = work.leg_mass_inverse.lazyProduct(momentum.transpose());
+  all.Add(Sum(carried));
+  work.com = work.origin + all.moment / all.mass;
+  work.trunk_bias += Sum(bias);
+  Matrix6 mass = MassMatrix(all);
+  for (int k = 0; k < 6; ++k)  // what the Cholesky decomposition reads
+    for (int i = k; i < 6; ++i)
+      mass(i, k) -= momentum.row(i).transpose().dot(work.legs_per_trunk.col(k)).Sum();
+  work.trunk_mass.compute(mass);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
-  const SimTK::MobilizedBody& shank = model_->bodies[static_cast<std::size_t>(1 + kJointsPerLeg * leg + 2)];
-  const SimTK::Transform& X = shank.getBodyTransform(work_->state);
-  const SimTK::SpatialVec& V = shank.getBodyVelocity(work_->state);
-  const Vec<3> arm = ToEigen(X.R() * model_->feet[static_cast<std::size_t>(leg)]);
-  const Vec<3> w = ToEigen(V[0]);
-  return {ToEigen(X.p()) + arm, ToEigen(V[1]) + w.cross(arm), w};
+  return work_->feet[static_cast<std::size_t>(leg)];
 }
 
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
   const auto index = static_cast<std::size_t>(body);
-  return ToEigen(model_->bodies[index].getBodyTransform(work_->state) *
-                 (~model_->axes[index] * ToSimbody(p_B)));
+  return ToEigen(*work_->poses[index] * (~model_->axes[index] * ToSimbody(p_B)));
 }
 
 double QuadrupedBody::KineticEnergy() const {
-  const SimTK::Vector& u = work_->state.getU();
-  double energy = model_->matter.calcKineticEnergy(work_->state);
-  for (const int index : model_->u_index) energy += model_->rotor_inertia / 2 * u[index] * u[index];
-  return energy;
+  const LeggedState& x = work_->x;
+  double* u = work_->state.updU().updContiguousScalarData();  // angular before linear velocity, both in W
+  for (int i = 0; i < 3; ++i) {
+    u[i] = x.w_W[i];
+    u[3 + i] = x.v_W[i];
+  }
+  for (std::size_t j = 0; j < kNumJoints; ++j) u[model_->u_index[j]] = x.qd[static_cast<Eigen::Index>(j)];
+  model_->matter.realizeVelocityKinematics(work_->state);
+  return model_->matter.calcKineticEnergy(work_->state) + model_->rotor_inertia / 2 * x.qd.squaredNorm();
 }
 
 Vec<3> QuadrupedBody::Com() const {
-  return ToEigen(model_->matter.calcSystemMassCenterLocationInGround(work_->state));
+  return work_->com;
 }
 
 LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<const PointForce> forces,
                                                double gravity) const {
   const Work& work = *work_;
   Vec<6> trunk_load = -work.trunk_bias;
-  Vec<12> joint_load = torque - work.joint_bias;
+  Vec<12> joint_load = torque;
   for (const PointForce& at : forces) {
-    const Vec<6> wrench = At(at.p_W - work.origin, at.torque_W, at.force_W);
+    const Vec<6> wrench = At<double>(at.p_W - work.origin, at.torque_W, at.force_W);
     trunk_load += wrench;
     if (at.body == 0) continue;
-    const int joint = at.body - 1;
-    for (int j = joint / kJointsPerLeg * kJointsPerLeg; j <= joint; ++j)
-      joint_load[j] += work.axes.col(j).dot(wrench);
+    const int joint = at.body - 1, leg = joint / kJointsPerLeg;
+    for (int i = 0; i <= joint % kJointsPerLeg; ++i)
+      joint_load[kJointsPerLeg * leg + i] += Of(leg, work.axes[static_cast<std::size_t>(i)]).dot(wrench);
   }
-  for (int leg = 0; leg < kNumLegs; ++leg)
-    trunk_load.noalias() -= work.legs_per_trunk[static_cast<std::size_t>(leg)].transpose() *
-                            joint_load.segment<kJointsPerLeg>(kJointsPerLeg * leg);
+  Vector3<Lanes> load;
+  for (int i = 0; i < kJointsPerLeg; ++i)
+    load[i] = Lanes::Of([&](int leg) { return joint_load[kJointsPerLeg * leg + i]; }) - work.joint_bias[i];
+  for (int i = 0; i < 6; ++i) trunk_load[i] -= work.legs_per_trunk.col(i).dot(load).Sum();
   const Vec<6> trunk = work.trunk_mass.solve(trunk_load);
+  const Vector3<Lanes> legs =
+      work.leg_mass_inverse * load - work.legs_per_trunk.lazyProduct(trunk.cast<Lanes>());
   LeggedAcceleration out;
   out.alpha_W = trunk.head<3>();
   out.a_W = trunk.tail<3>() - Vec<3>(0, 0, gravity);
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-    const auto first = static_cast<Eigen::Index>(kJointsPerLeg * leg);
-    out.qdd.segment<kJointsPerLeg>(first) =
-        work.leg_mass_inverse[leg] * joint_load.segment<kJointsPerLeg>(first) -
-        work.legs_per_trunk[leg] * trunk;
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    out.qdd.segment<kJointsPerLeg>(kJointsPerLeg * leg) = Of(leg, legs);
   return out;
 }
 

@@ -7,6 +7,8 @@
 
 namespace tenon {
 
+static constexpr double kRounding = 1e-9;  // [m], more than sums and roots round
+
 QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
     : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
   Eigen::Vector3d low = robot.legs[0].joints[0].p_PJ, high = low;
@@ -20,6 +22,9 @@ QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const 
   half_[2] = UniformBox(robot.trunk)[2] / 2;
 
   const Points stance = PointsAt(robot.stance);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i)
+      half_lengths_[leg][i] = (stance[leg][i + 1] - stance[leg][i]).norm() / 2;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
       for (std::size_t other = leg + 1; other < kNumLegs; ++other)
@@ -80,12 +85,24 @@ QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const 
 QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
   const Points points = PointsAt(x.q);
   QuadrupedClearances clear;
+  // What is too far away at its middle cannot be the nearest.
+  const auto middle = [&](Link link) -> Eigen::Vector3d {
+    return (points[link.leg][link.index] + points[link.leg][link.index + 1]) / 2;
+  };
+  const auto reach = [&](Link link) { return half_lengths_[link.leg][link.index] + radius_ + kRounding; };
+  const auto is_beyond = [](const Eigen::Vector3d& way, double most) {
+    return way.squaredNorm() > most * most || most < 0;
+  };
   for (const auto& [a, b] : pairs_) {
+    if (is_beyond(middle(a) - middle(b), clear.legs.distance + reach(a) + reach(b))) continue;
     const double distance = Distance(points, a, b);
     if (distance < clear.legs.distance)
       clear.legs = {distance, static_cast<int>(a.leg), static_cast<int>(b.leg)};
   }
   for (const Link& link : beside_trunk_) {
+    const Eigen::Vector3d p = middle(link) - middle_;
+    const Eigen::Vector3d way = p - p.cwiseMax(-half_).cwiseMin(half_);
+    if (is_beyond(way, clear.trunk.distance + reach(link))) continue;
     const double distance = TrunkDistance(points, link);
     if (distance < clear.trunk.distance) clear.trunk = {distance, static_cast<int>(link.leg)};
   }

@@ -52,6 +52,7 @@ class QuadrupedClearance {
   Terrain terrain_;
   double radius_;                  // of the links [m]
   Eigen::Vector3d middle_, half_;  // of the trunk's box, and half its edges, in B [m]
+  std::array<std::array<double, kJointsPerLeg>, kNumLegs> half_lengths_;  // of the links [m]
   std::vector<std::pair<Link, Link>> pairs_;
   std::vector<Link> beside_trunk_;
 };

@@ -32,7 +32,9 @@ struct SensorError {
             {"bias", &SensorError::bias}};
   }
 
+  /// Without noise no number is drawn.
   double Measure(double x, RandomStream& noise) const {
+    if (absolute == 0 && relative == 0) return x + bias;
     return x + bias + (absolute + relative * std::abs(x)) * noise.Normal();
   }
   /// Every element by itself.

@@ -36,6 +36,59 @@ TEST(QuadrupedBodyTest, AgreesWithSimbodysArticulatedBodies) {
   }
 }
 
+TEST(QuadrupedBodyTest, FeetCentreOfMassAndEnergyAgreeWithSimbodys) {
+  for (const QuadrupedDescription& robot : {test::DogBot(), test::A1(), test::SkewDogBot()}) {
+    test::QuadrupedSimbody simbody(robot);
+    const QuadrupedModel model(robot);
+    QuadrupedDynamics dynamics;
+    QuadrupedBody body(robot);
+    RandomStream random(52);
+    for (int i = 0; i < 100; ++i) {
+      const LeggedState x = test::RandomState(random);
+      body.SetState(x);
+      simbody.Calc(x, 0);
+      model.Calc(x, &dynamics);
+      for (int leg = 0; leg < kNumLegs; ++leg) {
+        const QuadrupedDynamics::Foot& expected = simbody.out.foot(leg);
+        const FootMotion foot = body.Foot(leg);
+        EXPECT_THAT(foot.p_W, IsNear(expected.p_W, 1e-12));
+        EXPECT_THAT(foot.v_W, IsNear(expected.v_W, 1e-12));
+        EXPECT_THAT(foot.w_W, IsNear(dynamics.foot(leg).w_W, 1e-12));
+      }
+      EXPECT_THAT(body.Com(), IsNear(simbody.out.com_W, 1e-12));
+      Vec<18> u;
+      u << x.v_W, x.w_W, x.qd;
+      const double energy = u.dot(simbody.out.M * u) / 2 + robot.drive.rotor_inertia / 2 * x.qd.squaredNorm();
+      EXPECT_NEAR(body.KineticEnergy(), energy, 1e-11 * energy);
+    }
+  }
+}
+
+TEST(QuadrupedBodyTest, CopiesAreOfTheSameStateAndGoTheirOwnWays) {
+  const QuadrupedDescription robot = test::DogBot();
+  RandomStream random(55);
+  const LeggedState x = test::RandomState(random), y = test::RandomState(random);
+  QuadrupedBody body(robot), expected(robot);
+  body.SetState(x);
+  expected.SetState(x);
+  const QuadrupedBody copy(body);
+  body.SetState(y);
+  const Vec<12> torque = test::RandomVector<12>(random, 60);
+  const Vec<3> p_B = test::RandomVector<3>(random, 0.3);
+  EXPECT_EQ(Stacked(copy.Acceleration(torque, {}, 0)), Stacked(expected.Acceleration(torque, {}, 0)));
+  EXPECT_EQ(copy.KineticEnergy(), expected.KineticEnergy());
+  EXPECT_EQ(copy.Com(), expected.Com());
+  for (int i = 0; i <= kNumJoints; ++i) EXPECT_EQ(copy.Position(i, p_B), expected.Position(i, p_B));
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    EXPECT_EQ(copy.Foot(leg).p_W, expected.Foot(leg).p_W);
+    EXPECT_NE(copy.Foot(leg).p_W, body.Foot(leg).p_W);
+  }
+  QuadrupedBody other(copy);  // which is asked after what it is a copy of has gone on
+  other.SetState(y);
+  EXPECT_EQ(Stacked(other.Acceleration(torque, {}, 0)), Stacked(body.Acceleration(torque, {}, 0)));
+  EXPECT_EQ(other.Position(7, p_B), body.Position(7, p_B));
+}
+
 /// (M + D) u' = M u0', where u0' are the accelerations without rotors.
 TEST(QuadrupedBodyTest, RotorsAddToTheMassMatrix) {
   QuadrupedDescription robot = test::A1();

@@ -87,6 +87,17 @@ TEST_F(QuadrupedClearanceTest, LegsThatMeetAreTold) {
   EXPECT_NEAR(apart.legs.distance, LeastDrawn(x), 0.002);
 }
 
+// Whatever the pose, no pair that is nearer has been left out.
+TEST_F(QuadrupedClearanceTest, TheNearestLegsAreThoseThatAreDrawnNearest) {
+  std::mt19937 random(61);
+  std::uniform_real_distribution<double> angle(-1, 1);
+  for (int i = 0; i < 20; ++i) {
+    LeggedState x = Standing();
+    for (double& q : x.q) q += angle(random);
+    EXPECT_NEAR(clearance.At(x).legs.distance, LeastDrawn(x), 0.003) << i;
+  }
+}
+
 // An upper leg turned inwards under the trunk, and up into it.
 TEST_F(QuadrupedClearanceTest, ALegInTheTrunkIsTold) {
   LeggedState x = Standing();

@@ -49,6 +49,16 @@ struct Statistics {
   Vec<N> sum = Vec<N>::Zero(), squares = Vec<N>::Zero(), products = Vec<N>::Zero(), last = Vec<N>::Zero();
 };
 
+TEST(SensorErrorTest, WithoutNoiseDrawsNoNumbers) {
+  RandomStream noise(1), untouched(1);
+  SensorError error{.bias = 0.5};
+  EXPECT_EQ(error.Measure(2.0, noise), 2.5);
+  EXPECT_EQ(noise.Next(), untouched.Next());
+  error.relative = 0.1;  // of a signal that happens to be 0
+  EXPECT_EQ(error.Measure(0.0, noise), 0.5);
+  EXPECT_NE(noise.Next(), untouched.Next());
+}
+
 TEST(JointEncodersTest, ErrorsHaveTheGivenMeanAndDeviation) {
   RandomStream random(1);
   const LeggedState x = RandomState(random);
