@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <tenon/controllers/optimization/cost_factor.h>
 #include <tenon/systems/framework/fields.h>
 
 namespace tenon {
@@ -61,17 +62,26 @@ struct QpReport {
 /// adds violated ones, dropping those whose multipliers would turn negative; the cost rises at each step, so
 /// it ends after finitely many, at the solution or at a constraint that contradicts the others.
 ///
-/// With H = L L^T and V = L^-1 A^T for the active constraints, V = Q (R; 0). Unlike the paper, which updates
-/// J = L^-T Q, this keeps L and Q apart: the start at a guessed active set is one Householder factorisation
-/// without forming Q, and a solve whose guess is right ends there. Zeros at the beginning of the rows of H
-/// stay zeros in L and cost nothing; so do zeros at the end of the first equalities where H leaves them.
+/// With H = L D L^T and J = L^-T D^-1/2 the columns V = J^T A^T of the active constraints are factored as
+/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. What
+/// follows from that are steps of two kinds:
 ///
-/// The guess is pruned of dependent constraints and of those with negative multipliers, so any guess is safe
-/// and only the number of iterations depends on it. The solution is refined from its residuals; if they stay
-/// above the tolerance, or if the problem seems infeasible after updates of Q, it starts again from fresh
-/// factors. Redundant constraints do no harm, equalities included.
+/// - Several at once, where few are violated: all these join, and those that then have negative multipliers
+///   leave, as long as that raises the cost. The reflections are applied and never multiplied out. The start
+///   at a guessed active set is such a step, too: a right guess is one factorisation.
+/// - One at a time, as in the paper, where more are violated, a step of the first kind did not raise the
+/// cost,
+///   or constraints depend on each other: with Z = J Q of the inequalities' part, updated by reflections and
+///   rotations.
 ///
-/// Everything is allocated by the constructor, nothing by Solve(). Copies are independent.
+/// Zeros of H between blocks of variables stay zeros in J and cost nothing. The guess is pruned of dependent
+/// constraints and of those with negative multipliers, so any guess is safe and only the number of iterations
+/// depends on it. The solution is refined from its residuals; if they stay above the tolerance, or if the
+/// problem seems infeasible after updates, it starts again from fresh factors. Redundant constraints do no
+/// harm, equalities included.
+///
+/// Everything is allocated by the constructor, nothing by Solve(). Copies are independent. Last digits depend
+/// on the processor, see TENON_VECTOR_CLONES.
 class DualActiveSet {
  public:
   /// Tolerance of the residuals, relative to the terms that they are made of.
@@ -85,10 +95,12 @@ class DualActiveSet {
   QpReport Solve(const QuadraticProgram& qp, std::span<const int> guess = {});
 
   /// Of the last Solve() that was ok: the minimiser,
-  auto x() const { return x_.head(n_); }
+  auto x() const { return Eigen::Map<const Eigen::VectorXd>(x_.data(), n_); }
   /// the multipliers of the equalities, then of the inequalities (>= 0, zero if not active), with
   /// H x + g = A^T multipliers,
-  auto multipliers() const { return multipliers_.head(num_equalities_ + num_inequalities_); }
+  auto multipliers() const {
+    return Eigen::Map<const Eigen::VectorXd>(multipliers_.data(), num_equalities_ + num_inequalities_);
+  }
   /// and the active inequalities, the guess for a similar problem.
   std::span<const int> active() const { return active_inequalities_; }
 
@@ -97,42 +109,79 @@ class DualActiveSet {
     QpStatus status;
     int constraint = -1;
   };
+
   void CheckSizes(const QuadraticProgram& qp) const;
-  int FactorCost(const QuadraticProgram& qp);
-  void Start(const QuadraticProgram& qp);
-  bool Append(const QuadraticProgram& qp, int constraint, double independence);
-  Outcome Iterate(const QuadraticProgram& qp, int* iterations);
-  int MostViolated(const QuadraticProgram& qp);
-  Outcome AddViolated(const QuadraticProgram& qp, int constraint, int* iterations);
-  void Drop(int position);
-  int Refine(const QuadraticProgram& qp);
-  void SolveActive(const Eigen::Ref<const Eigen::VectorXd>& g);
-  auto Reflector(int k) const {
-    return reflectors_.col(k).segment(k, ends_[static_cast<std::size_t>(k)] - k);
-  }
-  void FormQ();
-  void ApplyQTransposed(Eigen::VectorXd& v);
-  void ApplyQ(Eigen::VectorXd& v);
-  void SolveL(Eigen::VectorXd& v) const;
-  void SolveLTransposed(Eigen::VectorXd& v) const;
+  // The number of variables n is an int, or a constant where the compiler is to know it.
+  template <class Size>
+  QpReport Run(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  void Start(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  Outcome Iterate(const QuadraticProgram& qp, int* iterations, Size n);
+  template <class Size>
+  bool FindViolated(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  void MultiplyColumns(const double* x, Size n, double* products) const;
+  // Several at once
+  template <class Size>
+  bool MakePivot(const double* column, int end, double independence, int k, Size n, internal::Pivot* pivot);
+  template <class Size>
+  void FactorEqualities(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  void MakeColumns(const QuadraticProgram& qp, int first, int count, Size n);
+  template <class Size>
+  void FactorColumns(int first, int count, Size n);
+  void MoveColumn(int from, int to, int padded);
+  template <class Size>
+  void SolveR(double* t, double* u, Size n) const;
+  template <class Size>
+  int Join(const QuadraticProgram& qp, int first, int count, Size n);
+  // One at a time
+  template <class Size>
+  void FormZ(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  void MultiplyZTransposed(const double* a, double* products, Size n) const;
+  template <class Size>
+  void AddZ(const double* s, int first, int last, double* sum, Size n) const;
+  template <class Size>
+  Outcome AddViolated(const QuadraticProgram& qp, int constraint, int* iterations, Size n);
+  template <class Size>
+  void Drop(int position, Size n);
+  // The end
+  template <class Size>
+  int Refine(const QuadraticProgram& qp, Size n);
+  template <class Size>
+  void SolveEqualityMultipliers(const double* slope, Size n);
+  template <class Size>
+  void Correct(const QuadraticProgram& qp, Size n);
 
-  int max_constraints_, max_iterations_;
+  using Numbers = internal::Numbers;
+  int max_variables_, max_constraints_, max_iterations_;
   int n_ = 0, num_equalities_ = 0, num_inequalities_ = 0;
-  int num_active_ = 0, num_active_equalities_ = 0;
-  bool q_is_formed_ = false;
 
-  ConstraintMatrix L_;            // its diagonal holds reciprocals
-  std::vector<int> first_;        // first column of each row of L that is not zero
-  Eigen::MatrixXd R_;             // upper triangle
-  Eigen::MatrixXd reflectors_;    // column k: the reflector that made column k of R, from row k on,
-  std::vector<int> ends_;         // before row ends_[k]; what follows is zero
-  Eigen::MatrixXd Q_;             // once formed
-  Eigen::VectorXd column_norms_;  // of V
-  std::vector<int> active_;       // constraints in the order of R's columns
-  std::vector<int> active_inequalities_, guess_;
+  internal::CostFactor cost_;
+  // Pivots of the factorisation: the independent equalities, then the active inequalities.
+  int num_independent_ = 0, num_active_ = 0;
+  std::vector<int> independent_, active_;
+  Numbers reflectors_, tau_;  // I - tau w w^T: w in columns, from their pivots to ends_
+  std::vector<int> ends_, column_ends_;
+  Numbers R_equalities_, inverse_alpha_;  // the equalities' part of R, and 1 / the diagonal of all of R
+  Numbers R_, inverse_;                   // the inequalities' part, and 1 / its diagonal
+  Numbers columns_, norms2_;              // J^T a of the active inequalities, reflected by the equalities
+  Numbers bounds_;                        // of these, less what the equalities make of y
+  Numbers work_, work_bounds_;            // columns on their way into R
+  Numbers y_, y_equalities_;              // x = J Q y; its part from the equalities
+  Numbers slope_, slope_equalities_;      // (J Q)^T g; reflected by the equalities alone
+  double gain_ = 0;                       // twice what the active inequalities cost
+  bool z_is_formed_ = false;
+  Numbers Z_;           // the columns of J Q that belong to no equality, once formed,
+  Numbers transposed_;  // and the columns of A_in
+
+  Numbers x_, u_, lambda_, multipliers_;
+  Numbers g_, slack_, residual_, pull_, misses_, lengths2_;
+  Numbers row_, d_, r_, z_, w_;
+  std::vector<int> active_inequalities_, guess_, violated_;
   std::vector<char> is_active_;
-  Eigen::VectorXd x_, u_, multipliers_, b_, residual_, slack_, row_norms_;
-  Eigen::VectorXd v_, d_, w_, r_, dx_, du_;
 };
 
 }  // namespace tenon

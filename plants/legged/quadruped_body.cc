@@ -1,7 +1,7 @@
 #include <tenon/plants/legged/quadruped_body.h>
 
 #include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/model/internal/lanes.h>
+#include <tenon/plants/model/internal/per_leg.h>
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Cholesky>
@@ -12,8 +12,8 @@
 namespace tenon {
 namespace {
 
-using internal::Lanes;
 using internal::Matrix3;
+using internal::PerLeg;
 using internal::Vector3;
 template <class T>
 using Vector6 = Eigen::Matrix<T, 6, 1>;
@@ -41,14 +41,14 @@ std::size_t BodyOf(int leg, std::size_t i) {
 
 /// One leg's.
 template <int R>
-Eigen::Matrix<double, R, 1> Of(int leg, const Eigen::Matrix<Lanes, R, 1>& legs) {
+Eigen::Matrix<double, R, 1> Of(int leg, const Eigen::Matrix<PerLeg, R, 1>& legs) {
   Eigen::Matrix<double, R, 1> out;
   for (int i = 0; i < R; ++i) out[i] = legs[i][leg];
   return out;
 }
 /// Over the legs.
 template <int R, int C>
-Eigen::Matrix<double, R, C> Sum(const Eigen::Matrix<Lanes, R, C>& of_legs) {
+Eigen::Matrix<double, R, C> Sum(const Eigen::Matrix<PerLeg, R, C>& of_legs) {
   Eigen::Matrix<double, R, C> sum;
   for (int i = 0; i < R * C; ++i) sum(i) = of_legs(i).Sum();
   return sum;
@@ -143,16 +143,16 @@ Matrix6 MassMatrix(const Composite<double>& bodies) {
   return M;
 }
 
-Composite<double> Sum(const Composite<Lanes>& legs) {
+Composite<double> Sum(const Composite<PerLeg>& legs) {
   return {legs.mass.Sum(), Sum(legs.moment), Sum(legs.inertia)};
 }
 
 /// Of a symmetric matrix.
-Matrix3<Lanes> Inverse(const Matrix3<Lanes>& M) {
-  Matrix3<Lanes> out;
-  const Lanes a = M(1, 1) * M(2, 2) - M(1, 2) * M(1, 2), b = M(0, 2) * M(1, 2) - M(0, 1) * M(2, 2),
-              c = M(0, 1) * M(1, 2) - M(0, 2) * M(1, 1);
-  const Lanes inverse_determinant = Lanes(1) / (M(0, 0) * a + M(0, 1) * b + M(0, 2) * c);
+Matrix3<PerLeg> Inverse(const Matrix3<PerLeg>& M) {
+  Matrix3<PerLeg> out;
+  const PerLeg a = M(1, 1) * M(2, 2) - M(1, 2) * M(1, 2), b = M(0, 2) * M(1, 2) - M(0, 1) * M(2, 2),
+               c = M(0, 1) * M(1, 2) - M(0, 2) * M(1, 1);
+  const PerLeg inverse_determinant = PerLeg(1) / (M(0, 0) * a + M(0, 1) * b + M(0, 2) * c);
   out(0, 0) = inverse_determinant * a;
   out(0, 1) = out(1, 0) = inverse_determinant * b;
   out(0, 2) = out(2, 0) = inverse_determinant * c;
@@ -199,14 +199,14 @@ struct QuadrupedBody::Model {
     }
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
       for (int k = 0; k < 3; ++k)
-        offsets[i][k] = Lanes::Of([&](int leg) {
+        offsets[i][k] = PerLeg::Of([&](int leg) {
           const std::size_t own = BodyOf(leg, i), before = i == 0 ? 0 : own - 1;
           const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
           return (~axes[before] * ToSimbody(of.joints[i].p_PJ))[k];
         });
     }
     for (int k = 0; k < 3; ++k)
-      feet[k] = Lanes::Of([&](int leg) {
+      feet[k] = PerLeg::Of([&](int leg) {
         const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
         return (~axes[BodyOf(leg, kJointsPerLeg - 1)] * ToSimbody(of.foot_J))[k];
       });
@@ -228,8 +228,8 @@ struct QuadrupedBody::Model {
   Vec<4> trunk_turn;  // axes[0] as a quaternion
   std::array<int, kNumJoints> q_index, u_index;
   // Of all legs: where the joints are in the frames of the bodies before, and the feet in those of the last.
-  std::array<Vector3<Lanes>, kJointsPerLeg> offsets;
-  Vector3<Lanes> feet;
+  std::array<Vector3<PerLeg>, kJointsPerLeg> offsets;
+  Vector3<PerLeg> feet;
   double rotor_inertia;
 };
 
@@ -249,12 +249,12 @@ struct QuadrupedBody::Work {
   Vec<3> origin;  // of the trunk
   Vec<3> com;     // of the robot
   std::array<FootMotion, kNumLegs> feet;
-  std::array<Vector6<Lanes>, kJointsPerLeg> axes;  // velocities that unit joint speeds give
-  Vec<6> trunk_bias;                               // forces that it takes for no accelerations
-  Vector3<Lanes> joint_bias;
-  Matrix3<Lanes> leg_mass_inverse;
-  Eigen::Matrix<Lanes, 3, 6> legs_per_trunk;  // how legs yield to the trunk
-  Eigen::LLT<Matrix6> trunk_mass;             // felt at the trunk, with yielding legs
+  std::array<Vector6<PerLeg>, kJointsPerLeg> axes;  // velocities that unit joint speeds give
+  Vec<6> trunk_bias;                                // forces that it takes for no accelerations
+  Vector3<PerLeg> joint_bias;
+  Matrix3<PerLeg> leg_mass_inverse;
+  Eigen::Matrix<PerLeg, 3, 6> legs_per_trunk;  // how legs yield to the trunk
+  Eigen::LLT<Matrix6> trunk_mass;              // felt at the trunk, with yielding legs
 
  private:
   Work(const Work&) = default;
@@ -310,47 +310,47 @@ void QuadrupedBody::Factorise() {
   work.trunk_bias = trunk.Bias(none, {x.w_W, x.v_W, none, none});
 
   // From the trunk to the feet.
-  std::array<Vector3<Lanes>, kJointsPerLeg> places;  // from the trunk's origin
-  std::array<Inertia<Lanes>, kJointsPerLeg> bodies;
-  std::array<Vector6<Lanes>, kJointsPerLeg> biases;
-  Matrix3<Lanes> R = ToEigen(work.poses[0]->R()).cast<Lanes>();
-  Vector3<Lanes> r = none.cast<Lanes>();
-  Motion<Lanes> motion{x.w_W.cast<Lanes>(), x.v_W.cast<Lanes>(), r, r};
+  std::array<Vector3<PerLeg>, kJointsPerLeg> places;  // from the trunk's origin
+  std::array<Inertia<PerLeg>, kJointsPerLeg> bodies;
+  std::array<Vector6<PerLeg>, kJointsPerLeg> biases;
+  Matrix3<PerLeg> R = ToEigen(work.poses[0]->R()).cast<PerLeg>();
+  Vector3<PerLeg> r = none.cast<PerLeg>();
+  Motion<PerLeg> motion{x.w_W.cast<PerLeg>(), x.v_W.cast<PerLeg>(), r, r};
   for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
-    const Vector3<Lanes> arm = R * model_->offsets[i], w = motion.w;
+    const Vector3<PerLeg> arm = R * model_->offsets[i], w = motion.w;
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 3; ++column)
         R(row, column) =
-            Lanes::Of([&](int leg) { return work.poses[BodyOf(leg, i)]->R().asMat33()(row, column); });
-    const Vector3<Lanes> axis = R.col(2);
-    const Lanes speed = Lanes::Of([&](int leg) { return x.qd[static_cast<int>(BodyOf(leg, i)) - 1]; });
+            PerLeg::Of([&](int leg) { return work.poses[BodyOf(leg, i)]->R().asMat33()(row, column); });
+    const Vector3<PerLeg> axis = R.col(2);
+    const PerLeg speed = PerLeg::Of([&](int leg) { return x.qd[static_cast<int>(BodyOf(leg, i)) - 1]; });
     motion.a += motion.alpha.cross(arm) + w.cross(w.cross(arm));
     motion.alpha += speed * w.cross(axis);
     motion.v += w.cross(arm);
     motion.w += speed * axis;
     r += arm;
     places[i] = r;
-    bodies[i] = MakeInertia<Lanes>([&](auto element) {
-      return Lanes::Of([&](int leg) { return element(*work.inertias[BodyOf(leg, i)]); });
+    bodies[i] = MakeInertia<PerLeg>([&](auto element) {
+      return PerLeg::Of([&](int leg) { return element(*work.inertias[BodyOf(leg, i)]); });
     });
     biases[i] = bodies[i].Bias(r, motion);
     work.axes[i].head<3>() = axis;
     work.axes[i].tail<3>() = r.cross(axis);
   }
-  const Vector3<Lanes> arm = R * model_->feet;
-  const Vector3<Lanes> foot = r + arm, foot_velocity = motion.v + motion.w.cross(arm);
+  const Vector3<PerLeg> arm = R * model_->feet;
+  const Vector3<PerLeg> foot = r + arm, foot_velocity = motion.v + motion.w.cross(arm);
   for (int leg = 0; leg < kNumLegs; ++leg)
     work.feet[static_cast<std::size_t>(leg)] = {work.origin + Of(leg, foot), Of(leg, foot_velocity),
                                                 Of(leg, motion.w)};
 
   // And back.
-  Composite<Lanes> carried;
-  Vector6<Lanes> bias = Vector6<Lanes>::Zero();
-  Matrix3<Lanes> M;
-  Eigen::Matrix<Lanes, 6, 3> momentum;  // of what each joint carries, at its unit speed
+  Composite<PerLeg> carried;
+  Vector6<PerLeg> bias = Vector6<PerLeg>::Zero();
+  Matrix3<PerLeg> M;
+  Eigen::Matrix<PerLeg, 6, 3> momentum;  // of what each joint carries, at its unit speed
   for (int i = kJointsPerLeg - 1; i >= 0; --i) {
     const auto at = static_cast<std::size_t>(i);
-    const Vector6<Lanes>& axis = work.axes[at];
+    const Vector6<PerLeg>& axis = work.axes[at];
     carried.Add(places[at], bodies[at]);
     bias += biases[at];
     momentum.col(i) = carried.Momentum(axis);
@@ -408,13 +408,13 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
     for (int i = 0; i <= joint % kJointsPerLeg; ++i)
       joint_load[kJointsPerLeg * leg + i] += Of(leg, work.axes[static_cast<std::size_t>(i)]).dot(wrench);
   }
-  Vector3<Lanes> load;
+  Vector3<PerLeg> load;
   for (int i = 0; i < kJointsPerLeg; ++i)
-    load[i] = Lanes::Of([&](int leg) { return joint_load[kJointsPerLeg * leg + i]; }) - work.joint_bias[i];
+    load[i] = PerLeg::Of([&](int leg) { return joint_load[kJointsPerLeg * leg + i]; }) - work.joint_bias[i];
   for (int i = 0; i < 6; ++i) trunk_load[i] -= work.legs_per_trunk.col(i).dot(load).Sum();
   const Vec<6> trunk = work.trunk_mass.solve(trunk_load);
-  const Vector3<Lanes> legs =
-      work.leg_mass_inverse * load - work.legs_per_trunk.lazyProduct(trunk.cast<Lanes>());
+  const Vector3<PerLeg> legs =
+      work.leg_mass_inverse * load - work.legs_per_trunk.lazyProduct(trunk.cast<PerLeg>());
   LeggedAcceleration out;
   out.alpha_W = trunk.head<3>();
   out.a_W = trunk.tail<3>() - Vec<3>(0, 0, gravity);

@@ -1,8 +1,20 @@
-// The quadratic programmes of the whole-body controller in a walk: DogBot trots for two seconds in closed
-// loop with the plant (see trot_recording.h), 2000 problems at 1 kHz, in sequence.
+// The quadratic programmes of the whole-body controller in walks with the plant, at 1 kHz, in sequence:
 //
-//     qp/eliminated             in 12 variables, each one started at the active constraints of the one before
-//     qp/full                   the same in 30 variables
+//     qp          DogBot trots on level ground (see trot_recording.h): hardly an inequality is active
+//     qp_k3, k8   the same, with 3 or 8 limits of torque moved past the solution by 0.2 N m
+//     qp_slip     on blocks with a friction of 0.25 (A6-slippery)
+//     qp_blocks   on blocks, pushed at random, with a friction of 0.4 and believed 30 % heavier (B3-plus)
+//     qp_push     pushed at a knee by 160 N for 0.2 s, counting on a friction of 0.4 (A3-160)
+//     qp_lean     pushed sideways all the time by 60 N, counting on a friction of 0.4 (lateral_push)
+//     qp_stumble  as a guide dog, when the person stumbles and pulls by 150 N more (C1-stumble)
+//
+// and of each
+//
+//     SET/eliminated            in 12 variables, each one started at the active constraints of the one before
+//     SET/full                  the same in 30 variables
+//
+// and of the first
+//
 //     whole_body_qp/eliminated  with making the problem from the dynamics
 //     whole_body_qp/full
 //     qp/alglib_ipm             in 30 variables, ALGLIB's dense interior point method
@@ -10,24 +22,38 @@
 //                               smaller tolerances take longer and bring them hardly closer
 //
 // Counters: median_ns and p99_ns over the problems, each with the least time of all iterations, since what
-// the machine does besides is not the solver's; iterations a problem; failures, and the largest difference
-// from the full problem's solution by the dual active set method, relative to its norm.
+// the machine does besides is not the solver's; cold_median_ns and cold_p99_ns of solves without a guess;
+// active, the mean number of active inequalities; iterations a problem; failures. Of the dual active set
+// method kkt, the largest residual of the conditions of Karush, Kuhn and Tucker, relative to the terms that
+// it is made of, and difference, the largest one from the other form's solution, relative to its norm; a
+// benchmark ends in an error if either exceeds 1e-8, or a solve fails. ALGLIB's difference is that from the
+// full problem's solution by the dual active set method.
 
 #include <benchmark/benchmark.h>
 #include <libalglib/optimization.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <functional>
 #include <limits>
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/tests/controllers/optimization/kkt_residual.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
 namespace {
 
-constexpr std::size_t kFirst = 2000, kTicks = 4000;
+constexpr double kAgreement = 1e-8;
 
 struct Sequence {
   std::vector<test::TrotTask> tasks;
@@ -35,22 +61,75 @@ struct Sequence {
   Vec<12> limit;
 };
 
-const Sequence& Trot() {
-  static const Sequence sequence = [] {
-    const test::TrotLoop trot;
-    const WholeBodyController& controller = trot.loop->locomotion.whole_body;
-    Sequence made;
-    made.params = controller.params.gains.qp;
-    made.limit = WholeBodyController::TorqueLimit(controller.params.robot);
-    const std::vector<test::TrotTick> ticks = test::RecordTrot(trot, 1e-3 * kTicks);
-    for (std::size_t n = kFirst; n < kTicks; ++n) made.tasks.push_back(test::MakeTask(controller, ticks[n]));
-    return made;
-  }();
-  return sequence;
+Sequence Empty(const WholeBodyController& controller) {
+  return {{}, controller.params.gains.qp, WholeBodyController::TorqueLimit(controller.params.robot)};
 }
 
-WholeBodyQpParams Params(bool eliminate) {
-  WholeBodyQpParams params = Trot().params;
+Sequence Trot() {
+  constexpr int kFirst = 2000, kTicks = 2000;
+  const test::TrotLoop trot;
+  const WholeBodyController& controller = trot.loop->locomotion.whole_body;
+  Sequence made = Empty(controller);
+  const std::vector<test::TrotTick> ticks = test::RecordTrot(trot, 1e-3 * (kFirst + kTicks));
+  for (std::size_t n = kFirst; n < ticks.size(); ++n)
+    made.tasks.push_back(test::MakeTask(controller, ticks[n]));
+  return made;
+}
+
+// What the controller is asked for from tick `first` to `last` of a loop.
+template <class Loop>
+Sequence Record(const auto& params, const SimulatorOptions& options, int first, int last) {
+  DiagramBuilder builder;
+  const Loop& loop = builder.Add<Loop>("loop", params);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, options);
+  Context& context = simulator.context();
+  const LeggedLocomotion& locomotion = loop.locomotion;
+  const WholeBodyController& controller = locomotion.whole_body;
+  const WholeBodyGains& gains = controller.params.gains;
+  Sequence made = Empty(controller);
+  for (int n = first; n < last; ++n) {
+    const RunStatus status = simulator.AdvanceTo(n / 1000.0);
+    if (status.ended) throw RunError("the walk ended: " + status.reason);
+    const LeggedState& state = context.Eval(loop.world.state);
+    const ContactSchedule& schedule = context.Eval(locomotion.scheduler.schedule);
+    const GroundPlane& ground = context.Eval(locomotion.ground_estimator.ground);
+    test::TrotTask& task = made.tasks.emplace_back();
+    controller.CalcDynamics(state, schedule, ground, gains, &task.dynamics);
+    task.task =
+        controller.MakeTask(task.dynamics, state, schedule, context.Eval(locomotion.com_planner.reference),
+                            context.Eval(locomotion.swing_planner.feet), context.Eval(loop.observer.wrench),
+                            context.Eval(loop.observer.leg_forces), ground, gains);
+  }
+  return made;
+}
+
+Sequence Quadruped(const std::string& scenario, const std::vector<std::string>& settings, int first,
+                   int last) {
+  const auto read = apps::LoadScenario(scenario, settings, "tenon-quadruped").Read<apps::QuadrupedScenario>();
+  return Record<QuadrupedWalk>(apps::MakeWalkParams(read), apps::MakeSimulatorOptions(read), first, last);
+}
+
+Sequence Dog(const std::string& scenario, int first, int last) {
+  const auto read = apps::LoadScenario(scenario, {}, "tenon-guide-dog").Read<apps::GuideDogScenario>();
+  return Record<GuideDog>(apps::MakeGuideDogParams(read), apps::MakeSimulatorOptions(read), first, last);
+}
+
+const Sequence& Walk(const std::string& name) {
+  static const std::map<std::string, std::function<Sequence()>> walks{
+      {"qp", Trot},
+      {"qp_slip", [] { return Quadruped("A6-slippery", {}, 11500, 13000); }},
+      {"qp_blocks", [] { return Quadruped("B3-plus", {}, 12000, 14000); }},
+      {"qp_push", [] { return Quadruped("A3-160", {"walk.friction=0.4"}, 3500, 4500); }},
+      {"qp_lean", [] { return Quadruped("lateral_push", {"walk.friction=0.4"}, 500, 2500); }},
+      {"qp_stumble", [] { return Dog("C1-stumble", 9950, 10950); }}};
+  static std::map<std::string, Sequence> recorded;
+  const auto found = recorded.find(name);
+  return found != recorded.end() ? found->second : recorded.emplace(name, walks.at(name)()).first->second;
+}
+
+WholeBodyQpParams Params(const Sequence& walk, bool eliminate) {
+  WholeBodyQpParams params = walk.params;
   params.eliminate = eliminate;
   return params;
 }
@@ -59,6 +138,7 @@ WholeBodyQpParams Params(bool eliminate) {
 struct Stored {
   explicit Stored(const QuadraticProgram& qp)
       : H(qp.H), g(qp.g), A_eq(qp.A_eq), b_eq(qp.b_eq), A_in(qp.A_in), b_in(qp.b_in) {}
+  QuadraticProgram view() const { return {H, g, A_eq, b_eq, A_in, b_in}; }
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
   ConstraintMatrix A_eq;
@@ -68,23 +148,46 @@ struct Stored {
   Eigen::VectorXd x;
 };
 
-std::vector<Stored> MakeProblems(bool eliminate) {
+// Moves `count` limits of torque past the problem's solution, by 0.2 N m, the same of all problems: lower or
+// upper ones of joints on all legs.
+void MoveRows(int count, Stored* qp) {
+  constexpr std::array<std::array<int, 2>, 8> kRows{
+      {{0, 1}, {3, 2}, {1, 3}, {2, 5}, {0, 5}, {1, 1}, {3, 4}, {2, 0}}};  // legs, limits
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    const int row = kRows[k][0] * WholeBodyQp::kRowsPerLeg + 4 + kRows[k][1];
+    qp->b_in[row] = qp->A_in.row(row).dot(qp->x) + 0.2;
+  }
+}
+
+struct Set {
+  std::string walk;
+  int moved = 0;
+};
+
+// The problems of a set in one form, with the solutions of solves without a guess.
+std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   std::vector<Stored> problems;
-  const WholeBodyQpParams params = Params(eliminate);
-  WholeBodyQp maker(Trot().limit);
-  WholeBodySolution solution;
-  for (const auto& [dynamics, task] : Trot().tasks) {
+  const Sequence& walk = Walk(set.walk);
+  const WholeBodyQpParams params = Params(walk, eliminate);
+  WholeBodyQp maker(walk.limit);
+  DualActiveSet solver(30, 60);
+  for (const auto& [dynamics, task] : walk.tasks) {
+    WholeBodySolution solution;
     maker.Solve(dynamics, task, params, &solution);
-    problems.emplace_back(maker.problem());
-    problems.back().x = maker.solver().x();
+    Stored& qp = problems.emplace_back(maker.problem());
+    qp.x = maker.solver().x();
+    if (set.moved == 0) continue;
+    MoveRows(set.moved, &qp);
+    solver.Solve(qp.view());
+    qp.x = solver.x();
   }
   return problems;
 }
 
-/// The least time that each problem of the sequence takes.
+/// The least time that each problem of a sequence takes.
 class Times {
  public:
-  Times() : ns_(Trot().tasks.size(), std::numeric_limits<double>::infinity()) {}
+  explicit Times(std::size_t problems) : ns_(problems, std::numeric_limits<double>::infinity()) {}
   template <class F>
   auto Measure(std::size_t problem, F&& f) {
     const auto begin = std::chrono::steady_clock::now();
@@ -93,49 +196,68 @@ class Times {
     ns_[problem] = std::min(ns_[problem], elapsed.count());
     return result;
   }
-  void Report(benchmark::State& state) {
+  void Report(benchmark::State& state, const std::string& prefix = "") {
     std::sort(ns_.begin(), ns_.end());
-    state.counters["median_ns"] = ns_[ns_.size() / 2];
-    state.counters["p99_ns"] = ns_[ns_.size() * 99 / 100];
+    state.counters[prefix + "median_ns"] = ns_[ns_.size() / 2];
+    state.counters[prefix + "p99_ns"] = ns_[ns_.size() * 99 / 100];
   }
 
  private:
   std::vector<double> ns_;
 };
 
-void Solve(benchmark::State& state, bool eliminate) {
-  const std::vector<Stored> problems = MakeProblems(eliminate);
+void Solve(benchmark::State& state, const Set& set, bool eliminate) {
+  const std::vector<Stored> problems = MakeProblems(set, eliminate), others = MakeProblems(set, !eliminate);
   DualActiveSet solver(30, 60);
   std::vector<int> guess;
   guess.reserve(30);
-  Times times;
+  Times warm(problems.size()), cold(problems.size());
   long iterations = 0, failures = 0;
   for (auto _ : state) {
     guess.clear();
     for (std::size_t k = 0; k < problems.size(); ++k) {
       const Stored& qp = problems[k];
-      const QpReport report = times.Measure(k, [&] {
-        return solver.Solve({qp.H, qp.g, qp.A_eq, qp.b_eq, qp.A_in, qp.b_in}, guess);
-      });
+      const QpReport report = warm.Measure(k, [&] { return solver.Solve(qp.view(), guess); });
       iterations += report.iterations;
       failures += !report.ok();
       if (report.ok()) guess.assign(solver.active().begin(), solver.active().end());
     }
+    for (std::size_t k = 0; k < problems.size(); ++k)
+      failures += !cold.Measure(k, [&] { return solver.Solve(problems[k].view()); }).ok();
   }
-  times.Report(state);
+  double kkt = 0, difference = 0;
+  std::size_t active = 0;
+  guess.clear();
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    const Stored& qp = problems[k];
+    if (!solver.Solve(qp.view(), guess).ok()) continue;
+    guess.assign(solver.active().begin(), solver.active().end());
+    active += guess.size();
+    kkt = std::max(kkt, test::KktResidual(qp.view(), solver.x(), solver.multipliers()).largest);
+    const Vec<12> y = solver.x().tail<12>(), expected = others[k].x.tail<12>();
+    difference = std::max(difference, (y - expected).norm() / expected.norm());
+  }
+  warm.Report(state);
+  cold.Report(state, "cold_");
   const double solves = static_cast<double>(state.iterations()) * static_cast<double>(problems.size());
   state.counters["iterations"] = static_cast<double>(iterations) / solves;
+  state.counters["active"] = static_cast<double>(active) / static_cast<double>(problems.size());
   state.counters["failures"] = static_cast<double>(failures);
+  state.counters["kkt"] = kkt;
+  state.counters["difference"] = difference;
+  if (failures > 0 || !(kkt <= kAgreement) || !(difference <= kAgreement))
+    state.SkipWithError("a solve failed, or is not the minimum");
 }
 
 void MakeAndSolve(benchmark::State& state, bool eliminate) {
-  const WholeBodyQpParams params = Params(eliminate);
-  WholeBodyQp qp(Trot().limit);
+  const Sequence& walk = Walk("qp");
+  const WholeBodyQpParams params = Params(walk, eliminate);
+  WholeBodyQp qp(walk.limit);
   WholeBodySolution solution;
-  Times times;
+  Times times(walk.tasks.size());
   for (auto _ : state) {
-    for (std::size_t k = 0; k < Trot().tasks.size(); ++k) {
-      const auto& [dynamics, task] = Trot().tasks[k];
+    for (std::size_t k = 0; k < walk.tasks.size(); ++k) {
+      const auto& [dynamics, task] = walk.tasks[k];
       times.Measure(k, [&] { return qp.Solve(dynamics, task, params, &solution); });
     }
   }
@@ -143,8 +265,8 @@ void MakeAndSolve(benchmark::State& state, bool eliminate) {
 }
 
 void SolveByAlglib(benchmark::State& state, bool interior_point) {
-  const std::vector<Stored> problems = MakeProblems(false);
-  Times times;
+  const std::vector<Stored> problems = MakeProblems({"qp"}, false);
+  Times times(problems.size());
   long iterations = 0, failures = 0;
   double difference = 0;
   for (auto _ : state) {
@@ -204,8 +326,16 @@ void Register(const char* name, int iterations, auto... arguments) {
 }
 
 const bool kRegistered = [] {
-  Register("qp/eliminated", 10, Solve, true);
-  Register("qp/full", 10, Solve, false);
+  for (const auto& [name, set] : {std::pair{"qp", Set{"qp"}},
+                                  {"qp_k3", {"qp", 3}},
+                                  {"qp_k8", {"qp", 8}},
+                                  {"qp_slip", {"qp_slip"}},
+                                  {"qp_blocks", {"qp_blocks"}},
+                                  {"qp_push", {"qp_push"}},
+                                  {"qp_stumble", {"qp_stumble"}}}) {
+    Register((name + std::string("/eliminated")).c_str(), 10, Solve, set, true);
+    Register((name + std::string("/full")).c_str(), 10, Solve, set, false);
+  }
   Register("whole_body_qp/eliminated", 10, MakeAndSolve, true);
   Register("whole_body_qp/full", 10, MakeAndSolve, false);
   Register("qp/alglib_ipm", 2, SolveByAlglib, true);

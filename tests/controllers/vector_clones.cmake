@@ -11,3 +11,10 @@ foreach(cables 4 5 6 7 8 -1)
     endif()
   endforeach()
 endforeach()
+foreach(function
+    "DualActiveSet::Run<int>" "DualActiveSet::Run<std::integral_constant<int, 12> >" "DualActiveSet::Join<int>"
+    "DualActiveSet::AddViolated<int>" "WholeBodyQp::MakeReduced")
+  if(NOT symbols MATCHES "tenon::${function}\\([^\n]*\\[clone \\.arch_x86_64_v3\\]")
+    message(SEND_ERROR "no clone of ${function} in ${LIBRARY}")
+  endif()
+endforeach()

@@ -17,11 +17,76 @@
 namespace tenon {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using internal::Packet;
+using internal::PacketAt;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 // J_leg counts as singular if its determinant is less than this part of |J_leg|^3.
 constexpr double kStraight = 1e-4;
+
+// Affine functions of y, a row each: twelve coefficients, a constant, and zeros that pad it.
+constexpr int kWidth = 16, kConstant = 12;
+
+// The 18 accelerations of nu', then the wrench that is missing.
+constexpr int kWrenchRow = 18, kRows = 24;
+
+// row += s * other
+[[gnu::always_inline]] inline void AddRow(double s, const double* other, double* row) {
+  for (int i = 0; i < kWidth; i += 4) PacketAt(row + i) += PacketAt(other + i) * s;
+}
+
+// Six rows x of A x = B y, by elimination with row pivots: each of `rows` holds one of B, and A's from kWidth
+// on. False if A is singular.
+constexpr int kEliminationWidth = kWidth + 8;
+[[gnu::always_inline]] inline bool Eliminate(double* rows, double* solution) {
+  std::array<double*, 6> at{};
+  for (std::size_t i = 0; i < 6; ++i) at[i] = rows + i * kEliminationWidth;
+  for (std::size_t k = 0; k < 6; ++k) {
+    std::size_t largest = k;
+    for (std::size_t i = k + 1; i < 6; ++i)
+      if (std::abs(at[i][kWidth + k]) > std::abs(at[largest][kWidth + k])) largest = i;
+    std::swap(at[k], at[largest]);
+    double* const pivot = at[k];
+    if (!(std::abs(pivot[kWidth + k]) > 0)) return false;
+    const double inverse = 1 / pivot[kWidth + k];
+    for (int c = 0; c < kEliminationWidth; c += 4) PacketAt(pivot + c) = PacketAt(pivot + c) * inverse;
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (i == k) continue;
+      const double factor = -at[i][kWidth + k];
+      for (int c = 0; c < kEliminationWidth; c += 4) PacketAt(at[i] + c) += PacketAt(pivot + c) * factor;
+    }
+  }
+  for (std::size_t k = 0; k < 6; ++k)
+    for (int c = 0; c < kWidth; c += 4) PacketAt(solution + k * kWidth + c) = PacketAt(at[k] + c);
+  return true;
+}
+
+// H = sum w a a^T, its lower triangle and some of the upper one, and g = sum w c a, for rows (a, c) with
+// weights w; columns of H in groups of four.
+template <int first = 0>
+[[gnu::always_inline]] inline void SumSquares(const double* rows, const double* weights, double* H) {
+  constexpr int packets = 3 - first / 4;
+  Packet sum[4][packets] = {};
+  for (int r = 0; r < kRows; ++r) {
+    const double* const row = rows + r * kWidth + first;
+    for (int c = 0; c < 4; ++c) {
+      const double factor = weights[r] * row[c];
+      for (int p = 0; p < packets; ++p) sum[c][p] += PacketAt(row + 4 * p) * factor;
+    }
+  }
+  for (int c = 0; c < 4; ++c)
+    for (int p = 0; p < packets; ++p) PacketAt(H + 12 * (first + c) + first + 4 * p) = sum[c][p];
+  if constexpr (first < 8) SumSquares<first + 4>(rows, weights, H);
+}
+[[gnu::always_inline]] inline void SumProducts(const double* rows, const double* weights, double* g) {
+  Packet sum[3] = {};
+  for (int r = 0; r < kRows; ++r) {
+    const double* const row = rows + r * kWidth;
+    const double factor = weights[r] * row[kConstant];
+    for (int p = 0; p < 3; ++p) sum[p] += PacketAt(row + 4 * p) * factor;
+  }
+  for (int p = 0; p < 3; ++p) PacketAt(g + 4 * p) = sum[p];
+}
 
 // The trunk's columns of the foot's Jacobian.
 Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int leg) {
@@ -54,8 +119,7 @@ WholeBodyQp::Problem::Problem(int variables, int equalities)
 
 WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit) : torque_limit_(torque_limit) {
   Demand((torque_limit.array() > 0).all(), "the torque limits of all joints must be positive");
-  map_.setZero();
-  offset_.setZero();
+  affine_.Resize(kRows * kWidth);
 }
 
 QuadraticProgram WholeBodyQp::problem() const {
@@ -67,97 +131,113 @@ Vec<3> FirstTangent(const Vec<3>& normal) {
   return (Vec<3>::UnitX() - normal[0] * normal).normalized();
 }
 
-// The cost of f and gamma, and the pyramids; both stand in three columns per leg from `first` on.
-void WholeBodyQp::AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
-                               const WholeBodyQpParams& params, int first, Problem* qp) {
-  Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
-  Vec<12> weight;
+// The pyramids, of forces that stand in three columns per leg from `first` on.
+void WholeBodyQp::MakePyramids(const WholeBodyTask& task, double friction, int first, Problem* qp) {
   const Vec<3>& n = task.normal_W;
   const Eigen::Vector3d t_1 = FirstTangent(n), t_2 = n.cross(t_1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
-    const int row = kRowsPerLeg * leg, column = first + 3 * leg;
-    weight.segment<3>(3 * leg).setConstant(stance ? params.force_weight : params.slack_weight);
+    const int row = kRowsPerLeg * leg;
     qp->A_in.middleRows<4>(row).setZero();
     qp->b_in.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) continue;
-    G.block<3, 3>(0, 3 * leg).setIdentity();
-    G.block<3, 3>(3, 3 * leg) = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
-    const double mu = params.friction;
-    auto pyramid = qp->A_in.block<4, 3>(row, column);
-    pyramid.row(0) = (mu * n + t_1).transpose();
-    pyramid.row(1) = (mu * n - t_1).transpose();
-    pyramid.row(2) = (mu * n + t_2).transpose();
-    pyramid.row(3) = (mu * n - t_2).transpose();
+    auto pyramid = qp->A_in.block<4, 3>(row, first + 3 * leg);
+    pyramid.row(0) = (friction * n + t_1).transpose();
+    pyramid.row(1) = (friction * n - t_1).transpose();
+    pyramid.row(2) = (friction * n + t_2).transpose();
+    pyramid.row(3) = (friction * n - t_2).transpose();
   }
-  auto H = qp->H.block<12, 12>(first, first);
-  Eigen::Matrix<double, 6, 12> QG = params.wrench_weight * G;
-  QG.middleRows<2>(3) = params.MomentWeight(task.tilt) * G.middleRows<2>(3);
-  QG.row(5) = params.yaw_weight * G.row(5);
-  H.noalias() += G.transpose() * QG;
-  H.diagonal() += weight;
-  qp->g.segment<12>(first).noalias() -= QG.transpose() * (task.wrench - task.disturbance);
 }
 
-// False if a leg is straight. See the header for the derivation.
-bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
-                              const WholeBodyQpParams& params) {
+// False if a leg is straight. See the header for the derivation: rows of `affine_` become nu' and the wrench
+// that is missing, as functions of f and gamma.
+TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics,
+                                                  const WholeBodyTask& task,
+                                                  const WholeBodyQpParams& params) {
+  double* const rows = affine_.data();
+  for (int i = 0; i < kRows * kWidth; i += 4) PacketAt(rows + i) = Packet{};
   std::array<Eigen::Matrix3d, kNumLegs> inverse;
   std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> by_trunk;
-  Matrix6 S = dynamics.M.topLeftCorner<6, 6>();
+  Eigen::Matrix<double, 6, 6> S = dynamics.M.topLeftCorner<6, 6>();
   Eigen::Matrix<double, 6, 13> right;  // of a_b: what each y contributes, and the rest
-  right.col(12) = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
+  right.col(12) =
+      AboutBase(dynamics, task.disturbance) - dynamics.coriolis.head<6>() - dynamics.gravity.head<6>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
-    if (!(std::abs(J.determinant()) > kStraight * std::pow(J.norm(), 3))) return false;
+    const double size2 = J.squaredNorm();
+    if (!(std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2))) return false;
     inverse[i] = J.inverse();
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
-    const Eigen::Vector3d a = task.foot_acceleration[i] - dynamics.foot(leg).bias;
-    offset_.segment<3>(6 + 3 * leg).noalias() = inverse[i] * a;
-    S.noalias() += M_b * by_trunk[i];
-    right.col(12).noalias() -= M_b * offset_.segment<3>(6 + 3 * leg);
+    const Eigen::Vector3d joints = inverse[i] * (task.foot_acceleration[i] - dynamics.foot(leg).bias);
+    for (int k = 0; k < 3; ++k) rows[(6 + 3 * leg + k) * kWidth + kConstant] = joints[k];
+    S.noalias() += M_b.lazyProduct(by_trunk[i]);
+    right.col(12).noalias() -= M_b * joints;
     if (task.stance[i]) {
       right.middleCols<3>(3 * leg) = J_b.transpose();
     } else {
-      right.middleCols<3>(3 * leg).noalias() = -M_b * inverse[i];
+      right.middleCols<3>(3 * leg) = -M_b.lazyProduct(inverse[i]);
     }
   }
-  const Eigen::PartialPivLU<Matrix6> lu(S);
-  if (!(std::abs(lu.determinant()) > 0)) return false;
-  right = lu.solve(right).eval();
-  offset_.head<6>() = right.col(12);
-  map_.topRows<6>() = right.leftCols<12>();
-
-  Problem& qp = reduced_;
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    const int joint = 6 + 3 * leg;
-    map_.middleRows<3>(joint).noalias() = by_trunk[i] * map_.topRows<6>();
-    offset_.segment<3>(joint).noalias() += by_trunk[i] * offset_.head<6>();
-    if (!task.stance[i]) map_.block<3, 3>(joint, 3 * leg) += inverse[i];
+  alignas(32) double elimination[6 * kEliminationWidth] = {};
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 13; ++c) elimination[r * kEliminationWidth + c] = right(r, c);
+    for (int c = 0; c < 6; ++c) elimination[r * kEliminationWidth + kWidth + c] = S(r, c);
   }
-  qp.H.noalias() = params.acceleration_weight * (map_.transpose() * map_);
-  qp.g.noalias() = params.acceleration_weight * (map_.transpose() * offset_);
-  AddForceCost(dynamics, task, params, 0, &qp);
+  if (!Eliminate(elimination, rows)) return false;
+
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
-    const int joint = 6 + 3 * leg, row = kRowsPerLeg * leg + 4;
-    const auto M_b = dynamics.M.block<3, 6>(joint, 0);
-    const auto M_q = dynamics.M.block<3, 3>(joint, joint);
-    Eigen::Matrix<double, 3, 12> A;
-    A.noalias() = M_b * map_.topRows<6>();
-    A.noalias() += M_q * map_.middleRows<3>(joint);
-    Eigen::Vector3d constant = dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);
-    constant.noalias() += M_b * offset_.head<6>();
-    constant.noalias() += M_q * offset_.segment<3>(joint);
-    if (task.stance[i]) A.middleCols<3>(3 * leg) -= dynamics.foot(leg).J_leg.transpose();
-    qp.A_in.middleRows<3>(row) = A;
-    qp.A_in.middleRows<3>(row + 3) = -A;
-    qp.b_in.segment<3>(row) = -torque_limit_.segment<3>(3 * leg) - constant;
-    qp.b_in.segment<3>(row + 3) = -torque_limit_.segment<3>(3 * leg) + constant;
+    for (int k = 0; k < 3; ++k) {
+      double* const row = rows + (6 + 3 * leg + k) * kWidth;
+      if (!task.stance[i])
+        for (int c = 0; c < 3; ++c) row[3 * leg + c] = inverse[i](k, c);
+      for (int r = 0; r < 6; ++r) AddRow(by_trunk[i](k, r), rows + r * kWidth, row);
+    }
+  }
+  std::array<double, kRows> weights;
+  weights.fill(params.acceleration_weight);
+  const Vec<6> wrench = task.wrench - task.disturbance, wrench_weights = params.WrenchWeights(task.tilt);
+  for (int r = 0; r < 6; ++r) {
+    rows[(kWrenchRow + r) * kWidth + kConstant] = -wrench[r];
+    weights[static_cast<std::size_t>(kWrenchRow + r)] = wrench_weights[r];
+  }
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    if (!task.stance[static_cast<std::size_t>(leg)]) continue;
+    const Eigen::Matrix3d arm = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
+    for (int r = 0; r < 3; ++r) {
+      rows[(kWrenchRow + r) * kWidth + 3 * leg + r] = 1;
+      for (int c = 0; c < 3; ++c) rows[(kWrenchRow + 3 + r) * kWidth + 3 * leg + c] = arm(r, c);
+    }
+  }
+  Problem& qp = reduced_;
+  SumSquares(rows, weights.data(), qp.H.data());
+  SumProducts(rows, weights.data(), qp.g.data());
+  for (int y = 0; y < 12; ++y)
+    qp.H(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
+
+  MakePyramids(task, params.friction, 0, &qp);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    for (int k = 0; k < 3; ++k) {
+      const int joint = 3 * leg + k, lower = kRowsPerLeg * leg + 4 + k, upper = lower + 3;
+      alignas(32) double torque[kWidth] = {};
+      if (task.stance[i])
+        for (int c = 0; c < 3; ++c) torque[3 * leg + c] = -dynamics.foot(leg).J_leg(c, k);
+      torque[kConstant] =
+          dynamics.coriolis[6 + joint] + dynamics.gravity[6 + joint] - task.joint_disturbance[joint];
+      for (int r = 0; r < 6; ++r) AddRow(dynamics.M(r, 6 + joint), rows + r * kWidth, torque);
+      for (int r = 0; r < 3; ++r)
+        AddRow(dynamics.M(6 + 3 * leg + r, 6 + joint), rows + (6 + 3 * leg + r) * kWidth, torque);
+      for (int c = 0; c < 12; c += 4) {
+        PacketAt(&qp.A_in(lower, c)) = PacketAt(torque + c);
+        PacketAt(&qp.A_in(upper, c)) = -PacketAt(torque + c);
+      }
+      qp.b_in[lower] = -torque_limit_[joint] - torque[kConstant];
+      qp.b_in[upper] = -torque_limit_[joint] + torque[kConstant];
+    }
   }
   return true;
 }
@@ -169,15 +249,31 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
   qp.H.diagonal().head<18>().setConstant(params.acceleration_weight);
   qp.g.setZero();
   qp.A_eq.setZero();
-  AddForceCost(dynamics, task, params, 18, &qp);
-  // The feet's rows come first: they have few columns besides those of nu', which the solver makes use of.
+  MakePyramids(task, params.friction, 18, &qp);
+  Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const bool stance = task.stance[static_cast<std::size_t>(leg)];
+    qp.H.diagonal().segment<3>(18 + 3 * leg).setConstant(stance ? params.force_weight : params.slack_weight);
+    if (!stance) continue;
+    G.block<3, 3>(0, 3 * leg).setIdentity();
+    G.block<3, 3>(3, 3 * leg) = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
+  }
+  const Eigen::Matrix<double, 6, 12> QG = params.WrenchWeights(task.tilt).asDiagonal() * G;
+  qp.H.bottomRightCorner<12, 12>().noalias() += G.transpose() * QG;
+  qp.g.tail<12>().noalias() -= QG.transpose() * (task.wrench - task.disturbance);
+  // The feet's rows come first, of these the standing ones', whose columns are those of nu' alone: the solver
+  // makes use of zeros at their ends.
   qp.A_eq.bottomLeftCorner<6, 18>() = dynamics.M.topRows<6>();
   qp.b_eq.tail<6>() = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
+  int standing = 0, swinging = 3 * static_cast<int>(std::count(task.stance.begin(), task.stance.end(), true));
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const int joint = 6 + 3 * leg, column = 18 + 3 * leg, row = kRowsPerLeg * leg + 4;
-    qp.A_eq.block<3, 18>(3 * leg, 0) = dynamics.FootJacobian(leg);
-    qp.b_eq.segment<3>(3 * leg) = task.foot_acceleration[i] - dynamics.foot(leg).bias;
+    int& next = task.stance[i] ? standing : swinging;
+    const int foot = next;
+    next += 3;
+    qp.A_eq.block<3, 18>(foot, 0) = dynamics.FootJacobian(leg);
+    qp.b_eq.segment<3>(foot) = task.foot_acceleration[i] - dynamics.foot(leg).bias;
     auto A = qp.A_in.middleRows<3>(row);
     A.setZero();
     A.leftCols<18>() = dynamics.M.middleRows<3>(joint);
@@ -185,7 +281,7 @@ void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTas
       qp.A_eq.block<6, 3>(12, column) = -TrunkJacobian(dynamics, leg).transpose();
       A.middleCols<3>(column) = -dynamics.foot(leg).J_leg.transpose();
     } else {
-      qp.A_eq.block<3, 3>(3 * leg, column) = -Eigen::Matrix3d::Identity();
+      qp.A_eq.block<3, 3>(foot, column) = -Eigen::Matrix3d::Identity();
     }
     const Eigen::Vector3d constant =
         dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);
@@ -204,8 +300,11 @@ QpReport WholeBodyQp::Solve(const QuadrupedDynamics& dynamics, const WholeBodyTa
   if (!report.ok()) return report;
   const Vec<12> y = solver_.x().tail<12>();
   if (eliminated_) {
-    solution->acceleration = offset_;
-    solution->acceleration.noalias() += map_ * y;
+    alignas(32) double forces[12], acceleration[20];
+    Vec<12>::Map(forces) = y;
+    internal::Products(affine_.data(), kWidth, 18, forces, internal::KnownSize<12>(), acceleration);
+    for (int r = 0; r < 18; ++r)
+      solution->acceleration[r] = acceleration[r] + affine_[r * kWidth + kConstant];
   } else {
     solution->acceleration = solver_.x().head<18>();
   }

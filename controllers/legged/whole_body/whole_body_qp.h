@@ -39,6 +39,13 @@ struct WholeBodyQpParams {
     const double beyond = tilt > free_tilt ? tilt - free_tilt : 0;
     return moment_weight + tilt_weight * beyond * beyond;
   }
+  /// Q, all of it.
+  Vec<6> WrenchWeights(double tilt) const {
+    const double moment = MomentWeight(tilt);
+    Vec<6> weights;
+    weights << wrench_weight, wrench_weight, wrench_weight, moment, moment, yaw_weight;
+    return weights;
+  }
   void Validate() const;  ///< throws ParameterError unless all are positive; the tilt's may be zero
 };
 
@@ -134,13 +141,11 @@ class WholeBodyQp {
                    const WholeBodyQpParams& params);
   void MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                 const WholeBodyQpParams& params);
-  static void AddForceCost(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
-                           const WholeBodyQpParams& params, int first, Problem* qp);
+  static void MakePyramids(const WholeBodyTask& task, double friction, int first, Problem* qp);
 
   Vec<12> torque_limit_;
   Problem reduced_{12, 0}, full_{30, 18};
-  DynamicsMatrix<18, 12> map_;  // nu' = offset_ + map_ y in the reduced problem
-  Vec<18> offset_;
+  internal::Numbers affine_;  // nu', and more, as functions of y in the reduced problem
   DualActiveSet solver_{30, 18 + kNumLegs* kRowsPerLeg};
   bool eliminated_ = false;
 };

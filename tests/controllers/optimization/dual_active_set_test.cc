@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -88,6 +89,49 @@ TEST(DualActiveSet, MeetsTheOptimalityConditionsOfRandomProblems) {
     active += static_cast<int>(solver.active().size());
   }
   EXPECT_GT(active, 900);  // they are not all trivial
+}
+
+// H in blocks of one to five variables, first some of one: what is left out of its factors is zero.
+TEST(DualActiveSet, MeetsTheOptimalityConditionsWhereHIsInBlocks) {
+  std::mt19937 generator(9);
+  DualActiveSet solver(30, 60);
+  for (int i = 0; i < 300; ++i) {
+    const int variables = 1 + i % 30, equalities = static_cast<int>(generator() % (variables + 1)) / 2;
+    OwnedQp qp = RandomFeasible(generator, variables, equalities, static_cast<int>(generator() % 40));
+    const int single = static_cast<int>(generator() % (variables + 1));
+    for (int begin = 0, end = 0; begin < variables; begin = end) {
+      end = std::min(variables, begin + (begin < single ? 1 : 1 + static_cast<int>(generator() % 5)));
+      qp.H.block(end, begin, variables - end, end - begin).setZero();
+      // Not read: whatever stands above the diagonal.
+      qp.H.block(begin, end, end - begin, variables - end)
+          .setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+    const QpReport report = solver.Solve(qp.view());
+    ASSERT_TRUE(report.ok()) << report.Message() << " problem " << i;
+    ASSERT_TRUE(IsOptimal(qp.view(), solver)) << "problem " << i;
+  }
+}
+
+// Twelve variables have code of their own; with a thirteenth that nothing depends on they have not.
+TEST(DualActiveSet, TwelveVariablesAreSolvedLikeAnyOtherNumber) {
+  std::mt19937 generator(10);
+  DualActiveSet solver(13, 40);
+  for (int i = 0; i < 50; ++i) {
+    const OwnedQp twelve = RandomFeasible(generator, 12, i % 4, 35);
+    OwnedQp more(13, i % 4, 35);
+    more.H.topLeftCorner(12, 12) = twelve.H;
+    more.g.head(12) = twelve.g;
+    more.A_eq.leftCols(12) = twelve.A_eq;
+    more.b_eq = twelve.b_eq;
+    more.A_in.leftCols(12) = twelve.A_in;
+    more.b_in = twelve.b_in;
+    ASSERT_TRUE(solver.Solve(more.view()).ok());
+    const Eigen::VectorXd x = solver.x().head(12), multipliers = solver.multipliers();
+    EXPECT_EQ(solver.x()[12], 0);
+    ASSERT_TRUE(solver.Solve(twelve.view()).ok());
+    EXPECT_THAT(solver.x(), IsNear(x, 1e-9));
+    EXPECT_THAT(solver.multipliers(), IsNear(multipliers, 1e-7 * (1 + multipliers.norm())));
+  }
 }
 
 TEST(DualActiveSet, StandsWeightsThatDifferByTenOrdersOfMagnitude) {

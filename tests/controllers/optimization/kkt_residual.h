@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <tenon/controllers/optimization/dual_active_set.h>
+
+namespace tenon::test {
+
+/// How far x and the multipliers are from the conditions of Karush, Kuhn and Tucker, which prove that x is
+/// the minimum of a convex problem: the largest residual, each relative to the terms that it is the
+/// difference of, and which one that is. Infinite if a number is not finite.
+struct KktResidual {
+  double largest = 0;
+  std::string which;
+
+  KktResidual(const QuadraticProgram& qp, const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers) {
+    if (!x.allFinite() || !multipliers.allFinite()) {
+      Add(std::numeric_limits<double>::infinity(), "finiteness", 0);
+      return;
+    }
+    const auto equalities = qp.b_eq.size(), inequalities = qp.b_in.size();
+    const Eigen::MatrixXd H = qp.H.selfadjointView<Eigen::Lower>();
+    const Eigen::VectorXd slope = H * x, lambda = multipliers.head(equalities),
+                          mu = multipliers.tail(inequalities);
+    Eigen::VectorXd pull = Eigen::VectorXd::Zero(x.size());
+    if (equalities > 0) pull += qp.A_eq.transpose() * lambda;
+    if (inequalities > 0) pull += qp.A_in.transpose() * mu;
+    const double forces =
+        std::max({slope.cwiseAbs().maxCoeff(), qp.g.cwiseAbs().maxCoeff(), pull.cwiseAbs().maxCoeff()});
+    if (forces > 0) Add((slope + qp.g - pull).cwiseAbs().maxCoeff() / forces, "H x + g - A^T u", 0);
+    for (Eigen::Index i = 0; i < equalities; ++i) {
+      const double scale = std::abs(qp.b_eq[i]) + qp.A_eq.row(i).norm() * x.norm();
+      const double residual = std::abs(qp.A_eq.row(i).dot(x) - qp.b_eq[i]);
+      if (residual > 0) Add(residual / scale, "equality", i);
+    }
+    const double most = std::max(1e-300, multipliers.size() > 0 ? multipliers.cwiseAbs().maxCoeff() : 0.0);
+    for (Eigen::Index i = 0; i < inequalities; ++i) {
+      const double scale = std::abs(qp.b_in[i]) + qp.A_in.row(i).norm() * x.norm();
+      const double slack = qp.A_in.row(i).dot(x) - qp.b_in[i];
+      if (slack < 0) Add(-slack / scale, "inequality", i);
+      Add(-mu[i] / most, "multiplier", i);
+      if (mu[i] > 0 && slack > 0) Add(mu[i] * slack / (most * scale), "complementarity", i);
+    }
+  }
+
+ private:
+  void Add(double residual, const char* name, Eigen::Index i) {
+    if (residual > largest || std::isnan(residual)) {
+      largest = residual;
+      which = name + (" " + std::to_string(i));
+    }
+  }
+};
+
+}  // namespace tenon::test
