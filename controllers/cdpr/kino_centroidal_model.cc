@@ -369,7 +369,7 @@ template <int block>
     first(stages[i], block == 4 ? wrench + 24 * i : nullptr);
     if (i == 1) {
       add(stages[i], std::bool_constant<(block >= 2)>(), std::bool_constant<block == 0>(),
-          std::bool_constant < block == 1 || block == 3 > ());
+          std::bool_constant<(block == 1 || block == 3)>());
     } else {
       add(stages[i], yes, yes, yes);
     }

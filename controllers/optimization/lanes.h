@@ -27,7 +27,8 @@ TENON_LANES Packet& PacketAt(double* first) {
   return *reinterpret_cast<Packet*>(first);
 }
 
-TENON_LANES void Sqrt(const Lanes& x, Lanes* root) {
+TENON_LANES void Sqrt(const Packet& radicand, Lanes* root) {
+  const Lanes x = radicand;
 #if defined(__SSE2__)
   const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(x, x, 0, 1));
   const __m128d high = _mm_sqrt_pd(__builtin_shufflevector(x, x, 2, 3));
@@ -51,7 +52,8 @@ TENON_LANES void Transpose(Lanes (&rows)[4]) {
 
 /// Sine and cosine of angles [rad] up to a million, to three units in the last place; beyond, and of what
 /// is not finite, NaN. By the polynomials of fdlibm (k_sin.c, k_cos.c) about the nearest multiple of pi/2.
-TENON_LANES void SinCos(const Lanes& angle, Lanes* sine, Lanes* cosine) {
+TENON_LANES void SinCos(const Packet& angles, Lanes* sine, Lanes* cosine) {
+  const Lanes angle = angles;
   typedef long long Bits __attribute__((vector_size(32)));
   constexpr double kLargest = 1e6, kPerTurn = 0.63661977236758134308;  // 2 / pi
   // pi/2 in parts of 33 bits, so that their products with a number of quarter turns are exact.
