@@ -17,6 +17,7 @@
 
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/simulation/background_log.h>
 
 namespace tenon::apps {
 
@@ -265,6 +266,10 @@ void SetParameters(Context& context, const std::map<std::string, std::vector<dou
       throw KeyError(key, error.what());
     }
   }
+}
+
+std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink) {
+  return std::make_shared<BackgroundLog>(std::vector{std::move(sink)});
 }
 
 int TryToWrite(const std::function<void()>& write) {

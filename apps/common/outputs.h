@@ -127,6 +127,9 @@ Report ScenarioReport(const auto& scenario, const std::string& description,
   });
 }
 
+/// The sink, off the run's thread.
+std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink);
+
 /// Whether a file could be written: kRan or, told on stderr, kOutputFailed.
 int TryToWrite(const std::function<void()>& write);
 
@@ -177,7 +180,8 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   const OutputDirectory out(options.out);
   files.Write(out.path());
   WriteGraph(simulator.context().diagram(), options.graph);
-  std::vector<std::shared_ptr<LogSink>> sinks{std::make_shared<CsvLog>(out.path() / "signals.csv")};
+  const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
+  std::vector<std::shared_ptr<LogSink>> sinks{InBackground(csv)};
   if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration));
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, sinks);
   Summary summary = advance();

@@ -53,7 +53,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   judged.push_back(WalkFigures::Solves(loop.locomotion));
   simulator.AddLog(Hz(1000), judged, {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
-  simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {limits});
+  simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
   signals.insert(signals.end(), faults.begin(), faults.end());
 
   const auto judge = [&](Summary& summary) {

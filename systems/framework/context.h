@@ -89,8 +89,8 @@ class Context {
 
   std::unique_ptr<Context> Clone() const;
   /// The whole context as bytes. A run that is inside a step of the integrator goes on from it bit for bit,
-  /// by taking that step again; methods with a past (all but kErk) begin again at the last tick that
-  /// restarted them. Throws RunError that names a held value whose type cannot be stored.
+  /// by taking that step again; implicit and multistep methods, which have a past, begin again at the
+  /// last tick that restarted them. Throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
   /// Takes over what Save gave, from a context of the same diagram; throws RunError that says why, and
   /// changes nothing, if it is of another diagram or version, cut short or changed: it carries a checksum.

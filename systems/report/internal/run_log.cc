@@ -140,14 +140,17 @@ constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnop
 
 std::string EncodeBase64(const void* data, std::size_t size) {
   const auto* bytes = static_cast<const std::uint8_t*>(data);
-  std::string text;
-  text.reserve((size + 2) / 3 * 4);
-  for (std::size_t i = 0; i < size; i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, size - i);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+  std::string text((size + 2) / 3 * 4, '=');
+  char* out = text.data();
+  const auto digits = [&](std::uint32_t bits, int count) {
+    for (int k = 0; k < count; ++k) *out++ = kDigits[bits >> (18 - 6 * k) & 63];
+  };
+  std::size_t i = 0;
+  for (; i + 3 <= size; i += 3) {
+    digits(static_cast<std::uint32_t>(bytes[i] << 16 | bytes[i + 1] << 8 | bytes[i + 2]), 4);
   }
+  if (size - i == 1) digits(static_cast<std::uint32_t>(bytes[i] << 16), 2);
+  if (size - i == 2) digits(static_cast<std::uint32_t>(bytes[i] << 16 | bytes[i + 1] << 8), 3);
   return text;
 }
 

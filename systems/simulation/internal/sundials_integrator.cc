@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -15,9 +16,14 @@
 namespace tenon {
 namespace {
 
-constexpr double kSafety = 0.9;  // of our step size, see ChooseStep
+// Of the step size, see ChooseStep.
+constexpr double kSafety = 0.9;
 constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
+constexpr double kProportional = 0.7, kIntegral = 0.4;  // over the order: exponents of the errors
+/// By order of the estimate: two errors in succession, the second no larger, that let a step grow as far as
+/// it may; rounded down from (kSafety / kMaxGrowth)^(order / (kProportional - kIntegral)).
+constexpr std::array<double, 6> kNegligible{0, 0, 1e-5, 3.5e-8, 1.1e-10, 0};
 constexpr int kMaxRefused = 50;
 constexpr double kFirstTry = 1e-3;  // s, where nothing is known; the error test corrects it
 
@@ -27,7 +33,7 @@ void CheckOptions(const SimulatorOptions& options) {
   };
   const bool multistep = options.method == Method::kBdf || options.method == Method::kAdams;
   const int lowest = multistep ? 1 : 2;
-  const int highest = options.method == Method::kAdams ? 12 : 5;
+  const int highest = options.method == Method::kAdams ? 12 : options.method == Method::kStabilized ? 3 : 5;
   demand(options.order >= lowest && options.order <= highest,
          fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest,
                      highest));
@@ -106,7 +112,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   void MoveContext(double t);
   void KeepStepStart();
   double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
-  bool has_past() const { return options.method != Method::kErk; }
+  bool has_past() const { return !internal::IsExplicit(options.method); }
   double FirstStep() const;
   double LargestStep(double time) const;
   void Count(double step);
@@ -117,6 +123,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   int Derivatives(double t, const double* y, double* ydot) override;
   int Roots(double t, const double* y, double* g) override;
   double ChooseStep(double t, double h, double error, int order) override;
+  void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
 
   Context& context;
@@ -138,9 +145,10 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   int refused = 0;                // evaluations since the restart that were not finite
   bool first_evaluation = false;  // after the restart
   bool at_end = false;            // the last evaluation was for the end of the interval
-  // The midpoint rule has no stage at the end of a step. SUNDIALS evaluates there all the same, to find roots
-  // by interpolation and to start the next step: without roots, and with a restart to come, for nothing.
-  const bool needs_end = options.method != Method::kErk || options.order != 2 || !roots.empty();
+  // The methods of order 2 and 3 have no stage at the end of a step. SUNDIALS evaluates there all the same,
+  // to find roots by interpolation and to start the next step: without roots, and with a restart to come, for
+  // nothing.
+  const bool needs_end = has_past() || options.order > 3 || !roots.empty();
   struct {
     int index = 0;
     double error = 0;
@@ -224,7 +232,7 @@ SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
   const int flag = solver.Evolve(Target(), &t, one_step);
   if (flag < 0) ThrowFailure(flag);
   const bool root = solver.IsRoot(flag);
-  const bool arrived = !root && (solver.IsStopTime(flag) || t >= end);
+  const bool arrived = !root && (solver.IsStopTime(flag) || t >= end - Tiny(end));
   finish = arrived ? end : t;
   in_step = root && solver.current_time() - finish > Tiny(finish);
   if (solver.multistep()) {
@@ -350,14 +358,18 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   // A step cut short by the end of its interval says little of the next one.
   const bool cut = t >= end - 1e-12 * (1 + std::abs(t)) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
-  double factor = kSafety * std::pow(error, -0.7 / order);
+  double factor = kMaxGrowth;
   const bool accepted = measured <= 1;
   if (accepted) {
     if (!has_past()) {
       context.step_start_.size = h;
       context.step_start_.next_step = context.next_step_;
     }
-    if (context.last_error_ > 0) factor *= std::pow(context.last_error_, 0.4 / order);
+    // A small error that has not grown needs no powers to know that the step grows as far as it may.
+    if (error > kNegligible[static_cast<std::size_t>(order)] || error > context.last_error_) {
+      factor = kSafety * std::pow(error, -kProportional / order);
+      if (context.last_error_ > 0) factor *= std::pow(context.last_error_, kIntegral / order);
+    }
     if (!cut) context.last_error_ = error;
     if (seeks_worst) FindWorstState();
     Count(h);
@@ -370,6 +382,13 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   context.next_step_ = wanted;
   const double remaining = end - t;
   return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
+}
+
+void SundialsIntegrator::Run::ErrorWeights(const double* y, double* weights) {
+  const double* const absolute = tolerances.data();
+  double* const __restrict__ out = weights;
+  const double relative = options.rtol;
+  for (std::size_t i = 0; i < tolerances.size(); ++i) out[i] = 1 / (relative * std::abs(y[i]) + absolute[i]);
 }
 
 /// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one

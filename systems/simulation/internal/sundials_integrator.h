@@ -1,18 +1,15 @@
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include <tenon/systems/framework/context.h>
+#include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
 
-/// A rounding error of the time.
-inline double Tiny(double time) {
-  return 1e-14 * (1 + std::abs(time));
-}
+using internal::Tiny;
 
 /// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. It
 /// integrates ahead: up to `finish`, to which and to any time on the way the context can be moved then. A
@@ -30,9 +27,9 @@ class SundialsIntegrator {
   bool can_go_on() const;
   /// Starts at the context's time and states; or, if the context says in which step it was (a clone, or one
   /// that was restored), takes that step again and goes on from there, bit for bit; methods with a past of
-  /// their own (all but kErk) begin where they started last. `end` is when what is integrated will change;
-  /// infinity if it never does.
-  /// Returns how the last step that was taken again ended; kStep if there was none.
+  /// their own (implicit ones, multistep ones) begin where they started last. `end` is when what is
+  /// integrated will change; infinity if it never does. Returns how the last step that was taken again ended;
+  /// kStep if there was none.
   Stop Start(double end);
   /// What is integrated changes here.
   void Halt();

@@ -14,6 +14,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+
+#include <tenon/systems/simulation/internal/sundials_vector.h>
 
 // SUNDIALS 7 has other names for the functions of ERKStep and ARKStep, beside these.
 #if SUNDIALS_VERSION_MAJOR >= 7
@@ -54,7 +57,7 @@ struct SundialsSolver::Api {
 
   static const Api kErk, kArk, kCvode;
   static const Api& Of(Method method) {
-    return method == Method::kErk ? kErk : method == Method::kDirk ? kArk : kCvode;
+    return IsExplicit(method) ? kErk : method == Method::kDirk ? kArk : kCvode;
   }
 };
 
@@ -139,17 +142,47 @@ const SundialsSolver::Api SundialsSolver::Api::kCvode{CVode,
 
 namespace {
 
-/// Explicit midpoint with Euler embedded. SUNDIALS's own table of order 2 (Heun-Euler) ends at abscissa 1,
-/// and ERKStep 6.4 then takes the last stage for the next step's first, which it is not.
-ARKodeButcherTable MidpointTable() {
-  ARKodeButcherTable table = ARKodeButcherTable_Alloc(2, SUNTRUE);
-  table->q = 2;
-  table->p = 1;
-  table->c[1] = 0.5;
-  table->A[1][0] = 0.5;
-  table->b[1] = 1;
-  table->d[0] = 1;
+// Tables without a stage at the end of a step, for runs in which a tick changes the derivatives there. (Of
+// SUNDIALS's own, Heun-Euler ends at abscissa 1, and ERKStep 6.4 then takes the last stage for the next
+// step's first, which it is not; Bogacki-Shampine takes a fourth stage for its error estimate.)
+
+/// A table of which `a` holds what lies below the diagonal, row by row; b, and d of the embedded method.
+ARKodeButcherTable Table(int order, int embedded, std::initializer_list<double> a,
+                         std::initializer_list<double> b, std::initializer_list<double> d) {
+  ARKodeButcherTable table = ARKodeButcherTable_Alloc(static_cast<int>(b.size()), SUNTRUE);
+  table->q = order;
+  table->p = embedded;
+  const double* next = a.begin();
+  for (int i = 1; i < table->stages; ++i) {
+    for (int j = 0; j < i; ++j) table->c[i] += table->A[i][j] = *next++;
+  }
+  std::copy(b.begin(), b.end(), table->b);
+  std::copy(d.begin(), d.end(), table->d);
   return table;
+}
+
+/// Explicit midpoint with Euler embedded.
+ARKodeButcherTable MidpointTable() {
+  return Table(2, 1, {0.5}, {0, 1}, {1, 0});
+}
+
+/// Ralston's method of order 3, the first three stages of Bogacki-Shampine, with one of order 2 embedded.
+ARKodeButcherTable RalstonTable() {
+  return Table(3, 2, {0.5, 0, 0.75}, {2.0 / 9, 1.0 / 3, 4.0 / 9}, {1.0 / 6, 1.0 / 2, 1.0 / 3});
+}
+
+// Methods of one stage more than their order takes. It serves stability: of x' = s x, a step of h multiplies
+// x by R(h s), which an explicit method keeps within 1 for h s from -2 (midpoint) or -2.5 (Ralston) to 0.
+
+/// Order 2 in three stages, Heun's of order 3 but for R(z) = 1 + z + z²/2 + z³/14: stable from -5.4.
+ARKodeButcherTable StabilizedTable2() {
+  return Table(2, 2, {1.0 / 3, 8.0 / 21, 2.0 / 7}, {1.0 / 4, 0, 3.0 / 4}, {1.0 / 16, 3.0 / 8, 9.0 / 16});
+}
+
+/// Order 3 in four stages, R(z) = 1 + z + z²/2 + z³/6 + z⁴/48: stable from -5.1.
+ARKodeButcherTable StabilizedTable3() {
+  return Table(3, 2, {1.0 / 4, 0, 1.0 / 2, 0, 3.0 / 8, 3.0 / 8}, {2.0 / 9, 0, 1.0 / 3, 4.0 / 9},
+               {1.0 / 9, 0, 2.0 / 3, 2.0 / 9});
 }
 
 /// ARKODE multiplies a step that a client chooses by this.
@@ -167,6 +200,11 @@ int Roots(double t, N_Vector y, double* g, void* client) {
 int ChooseStep(N_Vector, double t, double h, double, double, double error, double, double, int q, int p,
                double* next, void* client) {
   *next = Client(client).ChooseStep(t, h, error, std::min(p, q) + 1) / kSafetyFactor;
+  return 0;
+}
+
+int ErrorWeights(N_Vector y, N_Vector weights, void* client) {
+  Client(client).ErrorWeights(NV_DATA_S(y), NV_DATA_S(weights));
   return 0;
 }
 
@@ -215,6 +253,7 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, double time,
   const auto size = static_cast<sunindextype>(absolute_tolerances.size());
   N_Vector& y = handles_->y = N_VNew_Serial(size, handles_->sun);
   N_VEnableFusedOps_Serial(y, SUNTRUE);  // vectors cloned from it inherit them
+  if (IsExplicit(options.method)) UseFastOperations(y);
   N_VConst(0, y);
   N_Vector& atol = handles_->atol = N_VNew_Serial(size, handles_->sun);
   std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol));
@@ -224,12 +263,16 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, double time,
   SUNContext_ClearErrHandlers(handles_->sun);
   SUNContext_PushErrHandler(handles_->sun, KeepMessage, &message_);
 #else
-  const auto set_error_handler = options.method == Method::kErk    ? ERKStepSetErrHandlerFn
+  const auto set_error_handler = IsExplicit(options.method)        ? ERKStepSetErrHandlerFn
                                  : options.method == Method::kDirk ? ARKStepSetErrHandlerFn
                                                                    : CVodeSetErrHandlerFn;
   set_error_handler(memory_, KeepMessage, &message_);
 #endif
-  api_.set_tolerances(memory_, options.rtol, atol);
+  if (IsExplicit(options.method) && options.fixed_step == 0) {
+    ERKStepWFtolerances(memory_, ErrorWeights);
+  } else {
+    api_.set_tolerances(memory_, options.rtol, atol);
+  }
   api_.set_max_steps(memory_, options.max_steps);
   if (!directions_.empty()) {
     api_.set_roots(memory_, static_cast<int>(directions_.size()), Roots);
@@ -247,15 +290,18 @@ double* SundialsSolver::states() {
 
 void SundialsSolver::CreateRungeKutta(double time, SundialsClient& client) {
   Handles& h = *handles_;
-  if (options_.method == Method::kErk) {
+  if (IsExplicit(options_.method)) {
     memory_ = ERKStepCreate(Derivatives, time, h.y, h.sun);
+    const bool stabilized = options_.method == Method::kStabilized;
     if (options_.order == 2) {
-      h.table = MidpointTable();
+      h.table = stabilized ? StabilizedTable2() : MidpointTable();
+    } else if (options_.order == 3) {
+      h.table = stabilized ? StabilizedTable3() : RalstonTable();
+    }
+    if (h.table != nullptr) {
       ERKStepSetTable(memory_, h.table);
     } else {
-      constexpr ARKODE_ERKTableID kTables[] = {ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ZONNEVELD_5_3_4,
-                                               ARKODE_DORMAND_PRINCE_7_4_5};
-      ERKStepSetTableNum(memory_, kTables[options_.order - 3]);
+      ERKStepSetTableNum(memory_, options_.order == 4 ? ARKODE_ZONNEVELD_5_3_4 : ARKODE_DORMAND_PRINCE_7_4_5);
     }
   } else {
     memory_ = ARKStepCreate(nullptr, Derivatives, time, h.y, h.sun);
@@ -294,14 +340,23 @@ void SundialsSolver::Restart(double time, double end, double step) {
     earlier_failures_ = failed_steps();
   }
   api_.reset(memory_, time, handles_->y);
-  if (!std::isinf(end)) api_.set_stop_time(memory_, end);
+  if (!std::isinf(end) && !ends_by_steps()) api_.set_stop_time(memory_, end);
   if (multistep()) return;
   options_.fixed_step > 0 ? api_.set_fixed_step(memory_, step) : api_.set_first_step(memory_, step);
 }
 
 int SundialsSolver::Evolve(double end, double* time, bool one_step) {
   static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_NORMAL == CV_NORMAL);
-  return api_.evolve(memory_, end, handles_->y, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
+  if (!ends_by_steps())
+    return api_.evolve(memory_, end, handles_->y, time, one_step ? ARK_ONE_STEP : ARK_NORMAL);
+  for (long step = 1;; ++step) {
+    const int flag = api_.evolve(memory_, end, handles_->y, time, ARK_ONE_STEP);
+    if (flag < 0 || one_step || *time >= end - Tiny(end)) return flag;
+    if (step == options_.max_steps) {
+      message_ = "the interval takes too many steps";
+      return kTooMuchWork;
+    }
+  }
 }
 
 void SundialsSolver::SetMaxStep(double step) {

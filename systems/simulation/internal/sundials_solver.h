@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,6 +8,16 @@
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon::internal {
+
+/// A rounding error of the time.
+inline double Tiny(double time) {
+  return 1e-14 * (1 + std::abs(time));
+}
+
+/// Whether ERKStep runs it.
+inline bool IsExplicit(Method method) {
+  return method == Method::kErk || method == Method::kStabilized;
+}
 
 /// What SUNDIALS asks of who uses it. The first two return 0, a positive number for "try a smaller step", or
 /// a negative one for "give up".
@@ -17,6 +28,8 @@ class SundialsClient {
   /// The step to take at `t`, after one of size `h` whose error is `error` tolerances; `order` is that of the
   /// error estimate.
   virtual double ChooseStep(double t, double h, double error, int order) = 0;
+  /// What an error of each state counts in the norm that ChooseStep gets; explicit Runge-Kutta methods alone.
+  virtual void ErrorWeights(const double* y, double* weights) = 0;
 
  protected:
   ~SundialsClient() = default;
@@ -25,8 +38,8 @@ class SundialsClient {
 /// ERKStep, ARKStep or CVODE behind one interface: owns every SUNDIALS handle, and knows which function of
 /// which of the three does what. No header of SUNDIALS is included anywhere but in its .cc.
 ///
-/// Explicit Runge-Kutta tables, by order: 2 midpoint with Euler embedded, 3 Bogacki-Shampine, 4 Zonneveld,
-/// 5 Dormand-Prince.
+/// Explicit Runge-Kutta tables, by order: 2 midpoint with Euler embedded, 3 Ralston with one of order 2
+/// embedded, 4 Zonneveld, 5 Dormand-Prince; stabilized ones of order 2 and 3.
 class SundialsSolver {
  public:
   /// `absolute_tolerances` one per state; `directions` one per root function: +1, -1 or 0 for both.
@@ -72,6 +85,10 @@ class SundialsSolver {
  private:
   struct Api;
   struct Handles;
+  /// Its steps, all chosen by the client, end where the interval does: SUNDIALS need not look for that.
+  bool ends_by_steps() const {
+    return IsExplicit(options_.method) && options_.fixed_step == 0 && directions_.empty();
+  }
   void CreateRungeKutta(double time, SundialsClient& client);
   void CreateMultistep(double time);
 

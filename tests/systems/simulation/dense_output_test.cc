@@ -170,7 +170,8 @@ TEST(DenseOutput, AWitnessThatStaysAtZeroEndsNothing) {
    public:
     Witness wakes{this, "wakes", Crossing::kBoth, Uses(time), [](double t) { return t < 1 ? t - 1 : 0.0; }};
   };
-  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method :
+       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
     DiagramBuilder builder;
     auto& plant = builder.Add<Oscillator>("plant");
     builder.Add<Block>("block");
@@ -186,7 +187,8 @@ TEST(DenseOutput, StatesOfOthersAreLeftAloneWhereNothingIsIntegrated) {
     DiscreteState<double> kept{this, "kept", 7.0};
     Witness zero{this, "zero", Crossing::kBoth, Uses(time), [](double t) { return t - 5; }};
   };
-  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method :
+       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
     DiagramBuilder builder;
     auto& block = builder.Add<Block>("block");
     Simulator simulator(*builder.Build(), {.method = method});

@@ -1,0 +1,128 @@
+#include <tenon/systems/simulation/background_log.h>
+
+#include <algorithm>
+#include <csignal>
+#include <system_error>
+
+namespace tenon {
+namespace {
+
+constexpr std::size_t kBlockSize = 1 << 13;  // numbers
+constexpr auto kLongestWait = std::chrono::milliseconds(500);
+
+/// While it lives, threads that are started get no signals: those are for who runs.
+class NoSignals {
+ public:
+  NoSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  NoSignals(const NoSignals&) = delete;
+  NoSignals& operator=(const NoSignals&) = delete;
+  ~NoSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
+}  // namespace
+
+BackgroundLog::~BackgroundLog() {
+  try {
+    Flush();
+  } catch (...) {
+    // A run flushes at its end, and says so there.
+  }
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  work_.notify_one();
+  thread_.join();
+}
+
+void BackgroundLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+  for (const auto& sink : sinks_) sink->Begin(names, units);
+  columns_ = names.size();
+  for (Block& block : blocks_) block.reserve(std::max(kBlockSize, columns_));
+  try {
+    const NoSignals no_signals;
+    thread_ = std::thread([this] { RunThread(); });
+  } catch (const std::system_error&) {
+    // There is none to be had: who adds rows does all the work.
+  }
+}
+
+void BackgroundLog::Row(std::span<const double> row) {
+  Block& block = blocks_[handed_ % kBlocks];
+  block.insert(block.end(), row.begin(), row.end());
+  const bool full = block.capacity() - block.size() < columns_;
+  if (full || Clock::now() - handed_over_ > kLongestWait) HandOver();
+}
+
+/// The block that was filled is to be worked on, and the next one to be filled.
+void BackgroundLog::HandOver() {
+  handed_over_ = Clock::now();
+  bool none_left = false;
+  {
+    const std::lock_guard lock(mutex_);
+    ++handed_;
+    none_left = handed_ - done_ == kBlocks;
+  }
+  work_.notify_one();
+  if (none_left || !thread_.joinable()) Work();
+  ThrowFailure();
+}
+
+void BackgroundLog::ThrowFailure() {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+/// Through all blocks that wait, in order, in whichever thread.
+void BackgroundLog::Work() {
+  const std::lock_guard working(working_);
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    if (done_ == handed_) return;
+    const bool failed = failure_ != nullptr;
+    Block& block = blocks_[done_ % kBlocks];
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      for (std::size_t i = 0; i < block.size() && !failed; i += columns_) {
+        for (const auto& sink : sinks_) sink->Row({&block[i], columns_});
+      }
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    block.clear();
+    lock.lock();
+    ++done_;
+    if (failure) failure_ = failure;
+  }
+}
+
+void BackgroundLog::RunThread() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    work_.wait(lock, [&] { return ends_ || done_ != handed_; });
+    if (done_ == handed_) return;
+    lock.unlock();
+    Work();
+    lock.lock();
+  }
+}
+
+void BackgroundLog::Flush() {
+  if (columns_ == 0) return;
+  if (!blocks_[handed_ % kBlocks].empty()) HandOver();
+  Work();
+  ThrowFailure();
+  const std::lock_guard working(working_);
+  for (const auto& sink : sinks_) sink->Flush();
+}
+
+}  // namespace tenon

@@ -1,0 +1,151 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <tenon/systems/simulation/background_log.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(BackgroundLogTest, SinksGetWhatTheyWouldGetWithoutIt) {
+  DiagramBuilder builder;
+  const auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return 2 * t; });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto plain = simulator.AddLog(Hz(1000), {&clock});
+  const auto first = std::make_shared<MemoryLog>(), second = std::make_shared<MemoryLog>();
+  simulator.AddLog(Hz(1000), {&clock},
+                   {std::make_shared<BackgroundLog>(std::vector<std::shared_ptr<LogSink>>{first, second})});
+  for (const double end : {0.5, 20.0}) {
+    simulator.RunTo(end);
+    for (const auto& log : {first, second}) {
+      EXPECT_EQ(log->names(), plain->names());
+      EXPECT_EQ(log->units(), plain->units());
+      EXPECT_EQ(log->column("time"), plain->column("time"));
+      EXPECT_EQ(log->column("clock.output"), plain->column("clock.output"));
+    }
+  }
+}
+
+/// Lines of a text, and whether the last one is whole.
+std::vector<std::string> Lines(std::istream& text) {
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) {
+    EXPECT_FALSE(text.eof()) << "no end of line behind " << line;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+TEST(BackgroundLogTest, RowsComeInOrderHoweverManyThereAre) {
+  const auto file = test::TemporaryPath("tenon_csv_log_many.csv");
+  constexpr int kRows = 200000;
+  {
+    BackgroundLog log({std::make_shared<CsvLog>(file)});
+    log.Begin({"time", "a"}, {"s", ""});
+    for (int i = 0; i < kRows; ++i) {
+      log.Row(std::vector<double>{1.0 * i, 0.5 * i});
+      if (i % 50000 != 0) continue;
+      log.Flush();
+      std::ifstream text(file);
+      EXPECT_EQ(Lines(text).size(), i + 2) << "flushed";
+    }
+  }
+  std::ifstream text(file);
+  const std::vector<std::string> lines = Lines(text);
+  ASSERT_EQ(lines.size(), kRows + 1);
+  for (int i = 0; i < kRows; ++i) ASSERT_EQ(lines[i + 1], fmt::format("{},{}", i, 0.5 * i));
+  std::filesystem::remove(file);
+}
+
+TEST(BackgroundLogTest, RunGoesOnWhileTheDiskIsBusy) {
+  // A pipe that nobody reads takes 64 KiB, and then keeps who writes waiting.
+  const auto file = test::TemporaryPath("tenon_csv_log.pipe");
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  const int reader = open(file.c_str(), O_RDONLY | O_NONBLOCK);
+  constexpr int kRows = 10000;
+  std::thread emptied;
+  std::string text;
+  {
+    BackgroundLog log({std::make_shared<CsvLog>(file)});
+    log.Begin({"time", "a"}, {"s", ""});
+    for (int i = 0; i < kRows; ++i) log.Row(std::vector<double>{1.0 * i, 1.0 / 3});
+    emptied = std::thread([&] {
+      fcntl(reader, F_SETFL, 0);
+      std::array<char, 4096> part;
+      for (ssize_t size = 0; (size = read(reader, part.data(), part.size())) > 0;)
+        text.append(part.data(), static_cast<std::size_t>(size));
+    });
+  }
+  emptied.join();
+  close(reader);
+  std::istringstream lines(text);
+  EXPECT_EQ(Lines(lines).size(), kRows + 1);
+  EXPECT_THAT(text, EndsWith("\n9999,0.333333333\n"));
+  std::filesystem::remove(file);
+}
+
+/// While it lives, no file grows beyond so many bytes: the end of a disk.
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(BackgroundLogTest, EndOfTheDiskEndsTheRunBehindAWholeRow) {
+  const auto file = test::TemporaryPath("tenon_csv_log_full.csv");
+  {
+    const SmallDisk disk(300000);
+    BackgroundLog log({std::make_shared<CsvLog>(file)});
+    log.Begin({"time", "a"}, {"s", ""});
+    int rows = 0;
+    EXPECT_THAT(
+        [&] {
+          for (; rows < 1000000; ++rows) log.Row(std::vector<double>{1.0 * rows, 1.0 / 3});
+        },
+        ThrowsMessage<OutputError>(AllOf(HasSubstr("tenon_csv_log_full.csv'"), HasSubstr("too large"))));
+    EXPECT_GT(rows, 10000);
+    EXPECT_LT(rows, 100000);
+    EXPECT_THROW(log.Flush(), OutputError) << "it stays so";
+  }
+  std::ifstream text(file);
+  const std::vector<std::string> lines = Lines(text);
+  EXPECT_GT(lines.size(), 5000);
+  EXPECT_THAT(lines.back(), EndsWith(",0.333333333"));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tenon
