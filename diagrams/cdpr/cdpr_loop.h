@@ -77,6 +77,8 @@ struct CdprLoopParams {
 ///      ▲                                                 │
 ///      └─────────────────────────────────────────────────┘ pose and velocity
 ///
+/// of which the estimator is told the cables' lengths besides.
+///
 /// The PD may follow what ReferenceBalancer makes of the reference, with feedforward; and either may be told
 /// the load on the platform by LoadEstimator, which sees it by estimator, inertial unit and the cables'
 /// tensions, so that a constant one leaves no error. All but the plain PD do without cables that
