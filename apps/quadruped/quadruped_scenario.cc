@@ -164,7 +164,7 @@ void TrunkLoadScenario::Validate() const {
 }
 
 void LeggedIntegratorScenario::Validate() const {
-  DemandBetween("order", order, 2, 5);
+  DemandBetween("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
   DemandBetween("rtol", rtol, 1e-14, 0.1);
   DemandPositive("atol_position", atol_position);
   DemandPositive("atol_velocity", atol_velocity);
@@ -326,7 +326,8 @@ std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedSc
 
 SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {
   const LeggedIntegratorScenario& integrator = scenario.integrator;
-  return {.method = Method::kErk,
+  const bool stabilized = integrator.method == LeggedIntegrator::kStabilized;
+  return {.method = stabilized ? Method::kStabilized : Method::kErk,
           .order = integrator.order,
           .rtol = integrator.rtol,
           .atol = integrator.atol_position,

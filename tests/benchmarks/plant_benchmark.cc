@@ -181,7 +181,7 @@ class Stopwatch {
   std::clock_t start_ = std::clock();
 };
 
-Trotting RunTenon(int order, double rtol) {
+Trotting RunTenon(Method method, int order, double rtol) {
   const QuadrupedDescription robot = test::DogBot();
   DiagramBuilder builder;
   QuadrupedPlantParams params;
@@ -199,7 +199,8 @@ Trotting RunTenon(int order, double rtol) {
   builder.Connect(joints, pd.joints);
   builder.Connect(pd.torque, plant.torque);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = order,
+  Simulator simulator(*diagram, {.method = method,
+                                 .order = order,
                                  .rtol = rtol,
                                  .atol = rtol / 100,
                                  .state_atol = {{"plant.motion.v_W", rtol},
@@ -256,9 +257,9 @@ void MeasureTrot(benchmark::State& state, const Path& limit, const Run& run) {
   state.counters["evaluations_per_ms"] = evaluations / kTicks;
 }
 
-void TrotTenon(benchmark::State& state, int order, double rtol) {
-  static const Path limit = RunTenon(5, 1e-9).path;
-  MeasureTrot(state, limit, [&] { return RunTenon(order, rtol); });
+void TrotTenon(benchmark::State& state, Method method, int order, double rtol) {
+  static const Path limit = RunTenon(Method::kErk, 5, 1e-9).path;
+  MeasureTrot(state, limit, [&] { return RunTenon(method, order, rtol); });
 }
 
 void TrotMuJoCo(benchmark::State& state, int integrator, int steps_per_ms) {
@@ -270,11 +271,17 @@ const int trot_rows = [] {
   const auto row = [](const std::string& name, auto... run) {
     benchmark::RegisterBenchmark(("trot/" + name).c_str(), run...)->Iterations(5);
   };
-  row("tenon/order 2 rtol 1e-1", TrotTenon, 2, 1e-1);
-  row("tenon/order 2 rtol 1e-2", TrotTenon, 2, 1e-2);
-  row("tenon/order 2 rtol 1e-3", TrotTenon, 2, 1e-3);
-  row("tenon/order 3 rtol 1e-3", TrotTenon, 3, 1e-3);
-  row("tenon/order 3 rtol 1e-4", TrotTenon, 3, 1e-4);
+  row("tenon/order 2 rtol 1e-1", TrotTenon, Method::kErk, 2, 1e-1);
+  row("tenon/order 2 rtol 1e-2", TrotTenon, Method::kErk, 2, 1e-2);
+  row("tenon/order 2 rtol 1e-3", TrotTenon, Method::kErk, 2, 1e-3);
+  row("tenon/order 3 rtol 1e-3", TrotTenon, Method::kErk, 3, 1e-3);
+  row("tenon/order 3 rtol 1e-4", TrotTenon, Method::kErk, 3, 1e-4);
+  row("tenon/stabilized 2 rtol 1e-1", TrotTenon, Method::kStabilized, 2, 1e-1);
+  row("tenon/stabilized 2 rtol 1e-2", TrotTenon, Method::kStabilized, 2, 1e-2);
+  row("tenon/stabilized 2 rtol 1e-3", TrotTenon, Method::kStabilized, 2, 1e-3);
+  row("tenon/stabilized 3 rtol 1e-1", TrotTenon, Method::kStabilized, 3, 1e-1);
+  row("tenon/stabilized 3 rtol 1e-2", TrotTenon, Method::kStabilized, 3, 1e-2);
+  row("tenon/stabilized 3 rtol 1e-3", TrotTenon, Method::kStabilized, 3, 1e-3);
   row("mujoco/Euler 1 ms", TrotMuJoCo, mjINT_EULER, 1);
   row("mujoco/Euler 0.5 ms", TrotMuJoCo, mjINT_EULER, 2);
   row("mujoco/Euler 0.25 ms", TrotMuJoCo, mjINT_EULER, 4);

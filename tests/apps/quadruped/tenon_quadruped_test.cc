@@ -317,6 +317,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"stand --set sensors.encoders.rate_hz=1e-30", "rate_hz: a rate of"},
         BadUsage{"stand --set integrator.rtol=1e308", "rtol = 1e+308"},
         BadUsage{"stand --set integrator.order=0", "order = 0 must be from 2 to 5"},
+        BadUsage{"stand --set integrator.method=stabilized --set integrator.order=4",
+                 "order = 4 must be from 2 to 3"},
         BadUsage{"stand --set sensors.imu.rate_hz=1e9", "rate_hz = 1000000000 must be at most 100000"},
         BadUsage{"stand --set integrator.atol_bristles=0", "atol_bristles = 0"},
         BadUsage{"stand --set payload.edges_m=[-1,-1,-1]", "edges_m = [-1, -1, -1] must not be negative"},
