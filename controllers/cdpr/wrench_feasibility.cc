@@ -12,7 +12,24 @@ namespace {
 
 constexpr double kSmallestPivot = 1e-12;  // pivots below this, relative to the largest entry
 constexpr int kRowsOfCross = 3;           // rows that two columns leave a cross product of
-constexpr int kLanes = 4;                 // numbers that are computed side by side
+constexpr int kLanes = 4;                 // numbers that are computed side by side: a Packet
+
+using internal::Packet;
+typedef long long Bits __attribute__((vector_size(32), aligned(8), may_alias));
+
+/// Four numbers beside each other.
+[[gnu::always_inline]] inline Packet& Lanes(double* first) {
+  return reinterpret_cast<Packet&>(*first);
+}
+[[gnu::always_inline]] inline const Packet& Lanes(const double* first) {
+  return reinterpret_cast<const Packet&>(*first);
+}
+
+/// sum += |numbers|, without their signs' bits.
+[[gnu::always_inline]] inline void AddAbsolute(const Packet& numbers, Packet& sum) {
+  const Bits bits = reinterpret_cast<const Bits&>(numbers) & 0x7fff'ffff'ffff'ffff;
+  sum += reinterpret_cast<const Packet&>(bits);
+}
 
 int Choose(int n, int k) {
   double choices = 1;
@@ -27,7 +44,7 @@ int WholeLanes(int size) {
 }  // namespace
 
 WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
-    : rows_(rows), num_cables_(num_cables), width_(WholeLanes(num_cables + rows)) {
+    : rows_(rows), num_cables_(num_cables), width_(WholeLanes(num_cables + rows) + kLanes) {
   if (rows < 2 || num_cables < rows) {
     throw ParameterError(
         fmt::format("wrench feasibility of {} cables with {} rows of wrenches: needs two rows or more and at "
@@ -53,7 +70,7 @@ WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
   normals_.setZero(size, rows);
   sum_.setZero(size);
   absolute_sum_.setZero(size);
-  norm_.setZero(size);
+  square_.setZero(size);
 }
 
 void WrenchFeasibility::SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& structure) {
@@ -76,98 +93,84 @@ void WrenchFeasibility::SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& st
 
 /// Chooses a column from `first` on, and eliminates it from the rows of this level.
 TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
-  const int rows = rows_ - level;
+  const int rows = rows_ - level, columns = num_cables_ - level, width = width_;
   const double* from = levels_[level].data();
-  if (rows <= kRowsOfCross) return AddFacets(from, Cross(from, first));
+  if (rows <= kRowsOfCross) return AddFacets(from, columns, Cross(from, columns, first));
   // The rest of the columns, rows - 2 of them, come after this one.
-  for (int column = first; column + rows - 2 < num_cables_; ++column) {
+  for (int column = first; column + rows - 2 < columns; ++column) {
     int pivot = 0;
     for (int r = 1; r < rows; ++r) {
-      if (std::abs(from[r * width_ + column]) > std::abs(from[pivot * width_ + column])) pivot = r;
+      if (std::abs(from[r * width + column]) > std::abs(from[pivot * width + column])) pivot = r;
     }
-    const double* pivot_row = from + pivot * width_;
+    const double* pivot_row = from + pivot * width;
     if (!(std::abs(pivot_row[column]) > smallest_pivot_)) {
-      SkipFacets(Choose(num_cables_ - column - 1, rows - 2));
+      SkipFacets(Choose(columns - column - 1, rows - 2));
       continue;
     }
     const double scale = 1 / pivot_row[column];
-    double* __restrict to = levels_[level + 1].data();
+    double* to = levels_[level + 1].data();
     for (int r = 0; r < rows; ++r) {
       if (r == pivot) continue;
-      const double* row = from + r * width_;
+      const double* row = from + r * width;
       const double factor = row[column] * scale;
-      for (int i = 0; i < width_; i += kLanes)
-        for (int l = i; l < i + kLanes; ++l) to[l] = row[l] - factor * pivot_row[l];
-      to += width_;
+      // Without the column itself; what is written beyond it is overwritten.
+      for (int i = 0; i < column; i += kLanes) Lanes(to + i) = Lanes(row + i) - factor * Lanes(pivot_row + i);
+      for (int i = column; i < columns + rows_ - 1; i += kLanes)
+        Lanes(to + i) = Lanes(row + i + 1) - factor * Lanes(pivot_row + i + 1);
+      to += width;
     }
-    Eliminate(level + 1, column + 1);
+    Eliminate(level + 1, column);
   }
 }
 
 /// Into cross_, what is normal to each two columns from `first` on, in the space of the three rows that are
 /// left; where wrenches have two rows, to each column. How many there are.
-TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int first) {
+TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns, int first) {
   const double *a = rows, *b = a + width_, *c = b + width_;
   double *x = &cross_(0, 0), *y = &cross_(0, 1), *z = &cross_(0, 2);
   if (rows_ < kRowsOfCross) {
-    for (int k = 0; k < num_cables_; ++k) {
+    for (int k = 0; k < columns; ++k) {
       x[k] = -b[k];
       y[k] = a[k];
     }
-    return num_cables_;
+    return columns;
   }
   int count = 0;
-  for (int j = first; j + 1 < num_cables_; ++j) {
-    const double aj = a[j], bj = b[j], cj = c[j];
+  for (int j = first; j + 1 < columns; ++j) {
     // What is written beyond the last pair is overwritten by the next ones.
-    for (int k = j + 1, to = count; k < num_cables_; k += kLanes, to += kLanes) {
-      double out[3][kLanes];
-      for (int l = 0; l < kLanes; ++l) {
-        out[0][l] = bj * c[k + l] - cj * b[k + l];
-        out[1][l] = cj * a[k + l] - aj * c[k + l];
-        out[2][l] = aj * b[k + l] - bj * a[k + l];
-      }
-      std::copy_n(out[0], kLanes, x + to);
-      std::copy_n(out[1], kLanes, y + to);
-      std::copy_n(out[2], kLanes, z + to);
+    for (int k = j + 1, to = count; k < columns; k += kLanes, to += kLanes) {
+      const Packet ak = Lanes(a + k), bk = Lanes(b + k), ck = Lanes(c + k);
+      Lanes(x + to) = b[j] * ck - c[j] * bk;
+      Lanes(y + to) = c[j] * ak - a[j] * ck;
+      Lanes(z + to) = a[j] * bk - b[j] * ak;
     }
-    count += num_cables_ - 1 - j;
+    count += columns - 1 - j;
   }
   return count;
 }
 
 /// The facets of which cross_ has the normals in the space of these rows.
-TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int count) {
+TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int columns, int count) {
   const double *a = rows, *b = a + width_, *c = b + width_;
   double sum[3] = {};
-  for (int i = 0; i < num_cables_; ++i) {
+  for (int i = 0; i < columns; ++i) {
     sum[0] += a[i];
     sum[1] += b[i];
     sum[2] += c[i];
   }
   for (int facet = 0; facet < count; facet += kLanes) {
-    double x[kLanes], y[kLanes], z[kLanes], total[kLanes], absolute[kLanes] = {}, square[kLanes] = {};
-    std::copy_n(&cross_(facet, 0), kLanes, x);
-    std::copy_n(&cross_(facet, 1), kLanes, y);
-    std::copy_n(&cross_(facet, 2), kLanes, z);
-    for (int i = 0; i < num_cables_; ++i)
-      for (int l = 0; l < kLanes; ++l) absolute[l] += std::abs(x[l] * a[i] + y[l] * b[i] + z[l] * c[i]);
+    const Packet x = Lanes(&cross_(facet, 0)), y = Lanes(&cross_(facet, 1)), z = Lanes(&cross_(facet, 2));
+    Packet absolute = {}, square = {};
+    for (int i = 0; i < columns; ++i) AddAbsolute(x * a[i] + y * b[i] + z * c[i], absolute);
     const int to = facets_done_ + facet;
-    for (int k = num_cables_; k < num_cables_ + rows_; ++k) {
-      double normal[kLanes];
-      for (int l = 0; l < kLanes; ++l) {
-        normal[l] = x[l] * a[k] + y[l] * b[k] + z[l] * c[k];
-        square[l] += normal[l] * normal[l];
-      }
-      std::copy_n(normal, kLanes, &normals_(to, k - num_cables_));
+    for (int k = 0; k < rows_; ++k) {
+      const Packet normal = x * a[columns + k] + y * b[columns + k] + z * c[columns + k];
+      Lanes(&normals_(to, k)) = normal;
+      square += normal * normal;
     }
-    for (int l = 0; l < kLanes; ++l) {
-      total[l] = x[l] * sum[0] + y[l] * sum[1] + z[l] * sum[2];
-      square[l] = std::sqrt(square[l]);
-    }
-    std::copy_n(total, kLanes, &sum_[to]);
-    std::copy_n(absolute, kLanes, &absolute_sum_[to]);
-    std::copy_n(square, kLanes, &norm_[to]);
+    Lanes(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
+    Lanes(&absolute_sum_[to]) = absolute;
+    Lanes(&square_[to]) = square;
   }
   facets_done_ += count;
 }
@@ -177,40 +180,44 @@ void WrenchFeasibility::SkipFacets(int count) {
   normals_.middleRows(facets_done_, count).setZero();
   sum_.segment(facets_done_, count).setZero();
   absolute_sum_.segment(facets_done_, count).setZero();
-  norm_.segment(facets_done_, count).setZero();
+  square_.segment(facets_done_, count).setZero();
   facets_done_ += count;
 }
 
 TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double tension_min,
                                                              double tension_max) const {
   const double mid = (tension_max + tension_min) / 2, half = (tension_max - tension_min) / 2;
-  double capacity[kLanes], tension[kLanes], worst[kLanes] = {};
+  double capacity[kLanes], tension[kLanes];  // the one squared, with its sign
+  int worst[kLanes] = {};
   std::fill_n(capacity, kLanes, kInfinity);
   std::fill_n(tension, kLanes, kInfinity);
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
-    double offset[kLanes], width[kLanes] = {};
-    for (int l = 0; l < kLanes; ++l) offset[l] = mid * sum_[facet + l];
+    Packet offset = mid * Lanes(&sum_[facet]), width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
-      const double centre = required.centre[k], half_width = required.half_width[k];
-      const double* c = &normals_(facet, k);
-      for (int l = 0; l < kLanes; ++l) {
-        offset[l] -= c[l] * centre;
-        width[l] += half_width * std::abs(c[l]);
+      const Packet c = Lanes(&normals_(facet, k));
+      Packet absolute = {};
+      AddAbsolute(c, absolute);
+      offset -= required.centre[k] * c;
+      width += required.half_width[k] * absolute;
+    }
+    // Of c and of -c, whichever is worse. Without a normal 0 / 0, which is not less than anything.
+    AddAbsolute(offset, distance);
+    const Packet gap = half * Lanes(&absolute_sum_[facet]) - width - distance;
+    Packet size = {};
+    AddAbsolute(gap, size);
+    const Packet by_norm = gap * size / Lanes(&square_[facet]), by_sum = gap / Lanes(&absolute_sum_[facet]);
+    for (int l = 0; l < kLanes; ++l) {
+      if (by_norm[l] < capacity[l]) capacity[l] = by_norm[l];
+      if (by_sum[l] < tension[l]) {
+        tension[l] = by_sum[l];
+        worst[l] = facet + l;
       }
     }
-    for (int l = 0; l < kLanes; ++l) {
-      // Of c and of -c, whichever is worse. Without a normal 0 / 0, which is not less than anything.
-      const double gap = half * absolute_sum_[facet + l] - width[l] - std::abs(offset[l]);
-      const double by_norm = gap / norm_[facet + l], by_sum = gap / absolute_sum_[facet + l];
-      capacity[l] = by_norm < capacity[l] ? by_norm : capacity[l];
-      worst[l] = by_sum < tension[l] ? facet + l : worst[l];
-      tension[l] = by_sum < tension[l] ? by_sum : tension[l];
-    }
   }
-  const int lane = static_cast<int>(std::min_element(tension, tension + kLanes) - tension);
+  const auto lane = std::min_element(tension, tension + kLanes) - tension;
   const double least = *std::min_element(capacity, capacity + kLanes);
   if (least == kInfinity) return {-kInfinity, -kInfinity, 0};  // all columns parallel
-  return {tension[lane], least, static_cast<int>(worst[lane])};
+  return {tension[lane], std::copysign(std::sqrt(std::abs(least)), least), worst[lane]};
 }
 
 }  // namespace tenon

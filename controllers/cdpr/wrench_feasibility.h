@@ -70,12 +70,13 @@ class WrenchFeasibility {
 
  private:
   void Eliminate(int level, int first);
-  int Cross(const double* rows, int first);
-  void AddFacets(const double* rows, int count);
+  int Cross(const double* rows, int columns, int first);
+  void AddFacets(const double* rows, int columns, int count);
   void SkipFacets(int count);
 
-  int rows_, num_cables_, width_;            // width: columns of [W | 1], filled up
-  std::vector<std::vector<double>> levels_;  // level k: d - k rows of that width
+  int rows_, num_cables_, width_;  // width: columns of [W | 1], filled up
+  // Level k: d - k rows of that width, without the columns that are eliminated.
+  std::vector<std::vector<double>> levels_;
   double smallest_pivot_ = 0;
   Eigen::MatrixXi cables_;  // a column for each facet
   Eigen::MatrixX3d cross_;  // n, a row for each of the facets that are computed together
@@ -83,7 +84,7 @@ class WrenchFeasibility {
   // With a row for each facet, and some more.
   Eigen::MatrixXd normals_;             // c
   Eigen::VectorXd sum_, absolute_sum_;  // of c.w_i over the cables
-  Eigen::VectorXd norm_;                // |c|
+  Eigen::VectorXd square_;              // |c|^2
 };
 
 }  // namespace tenon
