@@ -15,15 +15,8 @@ constexpr int kRowsOfCross = 3;           // rows that two columns leave a cross
 constexpr int kLanes = 4;                 // numbers that are computed side by side: a Packet
 
 using internal::Packet;
+using internal::PacketAt;
 typedef long long Bits __attribute__((vector_size(32), aligned(8), may_alias));
-
-/// Four numbers beside each other.
-[[gnu::always_inline]] inline Packet& Lanes(double* first) {
-  return reinterpret_cast<Packet&>(*first);
-}
-[[gnu::always_inline]] inline const Packet& Lanes(const double* first) {
-  return reinterpret_cast<const Packet&>(*first);
-}
 
 /// sum += |numbers|, without their signs' bits.
 [[gnu::always_inline]] inline void AddAbsolute(const Packet& numbers, Packet& sum) {
@@ -114,9 +107,10 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
       const double* row = from + r * width;
       const double factor = row[column] * scale;
       // Without the column itself; what is written beyond it is overwritten.
-      for (int i = 0; i < column; i += kLanes) Lanes(to + i) = Lanes(row + i) - factor * Lanes(pivot_row + i);
+      for (int i = 0; i < column; i += kLanes)
+        PacketAt(to + i) = PacketAt(row + i) - factor * PacketAt(pivot_row + i);
       for (int i = column; i < columns + rows_ - 1; i += kLanes)
-        Lanes(to + i) = Lanes(row + i + 1) - factor * Lanes(pivot_row + i + 1);
+        PacketAt(to + i) = PacketAt(row + i + 1) - factor * PacketAt(pivot_row + i + 1);
       to += width;
     }
     Eliminate(level + 1, column);
@@ -139,10 +133,10 @@ TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns
   for (int j = first; j + 1 < columns; ++j) {
     // What is written beyond the last pair is overwritten by the next ones.
     for (int k = j + 1, to = count; k < columns; k += kLanes, to += kLanes) {
-      const Packet ak = Lanes(a + k), bk = Lanes(b + k), ck = Lanes(c + k);
-      Lanes(x + to) = b[j] * ck - c[j] * bk;
-      Lanes(y + to) = c[j] * ak - a[j] * ck;
-      Lanes(z + to) = a[j] * bk - b[j] * ak;
+      const Packet ak = PacketAt(a + k), bk = PacketAt(b + k), ck = PacketAt(c + k);
+      PacketAt(x + to) = b[j] * ck - c[j] * bk;
+      PacketAt(y + to) = c[j] * ak - a[j] * ck;
+      PacketAt(z + to) = a[j] * bk - b[j] * ak;
     }
     count += columns - 1 - j;
   }
@@ -159,18 +153,19 @@ TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int co
     sum[2] += c[i];
   }
   for (int facet = 0; facet < count; facet += kLanes) {
-    const Packet x = Lanes(&cross_(facet, 0)), y = Lanes(&cross_(facet, 1)), z = Lanes(&cross_(facet, 2));
+    const Packet x = PacketAt(&cross_(facet, 0)), y = PacketAt(&cross_(facet, 1)),
+                 z = PacketAt(&cross_(facet, 2));
     Packet absolute = {}, square = {};
     for (int i = 0; i < columns; ++i) AddAbsolute(x * a[i] + y * b[i] + z * c[i], absolute);
     const int to = facets_done_ + facet;
     for (int k = 0; k < rows_; ++k) {
       const Packet normal = x * a[columns + k] + y * b[columns + k] + z * c[columns + k];
-      Lanes(&normals_(to, k)) = normal;
+      PacketAt(&normals_(to, k)) = normal;
       square += normal * normal;
     }
-    Lanes(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
-    Lanes(&absolute_sum_[to]) = absolute;
-    Lanes(&square_[to]) = square;
+    PacketAt(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
+    PacketAt(&absolute_sum_[to]) = absolute;
+    PacketAt(&square_[to]) = square;
   }
   facets_done_ += count;
 }
@@ -192,9 +187,9 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
   std::fill_n(capacity, kLanes, kInfinity);
   std::fill_n(tension, kLanes, kInfinity);
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
-    Packet offset = mid * Lanes(&sum_[facet]), width = {}, distance = {};
+    Packet offset = mid * PacketAt(&sum_[facet]), width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
-      const Packet c = Lanes(&normals_(facet, k));
+      const Packet c = PacketAt(&normals_(facet, k));
       Packet absolute = {};
       AddAbsolute(c, absolute);
       offset -= required.centre[k] * c;
@@ -202,10 +197,11 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
     }
     // Of c and of -c, whichever is worse. Without a normal 0 / 0, which is not less than anything.
     AddAbsolute(offset, distance);
-    const Packet gap = half * Lanes(&absolute_sum_[facet]) - width - distance;
+    const Packet gap = half * PacketAt(&absolute_sum_[facet]) - width - distance;
     Packet size = {};
     AddAbsolute(gap, size);
-    const Packet by_norm = gap * size / Lanes(&square_[facet]), by_sum = gap / Lanes(&absolute_sum_[facet]);
+    const Packet by_norm = gap * size / PacketAt(&square_[facet]),
+                 by_sum = gap / PacketAt(&absolute_sum_[facet]);
     for (int l = 0; l < kLanes; ++l) {
       if (by_norm[l] < capacity[l]) capacity[l] = by_norm[l];
       if (by_sum[l] < tension[l]) {

@@ -88,8 +88,8 @@ struct LeggedEnergy {
 /// more there: what is left is the foot that touches down late in a step, unseen. Order 3 with all tolerances
 /// a hundredth of those is within 0.01 mm of the trot, with 14 evaluations per ms. A shank under load decays
 /// at up to 4000 /s, so that stability holds the steps of Method::kErk at half a millisecond in that trot;
-/// kStabilized of order 2, with 1e-3 m, 1e-1 m/s and 1e-5 m, takes one of a millisecond, 3 evaluations, and is
-/// within 0.17 mm. A foot that slides is stiff, at the rate of its speed over z_max, and friction sees
+/// kStabilized of order 2, with 1e-3 m, 1e-1 m/s and 1e-5 m, takes one of a millisecond, 3 evaluations, and
+/// is within 0.17 mm. A foot that slides is stiff, at the rate of its speed over z_max, and friction sees
 /// every error of its bristle: sliding at 1 m/s, it comes out 0.3 % too small. z_max has a lower bound, so
 /// that ground may be as slippery as one likes.
 ///
