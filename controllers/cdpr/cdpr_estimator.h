@@ -39,9 +39,9 @@ struct CdprNoise {
 };
 
 struct CdprEstimatorParams {
-  CdprDescription robot;  ///< what the controller believes; for `cables` alone
-  Rate rate = Hz(200);    ///< of pose, IMU and filter
-  CdprNoise noise;
+  CdprDescription robot{};  ///< what the controller believes; for `cables` alone
+  Rate rate = Hz(200);      ///< of pose, IMU and filter
+  CdprNoise noise{};
   double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
   double gravity = kGravity;       ///< [m/s^2]
 
