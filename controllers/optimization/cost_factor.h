@@ -173,7 +173,8 @@ class CostFactor {
         failed = EliminateGroup(first, negligible, n);
     } else {
       [&]<int... group>(std::integer_sequence<int, group...>) __attribute__((always_inline)) {
-        ((failed = EliminateGroup(KnownSize<4 * group>(), negligible, n), failed < 0) && ...);
+        static_cast<void>(
+            ((failed = EliminateGroup(KnownSize<4 * group>(), negligible, n), failed < 0) && ...));
       }
       (std::make_integer_sequence<int, Padded(n) / 4>());
     }
