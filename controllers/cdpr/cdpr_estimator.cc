@@ -6,13 +6,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
 namespace tenon {
 namespace {
-
-using Vector9d = Eigen::Matrix<double, 9, 1>;
 
 constexpr double kBiasTime = 0.2;  // t_b [s]
 
@@ -21,13 +18,6 @@ Eigen::Vector3d RotationVector(const Vec<4>& q) {
   const double sine = v.norm();
   return sine < 1e-9 ? Eigen::Vector3d(2 * v)
                      : Eigen::Vector3d(2 * std::atan2(sine, std::abs(q[0])) / sine * v);
-}
-
-void Apply(const Vector9d& error, PlatformState& platform) {
-  platform.p_WB += error.head<3>();
-  platform.v_W += error.segment<3>(3);
-  platform.q_WB =
-      QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
 }
 
 }  // namespace
@@ -49,7 +39,6 @@ CdprEstimator::Memory CdprEstimator::FirstMemory(const CdprEstimatorParams& para
   Memory memory;
   memory.length.setZero(params.robot.num_cables());
   memory.bias.setZero(params.robot.num_cables());
-  memory.bias_square.setZero(params.robot.num_cables());
   return memory;
 }
 
@@ -100,31 +89,31 @@ CdprEstimator::Step CdprEstimator::Predict(const ImuMeasurement& inertial, const
   return mean;
 }
 
-void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise& noise, const Step& mean,
+void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean,
                                      Memory& memory) const {
   const double T = params.rate.period(), share = T / kBiasTime;
   const Eigen::Vector3d w_W = mean.R_WB * mean.w_B;
+  PlatformState& platform = memory.platform;
   Covariance& P = memory.covariance;
-  Vector9d error = Vector9d::Zero();
   for (int i = 0; i < params.robot.num_cables(); ++i) {
     const CableLine line = CalcCableLine(params.robot, i, mean.p_WB, mean.R_WB);
-    const Eigen::Vector3d lever = line.wrench.tail<3>(),
-                          attachment_B = params.robot.cables[static_cast<std::size_t>(i)].attachment_B;
-    Eigen::Matrix<double, 6, 1> H;  // of dv and dtheta
-    H << -line.direction, (mean.R_WB.transpose() * line.direction).cross(mean.w_B.cross(attachment_B));
-    const double rate = (length[i] - memory.length[i]) / T,
-                 innovation = rate + line.direction.dot(mean.v_W) + lever.dot(w_W) - H.dot(error.tail<6>());
-    double &bias = memory.bias[i], &bias_square = memory.bias_square[i];
+    const Eigen::Vector3d lever = line.wrench.tail<3>();
+    const double innovation =
+        (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
+    double& bias = memory.bias[i];
     bias += share * (innovation - bias);
-    bias_square += share * (bias * bias - bias_square);
-    const Vector9d PH = P.rightCols<6>() * H;
-    const double S = H.dot(PH.tail<6>()) + std::pow(noise.length_rate, 2) +
-                     lever.squaredNorm() * std::pow(noise.angular_velocity, 2) +
-                     2 / share * std::max(bias * bias, bias_square);
-    error += innovation / S * PH;
+    const Eigen::Matrix<double, 9, 1> PH = -P.middleCols<3>(3) * line.direction;  // H picks -direction . dv
+    const double S = std::pow(noise.length_rate, 2) + 2 / share * bias * bias +
+                     lever.squaredNorm() * std::pow(noise.angular_velocity, 2) -
+                     line.direction.dot(PH.segment<3>(3));
+    const Eigen::Matrix<double, 9, 1> error = innovation / S * PH;
     P.noalias() -= PH / S * PH.transpose();
+    platform.p_WB += error.head<3>();
+    platform.v_W += error.segment<3>(3);
+    mean.v_W += error.segment<3>(3);
+    platform.q_WB =
+        QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
   }
-  Apply(error, memory.platform);
 }
 
 void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const {
@@ -143,11 +132,14 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise,
   S.diagonal().tail<3>().array() += std::pow(noise.attitude, 2);
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(S);
   const Eigen::Matrix<double, 6, 9> gain_transposed = llt.solve(HP);
-  const Vector9d error = gain_transposed.transpose() * innovation;
+  const Eigen::Matrix<double, 9, 1> error = gain_transposed.transpose() * innovation;
   const Covariance reduced = P - HP.transpose().lazyProduct(gain_transposed);
   memory.covariance = (reduced + reduced.transpose()) / 2;
 
-  Apply(error, platform);
+  platform.p_WB += error.head<3>();
+  platform.v_W += error.segment<3>(3);
+  platform.q_WB =
+      QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
 }
 
 }  // namespace tenon

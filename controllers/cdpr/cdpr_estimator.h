@@ -63,10 +63,10 @@ struct CdprEstimatorParams {
 ///     (l_i - l_i before) / T = -(W column i) . [v ; R w]      see CableKinematics
 ///
 /// to within `length_rate` and what the gyroscope leaves, taken for white noise. What pulleys, sag, layers on
-/// a drum or a broken cable do to a length is not: with b_i the mean of the difference of both sides over the
-/// last t_b = 0.2 s and q_i that of b_i^2 (low-passes of first order), 2 t_b/T max(b_i^2, q_i) is added to
-/// the variance: white noise of that variance has means over t_b as large as b_i. A cable that disagrees with
-/// the others and the IMU so loses its weight. Without lengths the velocity is what accelerometer and pose
+/// a drum or a broken cable do to a length is not: b_i, the mean of the difference of both sides over the
+/// last t_b = 0.2 s (a low-pass of first order), counts as additional noise of the variance 2 t_b/T b_i^2, of
+/// which means over that time would be as large. A cable that disagrees with the others and the IMU so loses
+/// its weight; without lengths the velocity is known to what the accelerometer and differences of the pose
 /// tell.
 ///
 /// The angular velocity is the gyroscope's. At the first tick the pose is taken as it is and the platform as
@@ -89,18 +89,13 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
     PlatformState platform;
     ImuMeasurement inertial;
     Covariance covariance = Covariance::Zero();
-    CableVector length;       ///< a period ago [m]
-    CableVector bias;         ///< b [m/s]
-    CableVector bias_square;  ///< q [m^2/s^2]
+    CableVector length;  ///< a period ago [m]
+    CableVector bias;    ///< b [m/s]
 
     static FieldList Fields() {
-      return {{"started", &Memory::started},
-              {"platform", &Memory::platform},
-              {"inertial", &Memory::inertial},
-              {"covariance", &Memory::covariance},
-              {"length", &Memory::length, "m"},
-              {"bias", &Memory::bias, "m/s"},
-              {"bias_square", &Memory::bias_square, "m^2/s^2"}};
+      return {{"started", &Memory::started},    {"platform", &Memory::platform},
+              {"inertial", &Memory::inertial},  {"covariance", &Memory::covariance},
+              {"length", &Memory::length, "m"}, {"bias", &Memory::bias, "m/s"}};
     }
   };
 
@@ -127,8 +122,7 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
                                 const ImuMeasurement& inertial, const CableSignals& cables,
                                 const CdprNoise& noise, Memory& memory) const;
   Step Predict(const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const;
-  void CorrectByLengths(const CableVector& length, const CdprNoise& noise, const Step& mean,
-                        Memory& memory) const;
+  void CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean, Memory& memory) const;
   void Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const;
 };
 
