@@ -174,6 +174,8 @@ std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   for (const auto& [dynamics, task] : walk.tasks) {
     WholeBodySolution solution;
     maker.Solve(dynamics, task, params, &solution);
+    // At touchdown some torques are at their limits already, and the moved ones would contradict those.
+    if (set.moved > 0 && solution.num_active > 0) continue;
     Stored& qp = problems.emplace_back(maker.problem());
     qp.x = maker.solver().x();
     if (set.moved == 0) continue;
@@ -332,6 +334,7 @@ const bool kRegistered = [] {
                                   {"qp_slip", {"qp_slip"}},
                                   {"qp_blocks", {"qp_blocks"}},
                                   {"qp_push", {"qp_push"}},
+                                  {"qp_lean", {"qp_lean"}},
                                   {"qp_stumble", {"qp_stumble"}}}) {
     Register((name + std::string("/eliminated")).c_str(), 10, Solve, set, true);
     Register((name + std::string("/full")).c_str(), 10, Solve, set, false);
