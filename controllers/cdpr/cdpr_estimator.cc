@@ -11,6 +11,8 @@
 namespace tenon {
 namespace {
 
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+
 constexpr double kBiasTime = 0.2;  // t_b [s]
 
 Eigen::Vector3d RotationVector(const Vec<4>& q) {
@@ -18,6 +20,14 @@ Eigen::Vector3d RotationVector(const Vec<4>& q) {
   const double sine = v.norm();
   return sine < 1e-9 ? Eigen::Vector3d(2 * v)
                      : Eigen::Vector3d(2 * std::atan2(sine, std::abs(q[0])) / sine * v);
+}
+
+/// Takes the filter's error (dp, dv, dtheta) out of its mean.
+void Apply(const Vector9d& error, PlatformState& platform) {
+  platform.p_WB += error.head<3>();
+  platform.v_W += error.segment<3>(3);
+  platform.q_WB =
+      QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
 }
 
 }  // namespace
@@ -102,17 +112,14 @@ void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise&
         (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
     double& bias = memory.bias[i];
     bias += share * (innovation - bias);
-    const Eigen::Matrix<double, 9, 1> PH = -P.middleCols<3>(3) * line.direction;  // H picks -direction . dv
+    const Vector9d PH = -P.middleCols<3>(3) * line.direction;  // H picks -direction . dv
     const double S = std::pow(noise.length_rate, 2) + 2 / share * bias * bias +
                      lever.squaredNorm() * std::pow(noise.angular_velocity, 2) -
                      line.direction.dot(PH.segment<3>(3));
-    const Eigen::Matrix<double, 9, 1> error = innovation / S * PH;
+    const Vector9d error = innovation / S * PH;
     P.noalias() -= PH / S * PH.transpose();
-    platform.p_WB += error.head<3>();
-    platform.v_W += error.segment<3>(3);
+    Apply(error, platform);
     mean.v_W += error.segment<3>(3);
-    platform.q_WB =
-        QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
   }
 }
 
@@ -132,14 +139,11 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise,
   S.diagonal().tail<3>().array() += std::pow(noise.attitude, 2);
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(S);
   const Eigen::Matrix<double, 6, 9> gain_transposed = llt.solve(HP);
-  const Eigen::Matrix<double, 9, 1> error = gain_transposed.transpose() * innovation;
+  const Vector9d error = gain_transposed.transpose() * innovation;
   const Covariance reduced = P - HP.transpose().lazyProduct(gain_transposed);
   memory.covariance = (reduced + reduced.transpose()) / 2;
 
-  platform.p_WB += error.head<3>();
-  platform.v_W += error.segment<3>(3);
-  platform.q_WB =
-      QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(error.tail<3>())).normalized();
+  Apply(error, platform);
 }
 
 }  // namespace tenon

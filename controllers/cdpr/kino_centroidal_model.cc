@@ -17,7 +17,9 @@ namespace tenon {
 namespace {
 
 using internal::Lanes;
+using internal::LoadFirst;
 using internal::PacketAt;
+using internal::Padded;
 using internal::SinCos;
 using internal::Sqrt;
 using internal::Transpose;
@@ -61,15 +63,6 @@ struct Attitude {
   }
 };
 
-/// The first `count` of four doubles, the rest 0.
-[[gnu::always_inline]] inline void LoadFirst(const double* from, int count, Lanes* lanes) {
-  if (count >= 4) {
-    *lanes = PacketAt(from);
-  } else {
-    *lanes = Lanes{from[0], count > 1 ? from[1] : 0, count > 2 ? from[2] : 0, 0};
-  }
-}
-
 }  // namespace
 
 CentroidalState CentroidalStateOf(const LoadedPlatform& body, const Eigen::Vector3d& p_WB,
@@ -106,7 +99,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
     throw ParameterError(
         fmt::format("the model is made for {} cables but the robot '{}' has {}", n, robot.name, cables_));
   // What fills up the registers is far away, so that nothing is divided by zero, and never pulls.
-  anchor_W_.setConstant((cables_ + 3) / 4 * 4, 3, 1e6);
+  anchor_W_.setConstant(Padded(cables_), 3, 1e6);
   attachment_B_.setZero(anchor_W_.rows(), 3);
   for (int i = 0; i < cables_; ++i)
     anchor_W_.row(i) = robot.cables[static_cast<std::size_t>(i)].anchor_W.transpose();
@@ -123,8 +116,8 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
 
 /// f(x, u), with the state and its rate in three registers, of which the second begins within L.
 template <int n>
-[[gnu::always_inline]] inline void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const double* u,
-                                                                    Lanes (&dx)[3]) const {
+TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const double* u,
+                                                   Lanes (&dx)[3]) const {
   Lanes sine, cosine;
   SinCos(x[2], &sine, &cosine);
   const Attitude<double> attitude({sine[1], sine[2], sine[3]}, {cosine[1], cosine[2], cosine[3]});
@@ -208,10 +201,9 @@ struct KinoCentroidalModel<n>::Stage {
 // `u` has a cable's tensions at four nodes side by side; `wrench` gets a cable's d(rate of v, L)/du.
 template <int n>
 template <class Tension, class Wrench>
-[[gnu::always_inline]] inline void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12],
-                                                                         const Tension& u, Lanes (&dx)[12],
-                                                                         Stage& f,
-                                                                         const Wrench& wrench) const {
+TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], const Tension& u,
+                                                        Lanes (&dx)[12], Stage& f,
+                                                        const Wrench& wrench) const {
   Lanes sine[3], cosine[3];
   for (int r = 0; r < 3; ++r) SinCos(x[9 + r], &sine[r], &cosine[r]);
   const Attitude<Lanes> attitude(sine, cosine);
@@ -325,11 +317,9 @@ template <class Tension, class Wrench>
 /// of the tensions (4), whose d(rate of v, L)/du of all stages is `wrench`.
 template <int n>
 template <int block>
-[[gnu::always_inline]] inline void KinoCentroidalModel<n>::CalcColumn(const Stage* stages,
-                                                                      const StepTableau& tableau,
-                                                                      const Lanes& h, int c,
-                                                                      const double* wrench,
-                                                                      Lanes (&sum)[12]) {
+TENON_INLINE void KinoCentroidalModel<n>::CalcColumn(const Stage* stages, const StepTableau& tableau,
+                                                     const Lanes& h, int c, const double* wrench,
+                                                     Lanes (&sum)[12]) {
   // K_i = fx e_c + fx (a_i h K_{i-1}), e_c the unit vector; the first term is a column of fx.
   Lanes K[12], S[12];
   const auto first = [&](const Stage& f, const double* of_cable) __attribute__((always_inline)) {

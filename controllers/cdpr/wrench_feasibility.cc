@@ -16,10 +16,11 @@ constexpr int kLanes = 4;                 // numbers that are computed side by s
 
 using internal::Packet;
 using internal::PacketAt;
+using internal::Padded;
 typedef long long Bits __attribute__((vector_size(32), aligned(8), may_alias));
 
 /// sum += |numbers|, without their signs' bits.
-[[gnu::always_inline]] inline void AddAbsolute(const Packet& numbers, Packet& sum) {
+TENON_INLINE void AddAbsolute(const Packet& numbers, Packet& sum) {
   const Bits bits = reinterpret_cast<const Bits&>(numbers) & 0x7fff'ffff'ffff'ffff;
   sum += reinterpret_cast<const Packet&>(bits);
 }
@@ -30,14 +31,10 @@ int Choose(int n, int k) {
   return static_cast<int>(std::lround(choices));
 }
 
-int WholeLanes(int size) {
-  return (size + kLanes - 1) / kLanes * kLanes;
-}
-
 }  // namespace
 
 WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
-    : rows_(rows), num_cables_(num_cables), width_(WholeLanes(num_cables + rows) + kLanes) {
+    : rows_(rows), num_cables_(num_cables), width_(Padded(num_cables + rows) + kLanes) {
   if (rows < 2 || num_cables < rows) {
     throw ParameterError(
         fmt::format("wrench feasibility of {} cables with {} rows of wrenches: needs two rows or more and at "
@@ -58,7 +55,7 @@ WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
     ++choice[last];
     for (int k = last + 1; k < chosen; ++k) choice[k] = choice[k - 1] + 1;
   }
-  const int size = WholeLanes(num_facets_) + kLanes;
+  const int size = Padded(num_facets_) + kLanes;
   cross_.setZero(size, 3);
   normals_.setZero(size, rows);
   sum_.setZero(size);

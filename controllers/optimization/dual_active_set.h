@@ -69,10 +69,9 @@ struct QpReport {
 /// - Several at once, where few are violated: all these join, and those that then have negative multipliers
 ///   leave, as long as that raises the cost. The reflections are applied and never multiplied out. The start
 ///   at a guessed active set is such a step, too: a right guess is one factorisation.
-/// - One at a time, as in the paper, where more are violated, a step of the first kind did not raise the
-/// cost,
-///   or constraints depend on each other: with Z = J Q of the inequalities' part, updated by reflections and
-///   rotations.
+/// - One at a time, as in the paper, where more are violated, constraints depend on each other, or a step of
+///   the first kind did not raise the cost: with Z = J Q of the inequalities' part, updated by reflections
+///   and rotations.
 ///
 /// Zeros of H between blocks of variables stay zeros in J and cost nothing. The guess is pruned of dependent
 /// constraints and of those with negative multipliers, so any guess is safe and only the number of iterations

@@ -18,16 +18,33 @@ typedef double Lanes __attribute__((vector_size(32)));
 /// The same where they lie anywhere.
 typedef double Packet __attribute__((vector_size(32), aligned(8), may_alias));
 
-#define TENON_LANES [[gnu::always_inline]] inline
+#define TENON_INLINE [[gnu::always_inline]] inline
 
-TENON_LANES const Packet& PacketAt(const double* first) {
+TENON_INLINE const Packet& PacketAt(const double* first) {
   return *reinterpret_cast<const Packet*>(first);
 }
-TENON_LANES Packet& PacketAt(double* first) {
+TENON_INLINE Packet& PacketAt(double* first) {
   return *reinterpret_cast<Packet*>(first);
 }
 
-TENON_LANES void Sqrt(const Packet& radicand, Lanes* root) {
+/// The least multiple of four that is not less, and the greatest that is not more.
+constexpr int Padded(int n) {
+  return (n + 3) / 4 * 4;
+}
+constexpr int PaddedDown(int n) {
+  return n / 4 * 4;
+}
+
+/// The first `count` of four doubles, the rest 0; one at least.
+TENON_INLINE void LoadFirst(const double* from, int count, Lanes* lanes) {
+  if (count >= 4) {
+    *lanes = PacketAt(from);
+  } else {
+    *lanes = Lanes{from[0], count > 1 ? from[1] : 0, count > 2 ? from[2] : 0, 0};
+  }
+}
+
+TENON_INLINE void Sqrt(const Packet& radicand, Lanes* root) {
   const Lanes x = radicand;
 #if defined(__SSE2__)
   const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(x, x, 0, 1));
@@ -39,7 +56,7 @@ TENON_LANES void Sqrt(const Packet& radicand, Lanes* root) {
 }
 
 /// Lane i of row j becomes lane j of row i.
-TENON_LANES void Transpose(Lanes (&rows)[4]) {
+TENON_INLINE void Transpose(Lanes (&rows)[4]) {
   const Lanes a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6);
   const Lanes b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
   const Lanes c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6);
@@ -52,7 +69,7 @@ TENON_LANES void Transpose(Lanes (&rows)[4]) {
 
 /// Sine and cosine of angles [rad] up to a million, to three units in the last place; beyond, and of what
 /// is not finite, NaN. By the polynomials of fdlibm (k_sin.c, k_cos.c) about the nearest multiple of pi/2.
-TENON_LANES void SinCos(const Packet& angles, Lanes* sine, Lanes* cosine) {
+TENON_INLINE void SinCos(const Packet& angles, Lanes* sine, Lanes* cosine) {
   const Lanes angle = angles;
   typedef long long Bits __attribute__((vector_size(32)));
   constexpr double kLargest = 1e6, kPerTurn = 0.63661977236758134308;  // 2 / pi
@@ -89,7 +106,5 @@ TENON_LANES void SinCos(const Packet& angles, Lanes* sine, Lanes* cosine) {
   *sine = (Lanes)sine_bits;
   *cosine = (Lanes)cosine_bits;
 }
-
-#undef TENON_LANES
 
 }  // namespace tenon::internal

@@ -29,23 +29,12 @@ class Numbers {
   std::vector<Four> fours_;
 };
 
-#define TENON_INLINE [[gnu::always_inline]] inline
-
-constexpr int Padded(int n) {
-  return (n + 3) / 4 * 4;
-}
-constexpr int PaddedDown(int n) {
-  return n / 4 * 4;
-}
-
 /// Copies the packet from number i on, of n that are not padded.
 template <class Size>
 TENON_INLINE void CopyPacket(const double* from, int i, Size n, double* to) {
-  if (i + 4 <= n) {
-    PacketAt(to + i) = PacketAt(from + i);
-  } else {
-    PacketAt(to + i) = Packet{from[i], i + 1 < n ? from[i + 1] : 0, i + 2 < n ? from[i + 2] : 0, 0};
-  }
+  Lanes packet;
+  LoadFirst(from + i, n - i, &packet);
+  PacketAt(to + i) = packet;
 }
 
 /// The sums over the lanes of four packets.
@@ -188,17 +177,10 @@ TENON_INLINE void Transpose(const double* rows, std::ptrdiff_t stride, int count
   int r = 0;
   for (; r + 4 <= count; r += 4, rows += 4 * stride) {
     for (int i = 0; i < whole; i += 4) {
-      const Packet &a = PacketAt(rows + i), &b = PacketAt(rows + stride + i),
-                   &c = PacketAt(rows + 2 * stride + i), &d = PacketAt(rows + 3 * stride + i);
-      const Packet ab0 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
-                   ab1 = __builtin_shufflevector(a, b, 1, 5, 3, 7),
-                   cd0 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
-                   cd1 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-      double* const out = columns + i * stride_out + r;
-      PacketAt(out) = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
-      PacketAt(out + stride_out) = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
-      PacketAt(out + 2 * stride_out) = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
-      PacketAt(out + 3 * stride_out) = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+      Lanes block[4];
+      for (int k = 0; k < 4; ++k) block[k] = PacketAt(rows + k * stride + i);
+      Transpose(block);
+      for (int k = 0; k < 4; ++k) PacketAt(columns + (i + k) * stride_out + r) = block[k];
     }
     for (int i = whole; i < n; ++i)
       for (int k = 0; k < 4; ++k) columns[i * stride_out + r + k] = rows[k * stride + i];

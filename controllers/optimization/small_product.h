@@ -22,8 +22,7 @@ namespace tenon::internal {
 /// of this size (above 20 in the sum of their dimensions) to its kernel for large matrices, which packs them
 /// first. Always inlined, so that it is compiled for the target of its caller.
 template <int rows, int inner, int columns>
-[[gnu::always_inline]] inline void Product(const double* A, int lda, const double* B, int ldb,
-                                           double* __restrict C, int ldc) {
+TENON_INLINE void Product(const double* A, int lda, const double* B, int ldb, double* __restrict C, int ldc) {
   constexpr int packets = rows / 4, rest = 4 * packets;
   constexpr int width = columns % 4 == 0 && packets <= 3 ? 4 : columns % 2 == 0 ? 2 : 1;  // columns at a time
   for (int j = 0; j < columns; j += width) {
@@ -33,13 +32,13 @@ template <int rows, int inner, int columns>
       const double* a = A + k * lda;
       for (int w = 0; w < width; ++w) {
         const double b = B[(j + w) * ldb + k];
-        for (int p = 0; p < packets; ++p) c[w][p] += reinterpret_cast<const Packet*>(a + 4 * p)[0] * b;
+        for (int p = 0; p < packets; ++p) c[w][p] += PacketAt(a + 4 * p) * b;
         for (int r = rest; r < rows; ++r) tail[w][r - rest] += a[r] * b;
       }
     }
     for (int w = 0; w < width; ++w) {
       double* out = C + (j + w) * ldc;
-      for (int p = 0; p < packets; ++p) reinterpret_cast<Packet*>(out + 4 * p)[0] = c[w][p];
+      for (int p = 0; p < packets; ++p) PacketAt(out + 4 * p) = c[w][p];
       for (int r = rest; r < rows; ++r) out[r] = tail[w][r - rest];
     }
   }
@@ -48,7 +47,7 @@ template <int rows, int inner, int columns>
 /// C = A B where only the lower triangle of C counts: columns in groups of four, the last ones first, from
 /// the diagonal down. Some of the upper triangle is written.
 template <int size, int inner, int first = 0>
-[[gnu::always_inline]] inline void LowerProduct(const double* A, const double* B, double* __restrict C) {
+TENON_INLINE void LowerProduct(const double* A, const double* B, double* __restrict C) {
   constexpr int group = size - first < 4 ? size - first : 4;
   if constexpr (first + group < size) LowerProduct<size, inner, first + group>(A, B, C);
   Product<size - first, inner, group>(A + first, size, B + first * inner, inner, C + first * size + first,
@@ -57,7 +56,7 @@ template <int size, int inner, int first = 0>
 
 /// C = A B
 template <class MA, class MB, class MC>
-[[gnu::always_inline]] inline void Multiply(const MA& A, const MB& B, MC& C) {
+TENON_INLINE void Multiply(const MA& A, const MB& B, MC& C) {
   constexpr int rows = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime, columns = MB::ColsAtCompileTime;
   if constexpr (rows != Eigen::Dynamic && inner != Eigen::Dynamic && columns != Eigen::Dynamic) {
     Product<rows, inner, columns>(A.data(), rows, B.data(), inner, C.data(), rows);
@@ -68,7 +67,7 @@ template <class MA, class MB, class MC>
 
 /// The lower triangle of C = A B, C symmetric.
 template <class MA, class MB, class MC>
-[[gnu::always_inline]] inline void MultiplyLower(const MA& A, const MB& B, MC& C) {
+TENON_INLINE void MultiplyLower(const MA& A, const MB& B, MC& C) {
   constexpr int size = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime;
   if constexpr (size != Eigen::Dynamic && inner != Eigen::Dynamic) {
     LowerProduct<size, inner>(A.data(), B.data(), C.data());
@@ -79,7 +78,7 @@ template <class MA, class MB, class MC>
 
 /// B = A^T
 template <class MA, class MB>
-[[gnu::always_inline]] inline void Transpose(const MA& A, MB& B) {
+TENON_INLINE void Transpose(const MA& A, MB& B) {
   constexpr int rows = MA::RowsAtCompileTime, columns = MA::ColsAtCompileTime;
   const auto one_by_one = [&](Eigen::Index first_row, Eigen::Index first_column)
       __attribute__((always_inline)) {
@@ -103,7 +102,7 @@ template <class MA, class MB>
 
 /// The upper triangle of A becomes that of its lower one, transposed.
 template <class M>
-[[gnu::always_inline]] inline void Mirror(M& A) {
+TENON_INLINE void Mirror(M& A) {
   constexpr int size = M::RowsAtCompileTime;
   const auto mirror = [&](Eigen::Index first, Eigen::Index end) __attribute__((always_inline)) {
     for (Eigen::Index c = first; c < end; ++c)

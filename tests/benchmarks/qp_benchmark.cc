@@ -48,6 +48,7 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/tests/controllers/optimization/kkt_residual.h>
+#include <tenon/tests/controllers/optimization/owned_qp.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
@@ -134,18 +135,9 @@ WholeBodyQpParams Params(const Sequence& walk, bool eliminate) {
   return params;
 }
 
-// A problem that owns its numbers, and its solution.
-struct Stored {
-  explicit Stored(const QuadraticProgram& qp)
-      : H(qp.H), g(qp.g), A_eq(qp.A_eq), b_eq(qp.b_eq), A_in(qp.A_in), b_in(qp.b_in) {}
-  QuadraticProgram view() const { return {H, g, A_eq, b_eq, A_in, b_in}; }
-  Eigen::MatrixXd H;
-  Eigen::VectorXd g;
-  ConstraintMatrix A_eq;
-  Eigen::VectorXd b_eq;
-  ConstraintMatrix A_in;
-  Eigen::VectorXd b_in;
-  Eigen::VectorXd x;
+struct Stored : test::OwnedQp {
+  using OwnedQp::OwnedQp;
+  Eigen::VectorXd x;  // its solution
 };
 
 // Moves `count` limits of torque past the problem's solution, by 0.2 N m, the same of all problems: lower or
