@@ -127,10 +127,10 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const do
   for (Eigen::Index first = 0; first < padded; first += 4) {
     Lanes arm[3], pull[3];
     for (int r = 0; r < 3; ++r) {
-      arm[r] = R[r][0] * PacketAt(&attachment_B_(first, 0)) + R[r][1] * PacketAt(&attachment_B_(first, 1)) +
-               R[r][2] * PacketAt(&attachment_B_(first, 2));
+      arm[r] = R[r][0] * *PacketAt(&attachment_B_(first, 0)) + R[r][1] * *PacketAt(&attachment_B_(first, 1)) +
+               R[r][2] * *PacketAt(&attachment_B_(first, 2));
       const double p = r == 0 ? x[1][2] : r == 1 ? x[1][3] : x[2][0];
-      pull[r] = PacketAt(&anchor_W_(first, r)) - p - arm[r];
+      pull[r] = *PacketAt(&anchor_W_(first, r)) - p - arm[r];
     }
     Lanes length, scale;
     Sqrt(pull[0] * pull[0] + pull[1] * pull[1] + pull[2] * pull[2], &length);
@@ -164,17 +164,17 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const do
 
 template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
-  const Lanes at[3] = {PacketAt(&x[0]), PacketAt(&x[4]), PacketAt(&x[8])};
+  const Lanes at[3] = {*PacketAt(&x[0]), *PacketAt(&x[4]), *PacketAt(&x[8])};
   Lanes k[3] = {};
   CalcRate(at, u.data(), k);
-  for (int j = 0; j < 3; ++j) PacketAt(&dx[4 * j]) = k[j];
+  for (int j = 0; j < 3; ++j) *PacketAt(&dx[4 * j]) = k[j];
 }
 
 template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(StepMethod method, double h, const State& x,
                                                       const Input& u, State& next) const {
   const StepTableau& tableau = TableauOf(method);
-  const Lanes start[3] = {PacketAt(&x[0]), PacketAt(&x[4]), PacketAt(&x[8])};
+  const Lanes start[3] = {*PacketAt(&x[0]), *PacketAt(&x[4]), *PacketAt(&x[8])};
   Lanes at[3] = {start[0], start[1], start[2]}, end[3] = {start[0], start[1], start[2]}, k[3] = {};
   for (int i = 0; i < tableau.stages; ++i) {
     if (i > 0)
@@ -182,7 +182,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(StepMethod method, double 
     CalcRate(at, u.data(), k);
     for (int j = 0; j < 3; ++j) end[j] += (tableau.b[i] * h) * k[j];
   }
-  for (int j = 0; j < 3; ++j) PacketAt(&next[4 * j]) = end[j];
+  for (int j = 0; j < 3; ++j) *PacketAt(&next[4 * j]) = end[j];
 }
 
 /// The Jacobians of f by blocks, by columns, at four nodes; the rest is zero but for d(dp/dt)/dv = 1.
@@ -230,8 +230,8 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], co
     double* const column = wrench(i);
     Lanes q[3];
     for (int r = 0; r < 3; ++r) {
-      PacketAt(column + 4 * r) = mass_inverse_ * d[r];
-      PacketAt(column + 4 * (3 + r)) = mass_inverse_ * m[r];
+      *PacketAt(column + 4 * r) = mass_inverse_ * d[r];
+      *PacketAt(column + 4 * (3 + r)) = mass_inverse_ * m[r];
       const Lanes ta = s * a[r], td = t * d[r];
       force[r] += td;
       torque[r] += t * m[r];
@@ -327,7 +327,7 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcColumn(const Stage* stages, const 
       K[r] = Lanes{};
       if constexpr (block == 2) K[r] = f.momentum_by_pose[c][r];
       if constexpr (block == 3) K[r] = f.momentum_by_pose[3 + c][r];
-      if constexpr (block == 4) K[r] = PacketAt(of_cable + 4 * r);
+      if constexpr (block == 4) K[r] = *PacketAt(of_cable + 4 * r);
     }
     for (int r = 0; r < 3; ++r) {
       K[6 + r] = Lanes{} + (block == 0 && r == c ? 1.0 : 0.0);
@@ -383,7 +383,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
     Lanes start[12], at[12], k[12] = {};
     for (int j = 0; j < 12; j += 4) {
       Lanes rows[4];
-      for (int l = 0; l < 4; ++l) rows[l] = PacketAt(&x[node[l]][j]);
+      for (int l = 0; l < 4; ++l) rows[l] = *PacketAt(&x[node[l]][j]);
       Transpose(rows);
       for (int l = 0; l < 4; ++l) start[j + l] = at[j + l] = rows[l];
     }
@@ -403,7 +403,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
       for (int j = 0; j < 12; j += 4) {
         Lanes rows[4] = {sum[j], sum[j + 1], sum[j + 2], sum[j + 3]};
         Transpose(rows);
-        for (int l = 0; l < 4; ++l) PacketAt(tangents[node[l]].data() + 12 * column + j) = rows[l];
+        for (int l = 0; l < 4; ++l) *PacketAt(tangents[node[l]].data() + 12 * column + j) = rows[l];
       }
     };
     Lanes sum[12];

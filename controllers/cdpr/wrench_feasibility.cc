@@ -12,17 +12,17 @@ namespace {
 
 constexpr double kSmallestPivot = 1e-12;  // pivots below this, relative to the largest entry
 constexpr int kRowsOfCross = 3;           // rows that two columns leave a cross product of
-constexpr int kLanes = 4;                 // numbers that are computed side by side: a Packet
+constexpr int kLanes = 4;                 // numbers that are computed side by side: Lanes
 
-using internal::Packet;
+using internal::Lanes;
 using internal::PacketAt;
 using internal::Padded;
-typedef long long Bits __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long Bits __attribute__((vector_size(32)));
 
 /// sum += |numbers|, without their signs' bits.
-TENON_INLINE void AddAbsolute(const Packet& numbers, Packet& sum) {
-  const Bits bits = reinterpret_cast<const Bits&>(numbers) & 0x7fff'ffff'ffff'ffff;
-  sum += reinterpret_cast<const Packet&>(bits);
+TENON_INLINE void AddAbsolute(const Lanes& numbers, Lanes& sum) {
+  const Bits bits = (Bits)numbers & 0x7fff'ffff'ffff'ffff;
+  sum += (Lanes)bits;
 }
 
 int Choose(int n, int k) {
@@ -105,9 +105,9 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
       const double factor = row[column] * scale;
       // Without the column itself; what is written beyond it is overwritten.
       for (int i = 0; i < column; i += kLanes)
-        PacketAt(to + i) = PacketAt(row + i) - factor * PacketAt(pivot_row + i);
+        *PacketAt(to + i) = *PacketAt(row + i) - factor * *PacketAt(pivot_row + i);
       for (int i = column; i < columns + rows_ - 1; i += kLanes)
-        PacketAt(to + i) = PacketAt(row + i + 1) - factor * PacketAt(pivot_row + i + 1);
+        *PacketAt(to + i) = *PacketAt(row + i + 1) - factor * *PacketAt(pivot_row + i + 1);
       to += width;
     }
     Eliminate(level + 1, column);
@@ -130,10 +130,10 @@ TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns
   for (int j = first; j + 1 < columns; ++j) {
     // What is written beyond the last pair is overwritten by the next ones.
     for (int k = j + 1, to = count; k < columns; k += kLanes, to += kLanes) {
-      const Packet ak = PacketAt(a + k), bk = PacketAt(b + k), ck = PacketAt(c + k);
-      PacketAt(x + to) = b[j] * ck - c[j] * bk;
-      PacketAt(y + to) = c[j] * ak - a[j] * ck;
-      PacketAt(z + to) = a[j] * bk - b[j] * ak;
+      const Lanes ak = *PacketAt(a + k), bk = *PacketAt(b + k), ck = *PacketAt(c + k);
+      *PacketAt(x + to) = b[j] * ck - c[j] * bk;
+      *PacketAt(y + to) = c[j] * ak - a[j] * ck;
+      *PacketAt(z + to) = a[j] * bk - b[j] * ak;
     }
     count += columns - 1 - j;
   }
@@ -150,19 +150,19 @@ TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int co
     sum[2] += c[i];
   }
   for (int facet = 0; facet < count; facet += kLanes) {
-    const Packet x = PacketAt(&cross_(facet, 0)), y = PacketAt(&cross_(facet, 1)),
-                 z = PacketAt(&cross_(facet, 2));
-    Packet absolute = {}, square = {};
+    const Lanes x = *PacketAt(&cross_(facet, 0)), y = *PacketAt(&cross_(facet, 1)),
+                z = *PacketAt(&cross_(facet, 2));
+    Lanes absolute = {}, square = {};
     for (int i = 0; i < columns; ++i) AddAbsolute(x * a[i] + y * b[i] + z * c[i], absolute);
     const int to = facets_done_ + facet;
     for (int k = 0; k < rows_; ++k) {
-      const Packet normal = x * a[columns + k] + y * b[columns + k] + z * c[columns + k];
-      PacketAt(&normals_(to, k)) = normal;
+      const Lanes normal = x * a[columns + k] + y * b[columns + k] + z * c[columns + k];
+      *PacketAt(&normals_(to, k)) = normal;
       square += normal * normal;
     }
-    PacketAt(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
-    PacketAt(&absolute_sum_[to]) = absolute;
-    PacketAt(&square_[to]) = square;
+    *PacketAt(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
+    *PacketAt(&absolute_sum_[to]) = absolute;
+    *PacketAt(&square_[to]) = square;
   }
   facets_done_ += count;
 }
@@ -184,21 +184,21 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
   std::fill_n(capacity, kLanes, kInfinity);
   std::fill_n(tension, kLanes, kInfinity);
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
-    Packet offset = mid * PacketAt(&sum_[facet]), width = {}, distance = {};
+    Lanes offset = mid * *PacketAt(&sum_[facet]), width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
-      const Packet c = PacketAt(&normals_(facet, k));
-      Packet absolute = {};
+      const Lanes c = *PacketAt(&normals_(facet, k));
+      Lanes absolute = {};
       AddAbsolute(c, absolute);
       offset -= required.centre[k] * c;
       width += required.half_width[k] * absolute;
     }
     // Of c and of -c, whichever is worse. Without a normal 0 / 0, which is not less than anything.
     AddAbsolute(offset, distance);
-    const Packet gap = half * PacketAt(&absolute_sum_[facet]) - width - distance;
-    Packet size = {};
+    const Lanes gap = half * *PacketAt(&absolute_sum_[facet]) - width - distance;
+    Lanes size = {};
     AddAbsolute(gap, size);
-    const Packet by_norm = gap * size / PacketAt(&square_[facet]),
-                 by_sum = gap / PacketAt(&absolute_sum_[facet]);
+    const Lanes by_norm = gap * size / *PacketAt(&square_[facet]),
+                by_sum = gap / *PacketAt(&absolute_sum_[facet]);
     for (int l = 0; l < kLanes; ++l) {
       if (by_norm[l] < capacity[l]) capacity[l] = by_norm[l];
       if (by_sum[l] < tension[l]) {

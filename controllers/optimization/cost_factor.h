@@ -50,8 +50,8 @@ class CostFactor {
     for (int first = singles; first < n; first += 4) {
       const int begin = Begin(first, n), end = End(first, n);
       for (int j = first; j < first + 4; ++j) {
-        for (int i = begin; i < end; i += 4) PacketAt(rows + j * N + i) = Packet{};
-        for (int i = begin; i < first + 4; i += 4) PacketAt(T + j * width + N + i) = Packet{};
+        for (int i = begin; i < end; i += 4) *PacketAt(rows + j * N + i) = Lanes{};
+        for (int i = begin; i < first + 4; i += 4) *PacketAt(T + j * width + N + i) = Lanes{};
         T[j * width + N + j] = 1;
       }
     }
@@ -65,13 +65,13 @@ class CostFactor {
     if (const int failed = Eliminate(negligible, n); failed >= 0) return failed;
     for (int i = n; i < N; ++i) pivots[i] = 1;
     for (int i = 0; i < N; ++i) roots[i] = std::sqrt(pivots[i]);
-    for (int i = 0; i < N; i += 4) PacketAt(roots + i) = Packet{1, 1, 1, 1} / PacketAt(roots + i);
+    for (int i = 0; i < N; i += 4) *PacketAt(roots + i) = Lanes{1, 1, 1, 1} / *PacketAt(roots + i);
     for (int first = singles; first < n; first += 4) {
       const int begin = Begin(first, n);
       for (int j = first; j < first + 4; ++j) {
         double* const column = T + j * width + N;
         const double root = roots[j];
-        for (int i = begin; i < first + 4; i += 4) PacketAt(column + i) = PacketAt(column + i) * root;
+        for (int i = begin; i < first + 4; i += 4) *PacketAt(column + i) = *PacketAt(column + i) * root;
       }
     }
     return -1;
@@ -82,7 +82,7 @@ class CostFactor {
   TENON_INLINE void Multiply(const double* x, double* product, Size n) const {
     const int N = Padded(n);
     for (int i = 0; i < Singles(n); i += 4)
-      PacketAt(product + i) = PacketAt(diagonal_.data() + i) * PacketAt(x + i);
+      *PacketAt(product + i) = *PacketAt(diagonal_.data() + i) * *PacketAt(x + i);
     for (int first = Singles(n); first < n; first += 4)
       Dots(rows_.data() + first * N, N, x, Begin(first, n), End(first, n), product + first);
     for (int i = n; i < N; ++i) product[i] = 0;
@@ -93,8 +93,8 @@ class CostFactor {
   TENON_INLINE int MultiplyTransposed(const double* a, double* v, int end, Size n) const {
     const int N = Padded(n), singles = Singles(n);
     if (end <= singles) {
-      for (int i = 0; i < end; i += 4) PacketAt(v + i) = PacketAt(roots_.data() + i) * PacketAt(a + i);
-      for (int i = end; i < N; i += 4) PacketAt(v + i) = Packet{};
+      for (int i = 0; i < end; i += 4) *PacketAt(v + i) = *PacketAt(roots_.data() + i) * *PacketAt(a + i);
+      for (int i = end; i < N; i += 4) *PacketAt(v + i) = Lanes{};
       return end;
     }
     MultiplyTransposed(a, v, n);
@@ -103,7 +103,8 @@ class CostFactor {
   template <class Size>
   TENON_INLINE void MultiplyTransposed(const double* a, double* v, Size n) const {
     const int N = Padded(n), width = 2 * N;
-    for (int i = 0; i < Singles(n); i += 4) PacketAt(v + i) = PacketAt(roots_.data() + i) * PacketAt(a + i);
+    for (int i = 0; i < Singles(n); i += 4)
+      *PacketAt(v + i) = *PacketAt(roots_.data() + i) * *PacketAt(a + i);
     for (int first = Singles(n); first < n; first += 4)
       Dots(elimination_.data() + first * width + N, width, a, Begin(first, n), first + 4, v + first);
     for (int i = n; i < N; ++i) v[i] = 0;
@@ -113,8 +114,9 @@ class CostFactor {
   template <class Size>
   TENON_INLINE void MultiplyFactor(const double* y, double* x, Size n) const {
     const int N = Padded(n), width = 2 * N;
-    for (int i = 0; i < Singles(n); i += 4) PacketAt(x + i) = PacketAt(roots_.data() + i) * PacketAt(y + i);
-    for (int i = Singles(n); i < N; i += 4) PacketAt(x + i) = Packet{};
+    for (int i = 0; i < Singles(n); i += 4)
+      *PacketAt(x + i) = *PacketAt(roots_.data() + i) * *PacketAt(y + i);
+    for (int i = Singles(n); i < N; i += 4) *PacketAt(x + i) = Lanes{};
     for (int first = Singles(n); first < n; first += 4)
       AddColumns(elimination_.data() + first * width + N, width, y + first, x, Begin(first, n), first + 4);
   }
@@ -123,13 +125,13 @@ class CostFactor {
   template <class Size>
   TENON_INLINE void CopyFactor(double* columns, Size n) const {
     const int N = Padded(n), width = 2 * N, singles = Singles(n);
-    for (int i = 0; i < N * n; i += 4) PacketAt(columns + i) = Packet{};
+    for (int i = 0; i < N * n; i += 4) *PacketAt(columns + i) = Lanes{};
     for (int j = 0; j < singles; ++j) columns[j * N + j] = roots_[j];
     for (int j = singles; j < n; ++j) {
       const int first = PaddedDown(j);
       const double* const column = elimination_.data() + j * width + N;
       for (int i = Begin(first, n); i < first + 4; i += 4)
-        PacketAt(columns + j * N + i) = PacketAt(column + i);
+        *PacketAt(columns + j * N + i) = *PacketAt(column + i);
     }
   }
 
@@ -195,8 +197,9 @@ class CostFactor {
       for (int i = j + 1; i < last; ++i) {
         double* const row = T + i * width;
         const double factor = -pivot[i] * inverse;
-        for (int k = first; k < end; k += 4) PacketAt(row + k) += PacketAt(pivot + k) * factor;
-        for (int k = N + begin; k < N + first + 4; k += 4) PacketAt(row + k) += PacketAt(pivot + k) * factor;
+        for (int k = first; k < end; k += 4) *PacketAt(row + k) += *PacketAt(pivot + k) * factor;
+        for (int k = N + begin; k < N + first + 4; k += 4)
+          *PacketAt(row + k) += *PacketAt(pivot + k) * factor;
       }
     }
     return -1;
@@ -205,7 +208,7 @@ class CostFactor {
   TENON_INLINE static bool IsZero(const double* p, int from, int to) {
     Mask any = {};
     int i = from;
-    for (; i + 4 <= to; i += 4) any |= PacketAt(p + i) != Packet{};
+    for (; i + 4 <= to; i += 4) any |= *PacketAt(p + i) != Lanes{};
     for (; i < to; ++i) any[0] |= p[i] != 0;
     return (any[0] | any[1] | any[2] | any[3]) == 0;
   }

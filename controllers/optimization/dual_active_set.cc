@@ -102,16 +102,16 @@ TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n
     Products(qp.A_in.data(), qp.A_in.outerStride(), count, x_.data(), n, slack);
   }
   int i = 0;
-  for (; i + 4 <= count; i += 4) PacketAt(slack + i) -= PacketAt(b + i);
+  for (; i + 4 <= count; i += 4) *PacketAt(slack + i) -= *PacketAt(b + i);
   for (; i < count; ++i) slack[i] -= b[i];
   for (; i < Padded(count); ++i) slack[i] = 0;
   const double size2 = Dot(x_.data(), x_.data(), 0, Padded(n));
-  Packet sum = {}, least = {};
-  for (i = 0; i < count; i += 4) sum += PacketAt(slack + i);
+  Lanes sum = {}, least = {};
+  for (i = 0; i < count; i += 4) sum += *PacketAt(slack + i);
   if (!std::isfinite(internal::Sum(sum) + size2)) return false;
   for (int k = 0; k < num_active_; ++k) slack[active_[k] - num_equalities_] = 0;
   for (i = 0; i < count; i += 4) {
-    const Packet here = PacketAt(slack + i);
+    const Lanes here = *PacketAt(slack + i);
     least = least < here ? least : here;
   }
   if (least[0] >= 0 && least[1] >= 0 && least[2] >= 0 && least[3] >= 0) return true;
@@ -140,7 +140,7 @@ TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n
 template <class Size>
 TENON_INLINE void DualActiveSet::MultiplyColumns(const double* x, Size n, double* products) const {
   const int rows = Padded(num_inequalities_);
-  for (int i = 0; i < rows; i += 4) PacketAt(products + i) = Packet{};
+  for (int i = 0; i < rows; i += 4) *PacketAt(products + i) = Lanes{};
   int c = 0;
   for (; c + 4 <= n; c += 4) AddColumns(transposed_.data() + c * rows, rows, x + c, products, 0, rows);
   for (; c < n; ++c) AddColumn(transposed_.data() + c * rows, x[c], products, 0, rows);
@@ -158,7 +158,7 @@ TENON_INLINE void DualActiveSet::SolveEqualityMultipliers(const double* slope, S
       Reflect(reflectors_.data() + k * N, tau_[k], t, N, 1, PaddedDown(k), ends_[k]);
   } else {
     for (int i = 0; i < Padded(e); i += 4)
-      PacketAt(t + i) = PacketAt(y_equalities_.data() + i) + PacketAt(slope_.data() + i);
+      *PacketAt(t + i) = *PacketAt(y_equalities_.data() + i) + *PacketAt(slope_.data() + i);
     for (int s = 0; s < num_active_; ++s) AddColumn(columns_.data() + s * N, -u_[s], t, 0, Padded(e));
   }
   for (int i = 0; i < num_equalities_; ++i) lambda_[i] = 0;
@@ -179,16 +179,16 @@ TENON_INLINE int DualActiveSet::Refine(const QuadraticProgram& qp, Size n) {
   for (int corrections = 0;; ++corrections) {
     cost_.Multiply(x_.data(), residual, n);
     const double scale = Largest(residual, N) + Largest(g_.data(), N);
-    for (int i = 0; i < N; i += 4) PacketAt(pull + i) = Packet{};
+    for (int i = 0; i < N; i += 4) *PacketAt(pull + i) = Lanes{};
     for (int k = 0; k < num_active_; ++k)
       AddProducts(ViewRow(qp, active_[k], num_equalities_).data, 0, 1, &u_.data()[k], pull, n);
     if (num_equalities_ > 0) {
       for (int i = 0; i < N; i += 4)
-        PacketAt(w_.data() + i) = PacketAt(residual + i) + PacketAt(g_.data() + i) - PacketAt(pull + i);
+        *PacketAt(w_.data() + i) = *PacketAt(residual + i) + *PacketAt(g_.data() + i) - *PacketAt(pull + i);
       SolveEqualityMultipliers(w_.data(), n);
       AddProducts(qp.A_eq.data(), qp.A_eq.outerStride(), num_equalities_, lambda_.data(), pull, n);
     }
-    for (int i = 0; i < N; i += 4) PacketAt(residual + i) += PacketAt(g_.data() + i) - PacketAt(pull + i);
+    for (int i = 0; i < N; i += 4) *PacketAt(residual + i) += *PacketAt(g_.data() + i) - *PacketAt(pull + i);
     bool good = Largest(residual, N) <= kTolerance * (scale + Largest(pull, N));
     const double size2 = Dot(x_.data(), x_.data(), 0, N);
     Products(qp.A_eq.data(), qp.A_eq.outerStride(), num_equalities_, x_.data(), n, misses_.data());
@@ -216,7 +216,7 @@ TENON_VECTOR_CLONES void DualActiveSet::Correct(const QuadraticProgram& qp, Size
   const int N = Padded(n), e = num_independent_, q = num_active_, p = n - e;
   double* const s = r_.data();
   double* const dx = z_.data();
-  for (int i = 0; i < N; i += 4) PacketAt(w_.data() + i) = Packet{};
+  for (int i = 0; i < N; i += 4) *PacketAt(w_.data() + i) = Lanes{};
   for (int k = 0; k < e; ++k) {
     const double sum = Dot(R_equalities_.data() + k * N, w_.data(), 0, Padded(k));
     w_[k] = (misses_[independent_[k]] - sum) * inverse_alpha_[k];
@@ -295,7 +295,7 @@ template <class Size>
 TENON_VECTOR_CLONES QpReport DualActiveSet::Run(const QuadraticProgram& qp, Size n) {
   QpReport report;
   for (int i = 0; i < n; i += 4) CopyPacket(qp.g.data(), i, n, g_.data());
-  for (int i = 0; i < num_inequalities_; i += 4) PacketAt(lengths2_.data() + i) = Packet{-1, -1, -1, -1};
+  for (int i = 0; i < num_inequalities_; i += 4) *PacketAt(lengths2_.data() + i) = Lanes{-1, -1, -1, -1};
   report.constraint = cost_.Factor(qp.H.data(), qp.H.outerStride(), kNegligible, n);
   if (report.constraint >= 0) {
     report.status = QpStatus::kNotConvex;

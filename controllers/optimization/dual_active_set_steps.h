@@ -17,9 +17,9 @@ using internal::CopyPacket;
 using internal::Dot;
 using internal::Dots;
 using internal::KnownSize;
+using internal::Lanes;
 using internal::Largest;
 using internal::Mask;
-using internal::Packet;
 using internal::PacketAt;
 using internal::Padded;
 using internal::PaddedDown;
@@ -57,10 +57,10 @@ TENON_INLINE const double* PaddedRow(const double* row, double* copy, Size n) {
   return copy;
 }
 TENON_INLINE void Copy(const double* from, double* to, int begin, int end) {
-  for (int i = begin; i < end; i += 4) PacketAt(to + i) = PacketAt(from + i);
+  for (int i = begin; i < end; i += 4) *PacketAt(to + i) = *PacketAt(from + i);
 }
 
-TENON_INLINE bool IsZero(const Packet& a) {
+TENON_INLINE bool AreZero(const double* a) {
   return a[0] == 0 && a[1] == 0 && a[2] == 0 && a[3] == 0;
 }
 
@@ -76,15 +76,14 @@ TENON_INLINE bool DualActiveSet::MakePivot(const double* column, int end, double
   const int N = Padded(n), from = PaddedDown(k), lane = k - from;
   double* const w = reflectors_.data() + k * N;
   const Mask here = Mask{0, 1, 2, 3} - lane;
-  const Packet head = here < 0 ? Packet{} : PacketAt(column + from);
-  const double before = Dot(column, column, 0, from) +
-                        internal::Sum(PacketAt(column + from) * PacketAt(column + from)),
+  const Lanes around = *PacketAt(column + from), head = here < 0 ? Lanes{} : around;
+  const double before = Dot(column, column, 0, from) + internal::Sum(around * around),
                rest = Dot(column, column, from + 4, end);
   const double tail = internal::Sum(head * head) + rest;
   if (!(tail > independence * independence * (before + rest))) return false;
   const double norm = std::sqrt(tail), first = column[k], alpha = first > 0 ? -norm : norm;
   const double turned = first - alpha;
-  PacketAt(w + from) = here == 0 ? Packet{turned, turned, turned, turned} : head;
+  *PacketAt(w + from) = here == 0 ? Lanes{turned, turned, turned, turned} : head;
   Copy(column, w, from + 4, N);
   *pivot = {w, head, alpha, 1 / (norm * std::abs(turned)), k, end};
   inverse_alpha_[k] = 1 / alpha;
@@ -101,13 +100,13 @@ TENON_INLINE void DualActiveSet::FactorEqualities(const QuadraticProgram& qp, Si
     const RowView row = ViewRow(qp, e, count);
     const double* const padded = PaddedRow(row.data, row_.data(), n);
     int end = N;
-    while (end > 4 && IsZero(PacketAt(padded + end - 4))) end -= 4;
+    while (end > 4 && AreZero(padded + end - 4)) end -= 4;
     column_ends_[e] = cost_.MultiplyTransposed(padded, V + e * N, end, n);
     work_bounds_[e] = row.bound;
   }
   double* const slope = V + count * N;
   cost_.MultiplyTransposed(g_.data(), slope, n);
-  for (int i = 0; i < N; i += 4) PacketAt(y_equalities_.data() + i) = Packet{};
+  for (int i = 0; i < N; i += 4) *PacketAt(y_equalities_.data() + i) = Lanes{};
   int k = 0;
   independent_.clear();
   for (int e = 0; e < count; ++e) {
@@ -235,8 +234,8 @@ TENON_VECTOR_CLONES int DualActiveSet::Join(const QuadraticProgram& qp, int firs
   }
   for (int i = 0; i < N; i += 4) {
     const Mask index = Mask{0, 1, 2, 3} + i;
-    PacketAt(w_.data() + i) =
-        index < e + num_active_ ? PacketAt(y_.data() + i) : -PacketAt(slope_.data() + i);
+    *PacketAt(w_.data() + i) =
+        index < e + num_active_ ? *PacketAt(y_.data() + i) : -*PacketAt(slope_.data() + i);
   }
   for (int k = e + num_active_ - 1; k >= 0; --k)
     Reflect(reflectors_.data() + k * N, tau_[k], w_.data(), N, 1, PaddedDown(k), ends_[k]);
@@ -274,7 +273,7 @@ TENON_INLINE void DualActiveSet::FormZ(const QuadraticProgram& qp, Size n) {
     return;
   }
   for (int c = 0; c < p; ++c) {
-    for (int i = 0; i < N; i += 4) PacketAt(Z + c * N + i) = Packet{};
+    for (int i = 0; i < N; i += 4) *PacketAt(Z + c * N + i) = Lanes{};
     Z[c * N + e + c] = 1;
   }
   for (int k = e + num_active_ - 1; k >= 0; --k) {
@@ -345,7 +344,7 @@ TENON_VECTOR_CLONES DualActiveSet::Outcome DualActiveSet::AddViolated(const Quad
     for (int k = 0; k < q; ++k) u_[k] -= step * r_[k];
     multiplier += step;
     if (!dependent) {
-      for (int i = 0; i < N; i += 4) PacketAt(z_.data() + i) = Packet{};
+      for (int i = 0; i < N; i += 4) *PacketAt(z_.data() + i) = Lanes{};
       AddZ(d_.data(), q, p, z_.data(), n);
       AddColumn(z_.data(), step, x_.data(), 0, N);
       slack = (1 - step / primal_step) * slack;
@@ -398,9 +397,9 @@ TENON_INLINE void DualActiveSet::Drop(int position, Size n) {
     rotate(d_[k], d_[k + 1]);
     double* const z = Z_.data() + k * N;
     for (int i = 0; i < N; i += 4) {
-      const Packet turned = PacketAt(z + i) * cosine + PacketAt(z + N + i) * sine;
-      PacketAt(z + N + i) = PacketAt(z + N + i) * cosine - PacketAt(z + i) * sine;
-      PacketAt(z + i) = turned;
+      const Lanes turned = *PacketAt(z + i) * cosine + *PacketAt(z + N + i) * sine;
+      *PacketAt(z + N + i) = *PacketAt(z + N + i) * cosine - *PacketAt(z + i) * sine;
+      *PacketAt(z + i) = turned;
     }
     inverse_[k] = 1 / R[k * N + k];
   }

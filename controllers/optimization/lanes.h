@@ -11,20 +11,22 @@
 ///
 /// All functions are always inlined, so that they are compiled for the target of their caller (see
 /// TENON_VECTOR_CLONES in small_product.h). None takes or returns such a value but by reference: how it would
-/// be passed depends on the target, and compilers warn of that.
+/// be passed depends on the target, and compilers warn of that. What is taken by reference is a Lanes of
+/// one's own, never one in memory: Clang 14 forgets where a reference stems from, and reads as if it were
+/// aligned.
 namespace tenon::internal {
 
 typedef double Lanes __attribute__((vector_size(32)));
-/// The same where they lie anywhere.
+/// The same where they lie anywhere in memory.
 typedef double Packet __attribute__((vector_size(32), aligned(8), may_alias));
 
 #define TENON_INLINE [[gnu::always_inline]] inline
 
-TENON_INLINE const Packet& PacketAt(const double* first) {
-  return *reinterpret_cast<const Packet*>(first);
+TENON_INLINE const Packet* PacketAt(const double* first) {
+  return reinterpret_cast<const Packet*>(first);
 }
-TENON_INLINE Packet& PacketAt(double* first) {
-  return *reinterpret_cast<Packet*>(first);
+TENON_INLINE Packet* PacketAt(double* first) {
+  return reinterpret_cast<Packet*>(first);
 }
 
 /// The least multiple of four that is not less, and the greatest that is not more.
@@ -38,14 +40,13 @@ constexpr int PaddedDown(int n) {
 /// The first `count` of four doubles, the rest 0; one at least.
 TENON_INLINE void LoadFirst(const double* from, int count, Lanes* lanes) {
   if (count >= 4) {
-    *lanes = PacketAt(from);
+    *lanes = *PacketAt(from);
   } else {
     *lanes = Lanes{from[0], count > 1 ? from[1] : 0, count > 2 ? from[2] : 0, 0};
   }
 }
 
-TENON_INLINE void Sqrt(const Packet& radicand, Lanes* root) {
-  const Lanes x = radicand;
+TENON_INLINE void Sqrt(const Lanes& x, Lanes* root) {
 #if defined(__SSE2__)
   const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(x, x, 0, 1));
   const __m128d high = _mm_sqrt_pd(__builtin_shufflevector(x, x, 2, 3));
@@ -69,8 +70,7 @@ TENON_INLINE void Transpose(Lanes (&rows)[4]) {
 
 /// Sine and cosine of angles [rad] up to a million, to three units in the last place; beyond, and of what
 /// is not finite, NaN. By the polynomials of fdlibm (k_sin.c, k_cos.c) about the nearest multiple of pi/2.
-TENON_INLINE void SinCos(const Packet& angles, Lanes* sine, Lanes* cosine) {
-  const Lanes angle = angles;
+TENON_INLINE void SinCos(const Lanes& angle, Lanes* sine, Lanes* cosine) {
   typedef long long Bits __attribute__((vector_size(32)));
   constexpr double kLargest = 1e6, kPerTurn = 0.63661977236758134308;  // 2 / pi
   // pi/2 in parts of 33 bits, so that their products with a number of quarter turns are exact.

@@ -26,19 +26,19 @@ TENON_INLINE void Product(const double* A, int lda, const double* B, int ldb, do
   constexpr int packets = rows / 4, rest = 4 * packets;
   constexpr int width = columns % 4 == 0 && packets <= 3 ? 4 : columns % 2 == 0 ? 2 : 1;  // columns at a time
   for (int j = 0; j < columns; j += width) {
-    Packet c[width][packets + 1] = {};
+    Lanes c[width][packets + 1] = {};
     double tail[width][4] = {};
     for (int k = 0; k < inner; ++k) {
       const double* a = A + k * lda;
       for (int w = 0; w < width; ++w) {
         const double b = B[(j + w) * ldb + k];
-        for (int p = 0; p < packets; ++p) c[w][p] += PacketAt(a + 4 * p) * b;
+        for (int p = 0; p < packets; ++p) c[w][p] += *PacketAt(a + 4 * p) * b;
         for (int r = rest; r < rows; ++r) tail[w][r - rest] += a[r] * b;
       }
     }
     for (int w = 0; w < width; ++w) {
       double* out = C + (j + w) * ldc;
-      for (int p = 0; p < packets; ++p) PacketAt(out + 4 * p) = c[w][p];
+      for (int p = 0; p < packets; ++p) *PacketAt(out + 4 * p) = c[w][p];
       for (int r = rest; r < rows; ++r) out[r] = tail[w][r - rest];
     }
   }
@@ -89,9 +89,9 @@ TENON_INLINE void Transpose(const MA& A, MB& B) {
     for (int c = 0; c + 4 <= columns; c += 4) {
       for (int r = 0; r + 4 <= rows; r += 4) {
         Lanes block[4];
-        for (int i = 0; i < 4; ++i) block[i] = PacketAt(A.data() + (c + i) * rows + r);
+        for (int i = 0; i < 4; ++i) block[i] = *PacketAt(A.data() + (c + i) * rows + r);
         Transpose(block);
-        for (int i = 0; i < 4; ++i) PacketAt(B.data() + (r + i) * columns + c) = block[i];
+        for (int i = 0; i < 4; ++i) *PacketAt(B.data() + (r + i) * columns + c) = block[i];
       }
     }
     if constexpr (rows % 4 != 0 || columns % 4 != 0) one_by_one(rows / 4 * 4, columns / 4 * 4);
@@ -113,9 +113,9 @@ TENON_INLINE void Mirror(M& A) {
       mirror(c, c + 4);
       for (int r = c + 4; r < size; r += 4) {
         Lanes block[4];
-        for (int i = 0; i < 4; ++i) block[i] = PacketAt(A.data() + (c + i) * size + r);
+        for (int i = 0; i < 4; ++i) block[i] = *PacketAt(A.data() + (c + i) * size + r);
         Transpose(block);
-        for (int i = 0; i < 4; ++i) PacketAt(A.data() + (r + i) * size + c) = block[i];
+        for (int i = 0; i < 4; ++i) *PacketAt(A.data() + (r + i) * size + c) = block[i];
       }
     }
   } else {

@@ -17,7 +17,7 @@
 namespace tenon {
 namespace {
 
-using internal::Packet;
+using internal::Lanes;
 using internal::PacketAt;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
@@ -32,7 +32,7 @@ constexpr int kWrenchRow = 18, kRows = 24;
 
 // row += s * other
 [[gnu::always_inline]] inline void AddRow(double s, const double* other, double* row) {
-  for (int i = 0; i < kWidth; i += 4) PacketAt(row + i) += PacketAt(other + i) * s;
+  for (int i = 0; i < kWidth; i += 4) *PacketAt(row + i) += *PacketAt(other + i) * s;
 }
 
 // Six rows x of A x = B y, by elimination with row pivots: each of `rows` holds one of B, and A's from kWidth
@@ -49,15 +49,15 @@ constexpr int kEliminationWidth = kWidth + 8;
     double* const pivot = at[k];
     if (!(std::abs(pivot[kWidth + k]) > 0)) return false;
     const double inverse = 1 / pivot[kWidth + k];
-    for (int c = 0; c < kEliminationWidth; c += 4) PacketAt(pivot + c) = PacketAt(pivot + c) * inverse;
+    for (int c = 0; c < kEliminationWidth; c += 4) *PacketAt(pivot + c) = *PacketAt(pivot + c) * inverse;
     for (std::size_t i = 0; i < 6; ++i) {
       if (i == k) continue;
       const double factor = -at[i][kWidth + k];
-      for (int c = 0; c < kEliminationWidth; c += 4) PacketAt(at[i] + c) += PacketAt(pivot + c) * factor;
+      for (int c = 0; c < kEliminationWidth; c += 4) *PacketAt(at[i] + c) += *PacketAt(pivot + c) * factor;
     }
   }
   for (std::size_t k = 0; k < 6; ++k)
-    for (int c = 0; c < kWidth; c += 4) PacketAt(solution + k * kWidth + c) = PacketAt(at[k] + c);
+    for (int c = 0; c < kWidth; c += 4) *PacketAt(solution + k * kWidth + c) = *PacketAt(at[k] + c);
   return true;
 }
 
@@ -66,26 +66,26 @@ constexpr int kEliminationWidth = kWidth + 8;
 template <int first = 0>
 [[gnu::always_inline]] inline void SumSquares(const double* rows, const double* weights, double* H) {
   constexpr int packets = 3 - first / 4;
-  Packet sum[4][packets] = {};
+  Lanes sum[4][packets] = {};
   for (int r = 0; r < kRows; ++r) {
     const double* const row = rows + r * kWidth + first;
     for (int c = 0; c < 4; ++c) {
       const double factor = weights[r] * row[c];
-      for (int p = 0; p < packets; ++p) sum[c][p] += PacketAt(row + 4 * p) * factor;
+      for (int p = 0; p < packets; ++p) sum[c][p] += *PacketAt(row + 4 * p) * factor;
     }
   }
   for (int c = 0; c < 4; ++c)
-    for (int p = 0; p < packets; ++p) PacketAt(H + 12 * (first + c) + first + 4 * p) = sum[c][p];
+    for (int p = 0; p < packets; ++p) *PacketAt(H + 12 * (first + c) + first + 4 * p) = sum[c][p];
   if constexpr (first < 8) SumSquares<first + 4>(rows, weights, H);
 }
 [[gnu::always_inline]] inline void SumProducts(const double* rows, const double* weights, double* g) {
-  Packet sum[3] = {};
+  Lanes sum[3] = {};
   for (int r = 0; r < kRows; ++r) {
     const double* const row = rows + r * kWidth;
     const double factor = weights[r] * row[kConstant];
-    for (int p = 0; p < 3; ++p) sum[p] += PacketAt(row + 4 * p) * factor;
+    for (int p = 0; p < 3; ++p) sum[p] += *PacketAt(row + 4 * p) * factor;
   }
-  for (int p = 0; p < 3; ++p) PacketAt(g + 4 * p) = sum[p];
+  for (int p = 0; p < 3; ++p) *PacketAt(g + 4 * p) = sum[p];
 }
 
 // The trunk's columns of the foot's Jacobian.
@@ -155,7 +155,7 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
                                                   const WholeBodyTask& task,
                                                   const WholeBodyQpParams& params) {
   double* const rows = affine_.data();
-  for (int i = 0; i < kRows * kWidth; i += 4) PacketAt(rows + i) = Packet{};
+  for (int i = 0; i < kRows * kWidth; i += 4) *PacketAt(rows + i) = Lanes{};
   std::array<Eigen::Matrix3d, kNumLegs> inverse;
   std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> by_trunk;
   Eigen::Matrix<double, 6, 6> S = dynamics.M.topLeftCorner<6, 6>();
@@ -232,8 +232,8 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
       for (int r = 0; r < 3; ++r)
         AddRow(dynamics.M(6 + 3 * leg + r, 6 + joint), rows + (6 + 3 * leg + r) * kWidth, torque);
       for (int c = 0; c < 12; c += 4) {
-        PacketAt(&qp.A_in(lower, c)) = PacketAt(torque + c);
-        PacketAt(&qp.A_in(upper, c)) = -PacketAt(torque + c);
+        *PacketAt(&qp.A_in(lower, c)) = *PacketAt(torque + c);
+        *PacketAt(&qp.A_in(upper, c)) = -*PacketAt(torque + c);
       }
       qp.b_in[lower] = -torque_limit_[joint] - torque[kConstant];
       qp.b_in[upper] = -torque_limit_[joint] + torque[kConstant];

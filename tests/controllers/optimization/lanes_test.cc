@@ -20,10 +20,11 @@ double Units(double value, long double expected) {
 }
 
 TENON_VECTOR_CLONES void SinesAndCosines(const double* angles, double* sines, double* cosines) {
+  const Lanes angle = *PacketAt(angles);
   Lanes sine, cosine;
-  SinCos(PacketAt(angles), &sine, &cosine);
-  PacketAt(sines) = sine;
-  PacketAt(cosines) = cosine;
+  SinCos(angle, &sine, &cosine);
+  *PacketAt(sines) = sine;
+  *PacketAt(cosines) = cosine;
 }
 
 TEST(Lanes, SineAndCosineOfAnyAngleUpToAMillion) {
@@ -62,9 +63,9 @@ TEST(Lanes, SineAndCosineOfWhatIsTooLargeAreNotFinite) {
 }
 
 TEST(Lanes, SquareRootsAreThoseOfTheLibrary) {
-  const double values[4] = {2, 0, 1e-300, std::numeric_limits<double>::infinity()};
+  const Lanes values = {2, 0, 1e-300, std::numeric_limits<double>::infinity()};
   Lanes roots;
-  Sqrt(PacketAt(values), &roots);
+  Sqrt(values, &roots);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(roots[i], std::sqrt(values[i]));
 }
 
