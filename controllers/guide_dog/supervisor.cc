@@ -75,7 +75,9 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   const Eigen::Matrix3d R = state.R_WB();
   const double heading = std::atan2(R(1, 0), R(0, 0));
   next.since += params.rate.period();
-  next.seen = next.seen && obstacle;
+  if (memory.mode == GuideMode::kStop) next.seen = next.seen || obstacle;
+  // A robot that sways as it stands and starts loses sight of it and sees it again.
+  if (memory.mode == GuideMode::kTurn && memory.since > gains.dwell) next.seen = next.seen && obstacle;
 
   GuideEvents events;
   events.pulled = FeelsPull(wrench.force_W.head<2>(), gains, &next);
@@ -87,10 +89,9 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   events.aligned = next.aligned_time > gains.align_time - params.rate.period() / 2;
   next.mode = NextGuideMode(memory.mode, events);
 
-  if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop) {
+  if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop)
     next.yaw = std::atan2(next.pull_W[1], next.pull_W[0]);
-    next.seen = obstacle;
-  }
+  if (next.mode == GuideMode::kStop && memory.mode != GuideMode::kStop) next.seen = obstacle;
   if (events.pulled) {
     next.released = false;
     next.pull_time = next.calm_time = 0;

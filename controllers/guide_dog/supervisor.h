@@ -59,7 +59,7 @@ struct SupervisorParams {
 struct GuideEvents {
   bool pulled = false;        ///< the person has given a command by the leash
   bool obstacle = false;      ///< there is one
-  bool new_obstacle = false;  ///< and not ever since the turn began
+  bool new_obstacle = false;  ///< and not the one that was there as the robot stood
   bool aligned = false;       ///< the robot heads in the new direction
 };
 
@@ -84,7 +84,7 @@ struct GuideStatus {
   Vec<2> pull_W = Vec<2>::Zero();  ///< sum of the force while there is evidence [N]
   double calm_time = 0;            ///< evidence of none [s]
   bool released = true;            ///< the last pull is over: the next one counts
-  bool seen = false;               ///< the obstacle was there when the turn began, and is there still
+  bool seen = false;               ///< the obstacle was there as it stood, and is there still
   double aligned_time = 0;         ///< evidence that the turn is done [s]
   double yaw_rate = 0;             ///< of a turn [rad/s]
 
@@ -118,8 +118,9 @@ struct GuideStatus {
 /// the direction of the pull, yaw = atan2(f_y, f_x): it turns on an arc, with the commanded velocities and
 /// yaw_rate = turn_gain (yaw - heading) within turn_rate, and when it heads there goes as commanded again:
 /// when time within heading_tolerance, counted as for pulls below, has come to align_time. It must look away
-/// from what stopped it: an obstacle that was there when the turn began does not count until it has gone or
-/// the turn is over. Then one that is ahead stops the robot even if the person pulled that way.
+/// from what stopped it: an obstacle that was there while it stood does not count until it has gone (out of
+/// sight when the turn has lasted for `dwell`, since a robot sways as it starts) or the turn is over. Then
+/// one that is ahead stops the robot even if the person pulled that way.
 ///
 /// **Pulls.** The algorithm compares |f| with sigma. So that noise gives no command and a pull gives one
 /// only: time above the threshold counts for a pull, time below against it, down to none; it is a command

@@ -225,6 +225,24 @@ TEST(SupervisorTest, TurnsAwayFromTheObstacleThatStoppedIt) {
   EXPECT_EQ(dog.Tick(), kStop) << "another one";
 }
 
+TEST(SupervisorTest, AnObstacleAtTheEdgeOfSightIsNotAnotherOne) {
+  Dog dog;
+  dog.Obstacle(true);
+  dog.Pull(10, Radians(180));
+  dog.Run(2);
+  dog.Obstacle(false);  // pulled back by the leash
+  dog.Pull(60, Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
+  dog.Pull(0, 0);
+  for (int n = 0; n < 4; ++n) {
+    dog.Obstacle(n % 2 == 0);
+    EXPECT_EQ(dog.Run(0.2), kTurn) << n;
+  }
+  EXPECT_EQ(dog.Run(0.3), kTurn) << "out of sight for good";
+  dog.Obstacle(true);
+  EXPECT_EQ(dog.Tick(), kStop) << "another one";
+}
+
 TEST(SupervisorTest, DoesNotRunIntoAnObstacleOnCommand) {
   Dog dog;
   dog.Obstacle(true);
