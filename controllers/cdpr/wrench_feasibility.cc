@@ -6,13 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tenon {
 namespace {
 
 constexpr double kSmallestPivot = 1e-12;  // pivots below this, relative to the largest entry
 constexpr int kRowsOfCross = 3;           // rows that two columns leave a cross product of
-constexpr int kLanes = 4;                 // numbers that are computed side by side: Lanes
+constexpr double kLargest = std::numeric_limits<double>::max();
+constexpr int kLanes = 4;  // numbers that are computed side by side: Lanes
 
 using internal::Lanes;
 using internal::PacketAt;
@@ -24,6 +26,21 @@ TENON_INLINE void AddAbsolute(const Lanes& numbers, Lanes& sum) {
   const Bits bits = (Bits)numbers & 0x7fff'ffff'ffff'ffff;
   sum += (Lanes)bits;
 }
+
+/// The least of the quotients so far, in each lane, and which it was. Compared without dividing, which would
+/// take more time than all else of them.
+struct Least {
+  Lanes over = {kLargest, kLargest, kLargest, kLargest}, under = {1, 1, 1, 1};
+  Bits which = {};
+
+  /// The quotients a / b from number `i` on; b is not negative, and 0 / 0 is not less than anything.
+  TENON_INLINE void Take(const Lanes& a, const Lanes& b, int i) {
+    const Bits less = a * under < over * b;
+    over = less ? a : over;
+    under = less ? b : under;
+    which = less ? Bits{i, i, i, i} : which;
+  }
+};
 
 int Choose(int n, int k) {
   double choices = 1;
@@ -179,10 +196,7 @@ void WrenchFeasibility::SkipFacets(int count) {
 TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double tension_min,
                                                              double tension_max) const {
   const double mid = (tension_max + tension_min) / 2, half = (tension_max - tension_min) / 2;
-  double capacity[kLanes], tension[kLanes];  // the one squared, with its sign
-  int worst[kLanes] = {};
-  std::fill_n(capacity, kLanes, kInfinity);
-  std::fill_n(tension, kLanes, kInfinity);
+  Least capacity, tension;  // the one squared, with its sign
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
     Lanes offset = mid * *PacketAt(&sum_[facet]), width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
@@ -192,25 +206,26 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
       offset -= required.centre[k] * c;
       width += required.half_width[k] * absolute;
     }
-    // Of c and of -c, whichever is worse. Without a normal 0 / 0, which is not less than anything.
+    // Of c and of -c, whichever is worse.
     AddAbsolute(offset, distance);
-    const Lanes gap = half * *PacketAt(&absolute_sum_[facet]) - width - distance;
+    const Lanes square = *PacketAt(&square_[facet]), absolute_sum = *PacketAt(&absolute_sum_[facet]);
+    const Lanes gap = half * absolute_sum - width - distance;
     Lanes size = {};
     AddAbsolute(gap, size);
-    const Lanes by_norm = gap * size / *PacketAt(&square_[facet]),
-                by_sum = gap / *PacketAt(&absolute_sum_[facet]);
-    for (int l = 0; l < kLanes; ++l) {
-      if (by_norm[l] < capacity[l]) capacity[l] = by_norm[l];
-      if (by_sum[l] < tension[l]) {
-        tension[l] = by_sum[l];
-        worst[l] = facet + l;
-      }
-    }
+    const Lanes signed_square = gap * size;
+    capacity.Take(signed_square, square, facet);
+    tension.Take(gap, absolute_sum, facet);
   }
-  const auto lane = std::min_element(tension, tension + kLanes) - tension;
-  const double least = *std::min_element(capacity, capacity + kLanes);
-  if (least == kInfinity) return {-kInfinity, -kInfinity, 0};  // all columns parallel
-  return {tension[lane], std::copysign(std::sqrt(std::abs(least)), least), worst[lane]};
+  const Lanes capacities = capacity.over / capacity.under, tensions = tension.over / tension.under;
+  int lane = 0;
+  double least = capacities[0];
+  for (int l = 1; l < kLanes; ++l) {
+    if (tensions[l] < tensions[lane]) lane = l;
+    least = std::min(least, static_cast<double>(capacities[l]));
+  }
+  if (least == kLargest) return {-kInfinity, -kInfinity, 0};  // all columns parallel
+  return {tensions[lane], std::copysign(std::sqrt(std::abs(least)), least),
+          static_cast<int>(tension.which[lane]) + lane};
 }
 
 }  // namespace tenon
