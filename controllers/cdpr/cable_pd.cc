@@ -1,4 +1,5 @@
 #include <tenon/controllers/cdpr/cable_pd.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 
 #include <fmt/core.h>
 
@@ -15,6 +16,7 @@ void CablePdParams::Validate() const {
 
 void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
                           double damping, CableVector* command) const {
+  CheckNumCables(params.robot, cables.length.size(), "CablePd");
   const auto tension = reference.tension + stiffness * (cables.length - reference.length) +
                        damping * (cables.length_rate - reference.length_rate);
   *command = tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);

@@ -56,6 +56,7 @@ PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasu
                                              const ImuMeasurement& inertial, const CableSignals& cables,
                                              const CdprNoise& noise, Memory& memory) const {
   const bool lengths = cables.length.size() > 0;
+  if (lengths) CheckNumCables(params.robot, cables.length.size(), "CdprEstimator");
   if (memory.started) {
     const Step mean = Predict(inertial, noise, memory);
     if (lengths) CorrectByLengths(cables.length, noise, mean, memory);
@@ -101,7 +102,7 @@ CdprEstimator::Step CdprEstimator::Predict(const ImuMeasurement& inertial, const
 
 void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean,
                                      Memory& memory) const {
-  const double T = params.rate.period(), share = T / kBiasTime;
+  const double T = params.rate.period(), share = std::min(1.0, T / kBiasTime);
   const Eigen::Vector3d w_W = mean.R_WB * mean.w_B;
   PlatformState& platform = memory.platform;
   Covariance& P = memory.covariance;

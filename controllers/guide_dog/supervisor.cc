@@ -74,10 +74,11 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   GuideStatus next = memory;
   const Eigen::Matrix3d R = state.R_WB();
   const double heading = std::atan2(R(1, 0), R(0, 0));
-  next.since += params.rate.period();
-  if (memory.mode == GuideMode::kStop) next.seen = next.seen || obstacle;
-  // A robot that sways as it stands and starts loses sight of it and sees it again.
-  if (memory.mode == GuideMode::kTurn && memory.since > gains.dwell) next.seen = next.seen && obstacle;
+  const double period = params.rate.period();
+  next.since += period;
+  next.unseen_time = obstacle ? 0 : memory.unseen_time + period;
+  const bool forgotten = next.unseen_time > gains.dwell - period / 2;
+  next.seen = !forgotten && (memory.seen || memory.mode == GuideMode::kStop);
 
   GuideEvents events;
   events.pulled = FeelsPull(wrench.force_W.head<2>(), gains, &next);
@@ -85,13 +86,12 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
   events.new_obstacle = obstacle && !next.seen;
   const bool heads_there = std::abs(HeadingError(next.yaw, heading)) < gains.heading_tolerance;
   next.aligned_time =
-      memory.mode == GuideMode::kTurn ? Evidence(memory.aligned_time, heads_there, params.rate.period()) : 0;
-  events.aligned = next.aligned_time > gains.align_time - params.rate.period() / 2;
+      memory.mode == GuideMode::kTurn ? Evidence(memory.aligned_time, heads_there, period) : 0;
+  events.aligned = next.aligned_time > gains.align_time - period / 2;
   next.mode = NextGuideMode(memory.mode, events);
 
   if (next.mode == GuideMode::kTurn && memory.mode == GuideMode::kStop)
     next.yaw = std::atan2(next.pull_W[1], next.pull_W[0]);
-  if (next.mode == GuideMode::kStop && memory.mode != GuideMode::kStop) next.seen = obstacle;
   if (events.pulled) {
     next.released = false;
     next.pull_time = next.calm_time = 0;

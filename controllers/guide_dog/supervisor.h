@@ -28,7 +28,7 @@ struct SupervisorGains {
   double release = 40;              ///< below it, a pull is over [N]
   double stop_time = 0.1;           ///< for which a pull must last to stop the robot [s]
   double start_time = 0.3;          ///< for which it must last to start it [s]
-  double dwell = 1;                 ///< in a mode before pulls count [s]
+  double dwell = 1;                 ///< in a mode before pulls count, and until an obstacle is forgotten [s]
   double turn_rate = 0.3;           ///< at most [rad/s]
   double turn_gain = 1;             ///< turning rate over heading error [1/s]
   double heading_tolerance = 0.02;  ///< within which the robot has the new direction [rad]
@@ -84,7 +84,8 @@ struct GuideStatus {
   Vec<2> pull_W = Vec<2>::Zero();  ///< sum of the force while there is evidence [N]
   double calm_time = 0;            ///< evidence of none [s]
   bool released = true;            ///< the last pull is over: the next one counts
-  bool seen = false;               ///< the obstacle was there as it stood, and is there still
+  bool seen = false;               ///< an obstacle was there as the robot stood, and is not forgotten
+  double unseen_time = 0;          ///< since an obstacle was there last [s]
   double aligned_time = 0;         ///< evidence that the turn is done [s]
   double yaw_rate = 0;             ///< of a turn [rad/s]
 
@@ -98,6 +99,7 @@ struct GuideStatus {
             {"calm_time", &S::calm_time, "s"},
             {"released", &S::released},
             {"seen", &S::seen},
+            {"unseen_time", &S::unseen_time, "s"},
             {"aligned_time", &S::aligned_time, "s"},
             {"yaw_rate", &S::yaw_rate, "rad/s"}};
   }
@@ -118,9 +120,9 @@ struct GuideStatus {
 /// the direction of the pull, yaw = atan2(f_y, f_x): it turns on an arc, with the commanded velocities and
 /// yaw_rate = turn_gain (yaw - heading) within turn_rate, and when it heads there goes as commanded again:
 /// when time within heading_tolerance, counted as for pulls below, has come to align_time. It must look away
-/// from what stopped it: an obstacle that was there while it stood does not count until it has gone (out of
-/// sight when the turn has lasted for `dwell`, since a robot sways as it starts) or the turn is over. Then
-/// one that is ahead stops the robot even if the person pulled that way.
+/// from what stopped it: an obstacle that was there while it stood does not count until it has gone, for
+/// `dwell` since a robot that sways loses sight of it and sees it again, or the turn is over. Then one that
+/// is ahead stops the robot even if the person pulled that way.
 ///
 /// **Pulls.** The algorithm compares |f| with sigma. So that noise gives no command and a pull gives one
 /// only: time above the threshold counts for a pull, time below against it, down to none; it is a command

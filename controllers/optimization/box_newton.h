@@ -34,7 +34,7 @@ class BoxNewton {
   /// solution without bounds is tried first.
   [[gnu::always_inline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower,
                                     const Vector& upper, Vector& x) {
-    if (SolveFree(H, g, trial_) && Within(trial_, lower, upper)) {
+    if (SolveFree(H, g, trial_) && Within(trial_, lower, upper) && Largest(trial_) < kHuge) {
       x = trial_;
       return true;
     }

@@ -64,8 +64,8 @@ DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_ite
   active_.resize(rows);
   ends_.resize(static_cast<std::size_t>(n));
   column_ends_.resize(rows);
-  for (std::vector<int>* list : {&independent_, &violated_, &guess_, &active_inequalities_})
-    list->reserve(rows);
+  for (std::vector<int>* list : {&independent_, &violated_, &active_inequalities_}) list->reserve(rows);
+  guess_.reserve(std::max(rows, static_cast<std::size_t>(max_variables)));
   is_active_.resize(rows);
 }
 
@@ -240,21 +240,27 @@ TENON_VECTOR_CLONES void DualActiveSet::Correct(const QuadraticProgram& qp, Size
   for (int k = 0; k < q; ++k) u_[k] += s[k];
 }
 
+// Equalities that depend on the others are met if they do not contradict them. One that x does not meet, or
+// -1.
+template <class Size>
+TENON_INLINE int DualActiveSet::FindContradiction(const QuadraticProgram& qp, Size n) const {
+  if (num_independent_ == num_equalities_) return -1;
+  const double size = std::sqrt(Dot(x_.data(), x_.data(), 0, Padded(n)));
+  for (int e = 0; e < num_equalities_; ++e) {
+    if (is_active_[e] != 0) continue;
+    const RowView row = ViewRow(qp, e, num_equalities_);
+    const double residual = RowProduct(row.data, x_.data(), n) - row.bound;
+    const double scale = std::abs(row.bound) + std::sqrt(RowProduct(row.data, row.data, n)) * size;
+    if (!(std::abs(residual) <= 10 * kTolerance * scale)) return e;
+  }
+  return -1;
+}
+
 template <class Size>
 TENON_INLINE DualActiveSet::Outcome DualActiveSet::Iterate(const QuadraticProgram& qp, int* iterations,
                                                            Size n) {
   bool at_once = true;
-  if (num_independent_ < num_equalities_) {
-    // The others depend on these: met if they do not contradict them.
-    const double size = std::sqrt(Dot(x_.data(), x_.data(), 0, Padded(n)));
-    for (int e = 0; e < num_equalities_; ++e) {
-      if (is_active_[e] != 0) continue;
-      const RowView row = ViewRow(qp, e, num_equalities_);
-      const double residual = RowProduct(row.data, x_.data(), n) - row.bound;
-      const double scale = std::abs(row.bound) + std::sqrt(RowProduct(row.data, row.data, n)) * size;
-      if (!(std::abs(residual) <= 10 * kTolerance * scale)) return {QpStatus::kInfeasible, e};
-    }
-  }
+  if (const int e = FindContradiction(qp, n); e >= 0) return {QpStatus::kInfeasible, e};
   while (true) {
     if (!FindViolated(qp, n)) return {QpStatus::kInaccurate};
     const int joining = static_cast<int>(violated_.size());
@@ -287,6 +293,7 @@ TENON_INLINE DualActiveSet::Outcome DualActiveSet::Iterate(const QuadraticProgra
     for (int k = 0; k < num_active_; ++k) largest = std::max(largest, std::abs(u_[k]));
     for (int k = 0; k < num_active_; ++k)
       if (u_[k] < -kTolerance * largest) return {QpStatus::kInaccurate, active_[k]};
+    if (const int e = FindContradiction(qp, n); e >= 0) return {QpStatus::kInfeasible, e};
     return {QpStatus::kSolved};
   }
 }

@@ -116,6 +116,8 @@ class DualActiveSet {
   template <class Size>
   void Start(const QuadraticProgram& qp, Size n);
   template <class Size>
+  int FindContradiction(const QuadraticProgram& qp, Size n) const;
+  template <class Size>
   Outcome Iterate(const QuadraticProgram& qp, int* iterations, Size n);
   template <class Size>
   bool FindViolated(const QuadraticProgram& qp, Size n);

@@ -28,7 +28,7 @@ using internal::Reflect;
 
 // A column of V counts as dependent on the others if this part of it, or less, is normal to them: a violated
 // constraint is then in conflict, a guessed one, which may come back later, is left out.
-constexpr double kDependent = 1e-10, kDependentGuess = 1e-6;
+constexpr double kDependent = 1e-12, kDependentGuess = 1e-6;
 constexpr double kNegligible = 1e-13;
 // Up to this many violated constraints join at once: of more, too many would have to leave again.
 constexpr int kFew = 3;

@@ -120,9 +120,11 @@ void BackgroundLog::Flush() {
   if (columns_ == 0) return;
   if (!blocks_[handed_ % kBlocks].empty()) HandOver();
   Work();
+  {
+    const std::lock_guard working(working_);
+    for (const auto& sink : sinks_) sink->Flush();
+  }
   ThrowFailure();
-  const std::lock_guard working(working_);
-  for (const auto& sink : sinks_) sink->Flush();
 }
 
 }  // namespace tenon

@@ -20,12 +20,12 @@ namespace tenon {
 ///
 ///     simulator.AddLog(Hz(1000), signals, {std::make_shared<BackgroundLog>(csv)});
 ///
-/// Rows come in order, block by block, half a second of the clock later at most. Blocks are few: where the
-/// sinks are slower than the run, the run helps. When it pauses or ends, Flush waits until all is done; what
-/// a sink has gathered may be read from then on.
+/// Rows come in order, block by block, with the first row after half a second of the clock at the latest.
+/// Blocks are few: where the sinks are slower than the run, the run helps. When it pauses or ends, Flush
+/// waits until all is done; what a sink has gathered may be read from then on.
 ///
-/// What a sink throws comes out of a later Row, and out of every Flush; that sink and those behind it get no
-/// more rows.
+/// What a sink throws for a row comes out of a later Row, and out of every Flush; none of them gets more
+/// rows.
 class BackgroundLog final : public LogSink {
  public:
   explicit BackgroundLog(std::vector<std::shared_ptr<LogSink>> sinks) : sinks_(std::move(sinks)) {}

@@ -159,8 +159,8 @@ void SignalLog::DropFrom(double time, bool after) {
 }
 
 void SignalLog::Release() {
+  hold_ = 0;  // whatever a sink throws: what it has gathered is flushed
   HandOver(std::numeric_limits<double>::infinity());
-  hold_ = 0;
 }
 
 void SignalLog::Flush() {

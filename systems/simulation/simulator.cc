@@ -142,10 +142,19 @@ void Simulator::HoldLogs(double seconds) {
 }
 
 void Simulator::ReleaseLogs() {
+  std::exception_ptr first;
   for (const RatedLog& log : logs_) {
-    for (const auto& each : log.logs) each->Release();
+    for (const auto& each : log.logs) {
+      try {
+        each->Release();
+      } catch (...) {
+        if (!first) first = std::current_exception();
+      }
+    }
   }
-  if (const std::exception_ptr error = FlushLogs()) std::rethrow_exception(error);
+  const std::exception_ptr flushed = FlushLogs();
+  if (!first) first = flushed;
+  if (first) std::rethrow_exception(first);
 }
 
 void Simulator::RebuildSchedule() {

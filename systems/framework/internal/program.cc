@@ -37,7 +37,10 @@ OpList Program::Needed(const std::vector<const Source*>& sinks, Which which, con
 }
 
 void Program::AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const {
+  std::vector<bool> listed(calculations.size());  // for another one that reads it, as a witness may
+  for (const Op& op : ops) listed[op.calculation] = true;
   for (const Source* sink : sinks) {
+    if (listed[static_cast<std::size_t>(sink->calculation_)]) continue;
     ops.push_back(calculations[sink->calculation_].op);
     ops.back().always = true;
   }

@@ -64,6 +64,18 @@ void LiveRun::Begin() {
 }
 
 RunStatus LiveRun::Run(std::optional<double> duration) {
+  try {
+    return Serve(duration);
+  } catch (...) {
+    try {
+      simulator_.ReleaseLogs();  // what is held is judged and written, as far as it can be
+    } catch (const OutputError&) {
+    }
+    throw;
+  }
+}
+
+RunStatus LiveRun::Serve(std::optional<double> duration) {
   for (;;) {
     ServeRequests();
     LetGoIfAbandoned();

@@ -47,6 +47,7 @@ class LiveRun {
   void Publish(bool now);
   void PublishStatus();
   void MeasureRate();
+  RunStatus Serve(std::optional<double> duration);
   RunStatus Finish(RunStatus status, bool tick);
 
   Json Do(const std::string& client, const Json& command);

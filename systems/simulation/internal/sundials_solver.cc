@@ -174,7 +174,7 @@ ARKodeButcherTable RalstonTable() {
 // Methods of one stage more than their order takes. It serves stability: of x' = s x, a step of h multiplies
 // x by R(h s), which an explicit method keeps within 1 for h s from -2 (midpoint) or -2.5 (Ralston) to 0.
 
-/// Order 2 in three stages, Heun's of order 3 but for R(z) = 1 + z + z²/2 + z³/14: stable from -5.4.
+/// Order 2 in three stages, Heun's of order 3 but for R(z) = 1 + z + z²/2 + z³/14: stable from -5.36.
 ARKodeButcherTable StabilizedTable2() {
   return Table(2, 2, {1.0 / 3, 8.0 / 21, 2.0 / 7}, {1.0 / 4, 0, 3.0 / 4}, {1.0 / 16, 3.0 / 8, 9.0 / 16});
 }

@@ -34,6 +34,11 @@ TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
   EXPECT_THAT(Command(), IsNear(CableVector::Constant(4, 110), 1e-12));
 }
 
+TEST_F(CablePdTest, RefusesSignalsOfAnotherNumberOfCables) {
+  cables = CableSignals::Zero(8);
+  EXPECT_TRUE(Throws<RunError>([&] { Command(); }, "CablePd gets signals of 8 cables", "'cdpr_4'", "has 4"));
+}
+
 TEST_F(CablePdTest, PullsACableThatIsTooLongOrGrowsTooFast) {
   cables.length[1] += 0.02;      // + 1000 N/m * 0.02 m
   cables.length_rate[2] += 0.3;  // + 50 N s/m * 0.3 m/s

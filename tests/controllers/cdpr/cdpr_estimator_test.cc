@@ -187,6 +187,17 @@ TEST(CdprEstimator, DoesNotAllocate) {
   EXPECT_EQ(guard.count(), 0);
 }
 
+TEST(CdprEstimator, RefusesSignalsOfAnotherNumberOfCables) {
+  TestRig<CdprEstimator> rig(CdprEstimatorParams{.robot = test::EightCableRobot()});
+  rig.Fix(rig->pose, Pose(At(0))).Fix(rig->inertial, Inertial(At(0))).Fix(rig->cables, CableSignals::Zero(4));
+  EXPECT_TRUE(Throws<RunError>(
+      [&] {
+        rig.Tick();
+        static_cast<void>(rig[rig->estimate]);
+      },
+      "CdprEstimator gets signals of 4 cables", "has 8", "the same robot"));
+}
+
 TEST(CdprEstimator, RefusesSensorsWithoutNoise) {
   EXPECT_TRUE(Throws<ParameterError>([] { CdprEstimator({.noise = {.attitude = 0}}); }, "noise.attitude = 0",
                                      "must be positive"));

@@ -137,6 +137,13 @@ TEST(LoadEstimatorTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.torque_deviation = 0; }, "torque_deviation = 0 N m", "positive"));
 }
 
+TEST(LoadEstimatorTest, RefusesSignalsOfAnotherNumberOfCables) {
+  TestRig<LoadEstimator> rig(LoadEstimatorParams{.robot = test::EightCableRobot()});
+  rig.Fix(rig->estimate, PlatformEstimate()).Fix(rig->inertial, ImuMeasurement());
+  rig.Fix(rig->cables, CableSignals::Zero(4));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "LoadEstimator gets signals of 4 cables", "has 8"));
+}
+
 // Two bodies and one: the same energy, momentum and moment of momentum, at any velocity.
 TEST(LoadedPlatformTest, MovesAsItsParts) {
   const CdprDescription robot = test::EightCableRobot();

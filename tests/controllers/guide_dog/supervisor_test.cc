@@ -238,7 +238,20 @@ TEST(SupervisorTest, AnObstacleAtTheEdgeOfSightIsNotAnotherOne) {
     dog.Obstacle(n % 2 == 0);
     EXPECT_EQ(dog.Run(0.2), kTurn) << n;
   }
-  EXPECT_EQ(dog.Run(0.3), kTurn) << "out of sight for good";
+  EXPECT_EQ(dog.Run(0.8), kTurn) << "out of sight for good";
+  dog.Obstacle(true);
+  EXPECT_EQ(dog.Tick(), kStop) << "another one";
+}
+
+TEST(SupervisorTest, AnObstacleThatWentBeforeThePullIsForgotten) {
+  Dog dog;
+  dog.Pull(10, Radians(180));
+  dog.Obstacle(true);
+  dog.Tick();
+  dog.Obstacle(false);
+  EXPECT_EQ(dog.Run(5), kStop);
+  dog.Pull(60, Radians(90));
+  EXPECT_EQ(dog.Run(0.3), kTurn);
   dog.Obstacle(true);
   EXPECT_EQ(dog.Tick(), kStop) << "another one";
 }

@@ -138,6 +138,11 @@ TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
   H.setIdentity();
   g[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
+  const double infinity = std::numeric_limits<double>::infinity();
+  g[0] = -infinity;
+  lower.setConstant(-infinity);
+  upper.setConstant(infinity);
+  EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
 }
 
 }  // namespace

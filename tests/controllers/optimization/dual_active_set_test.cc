@@ -175,6 +175,31 @@ TEST(DualActiveSet, ARightGuessTakesNoIterationAndAnyGuessIsSafe) {
   EXPECT_LT(5 * near, cold);
 }
 
+// Rows that are all but parallel in the metric of H, which is 1e8 times steeper along one axis.
+TEST(DualActiveSet, RowsThatAreNearlyDependentAreNoContradiction) {
+  DualActiveSet solver(2, 4);
+  OwnedQp qp(2, 0, 2);  // x + y >= 0, -(1 + 1e-7) x - y >= 1e-3
+  qp.H << 1, 0, 0, 1e-8;
+  qp.A_in << 1, 1, -(1 + 1e-7), -1;
+  qp.b_in << 0, 1e-3;
+  const QpReport report = solver.Solve(qp.view());  // x = -1e4, y = 1e4, but not to ten digits
+  EXPECT_EQ(report.status, QpStatus::kInaccurate);
+  EXPECT_EQ(report.restarts, 1);
+  EXPECT_NE(report.Message().find("scale variables and constraints"), std::string::npos) << report.Message();
+}
+
+TEST(DualActiveSet, EqualitiesThatDependOnOthersAreMetInTheEnd) {
+  DualActiveSet solver(2, 4);
+  OwnedQp qp(2, 2, 1);  // x + y = 0, (1 + 1e-7) x + y = 0, so x = 0, but x >= 1
+  qp.H << 1, 0, 0, 1e-12;
+  qp.A_eq << 1, 1, 1 + 1e-7, 1;
+  qp.b_eq << 0, 0;
+  qp.A_in << 1, 0;
+  qp.b_in << 1;
+  const QpReport report = solver.Solve(qp.view());
+  EXPECT_EQ(report.status, QpStatus::kInfeasible) << report.Message();
+}
+
 TEST(DualActiveSet, NamesTheConstraintThatContradictsTheOthers) {
   DualActiveSet solver(2, 8);
   OwnedQp qp = Triangle();

@@ -35,13 +35,14 @@ TEST(Lanes, SineAndCosineOfAnyAngleUpToAMillion) {
     int lane = 0;
     for (const double range : {0.8, 10.0, 1e3, 1e6}) {
       double angle = std::uniform_real_distribution<double>(-range, range)(generator);
-      if (i % 5 == 0) angle = std::round(angle / M_PI_2) * M_PI_2;  // where one of them is nearly zero
+      if (i % 5 == 0) angle = std::trunc(angle / M_PI_2) * M_PI_2;  // where one of them is nearly zero
       angles[lane++] = angle;
     }
     SinesAndCosines(angles, sines, cosines);
     for (int j = 0; j < 4; ++j) {
       const long double angle = angles[j];
       if (angle == 0) continue;
+      ASSERT_TRUE(std::isfinite(sines[j]) && std::isfinite(cosines[j])) << angles[j];
       worst = std::max({worst, Units(sines[j], std::sin(angle)), Units(cosines[j], std::cos(angle))});
     }
   }

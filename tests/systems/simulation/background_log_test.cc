@@ -124,6 +124,24 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
+class BrokenSink final : public LogSink {
+ public:
+  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
+  void Row(std::span<const double> row) override {
+    if (row[0] == 3) throw OutputError("this sink is broken");
+  }
+};
+
+TEST(BackgroundLogTest, AfterAFailureNoSinkGetsMoreRowsAndEveryFlushTells) {
+  const auto memory = std::make_shared<MemoryLog>();
+  BackgroundLog log({memory, std::make_shared<BrokenSink>()});
+  log.Begin({"time"}, {"s"});
+  for (double t = 0; t < 9; ++t) log.Row(std::vector<double>{t});
+  for (int i = 0; i < 2; ++i)
+    EXPECT_THAT([&] { log.Flush(); }, ThrowsMessage<OutputError>(HasSubstr("this sink is broken")));
+  EXPECT_EQ(memory->rows(), 4U);
+}
+
 TEST(BackgroundLogTest, EndOfTheDiskEndsTheRunBehindAWholeRow) {
   const auto file = test::TemporaryPath("tenon_csv_log_full.csv");
   {

@@ -111,9 +111,9 @@ TEST_P(DenseOutputTest, GoesOnFromInsideAStepBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, DenseOutputTest,
                          testing::Values(Case{Method::kErk, 3}, Case{Method::kErk, 4}, Case{Method::kErk, 5},
-                                         Case{Method::kDirk, 3}, Case{Method::kDirk, 4},
-                                         Case{Method::kDirk, 5}, Case{Method::kBdf, 5},
-                                         Case{Method::kAdams, 12}),
+                                         Case{Method::kStabilized, 3}, Case{Method::kDirk, 3},
+                                         Case{Method::kDirk, 4}, Case{Method::kDirk, 5},
+                                         Case{Method::kBdf, 5}, Case{Method::kAdams, 12}),
                          testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Methods, StiffDenseOutputTest,
                          testing::Values(Case{Method::kDirk, 2}, Case{Method::kDirk, 3},

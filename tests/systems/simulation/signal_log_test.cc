@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/simulation/background_log.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
@@ -197,6 +198,24 @@ TEST_F(SignalLogTest, HeldRowsOfWhatDidNotHappenAreGone) {
   for (const double f : force) EXPECT_EQ(f, 4);
   simulator_->RunTo(1.4);
   EXPECT_EQ(log->rows(), 15U);
+}
+
+class SinkOnAFullDisk final : public LogSink {
+ public:
+  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
+  void Row(std::span<const double>) override { throw OutputError("the disk is full"); }
+};
+
+TEST_F(SignalLogTest, WhatWasHeldComesToAllOtherLogsWhereOneCannotBeWritten) {
+  simulator_->AddLog(Hz(10), {&cart_->force}, {std::make_shared<SinkOnAFullDisk>()});
+  const auto gathered = std::make_shared<MemoryLog>();
+  simulator_->AddLog(Hz(10), {&cart_->force},
+                     {std::make_shared<BackgroundLog>(std::vector<std::shared_ptr<LogSink>>{gathered})});
+  simulator_->HoldLogs(2);
+  simulator_->RunTo(1);
+  EXPECT_EQ(gathered->rows(), 0U);
+  EXPECT_TRUE(Throws<OutputError>([&] { simulator_->ReleaseLogs(); }, "the disk is full"));
+  EXPECT_EQ(gathered->rows(), 11U);
 }
 
 }  // namespace

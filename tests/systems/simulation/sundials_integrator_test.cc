@@ -14,7 +14,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
+constexpr Method kMethods[] = {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf,
+                               Method::kAdams};
 
 /// x' = -x² from 1: x = 1 / (1 + t). And x' = cos(t) x from 1: x = exp(sin t).
 class Scalars final : public LeafSystem<void> {
@@ -302,6 +303,15 @@ TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
   Simulator simulator(*diagram, {.max_steps = 50});
   EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'stiff.x'"), HasSubstr("use Method::kBdf or kDirk"))));
+}
+
+TEST(SundialsIntegratorTest, TooManyStepsBetweenTwoTicksAreAnError) {
+  DiagramBuilder builder;
+  AddRestarts(builder, "ticks", Hz(1), builder.Add<Oscillator>("plant").u);
+  Simulator simulator(builder.Build(), {.max_step = 0.01, .max_steps = 50});
+  EXPECT_THAT(
+      [&] { simulator.RunTo(1); },
+      ThrowsMessage<RunError>(AllOf(HasSubstr("'plant.x"), HasSubstr("the interval takes too many steps"))));
 }
 
 TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {

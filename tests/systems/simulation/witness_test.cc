@@ -15,7 +15,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
+constexpr Method kMethods[] = {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf,
+                               Method::kAdams};
 
 /// Falls with g = 10 m/s² and loses part of its speed at each impact: v+ = -e v-. From rest at h0 the impacts
 /// are at t_n = T (1 + 2 e + 2 e² + ... + 2 e^n), T = sqrt(2 h0 / g).
@@ -250,6 +251,34 @@ TEST(WitnessTest, ThermostatSwitchesItsMode) {
     simulator.RunTo(3 * cycle + std::log(2) + 0.01);
     EXPECT_EQ(simulator.context().Eval(room.heater), Heater::kOff);
     EXPECT_NEAR(simulator.context().Eval(room.x), 15 * std::exp(-0.01), 1e-4);
+  }
+}
+
+/// Notes when a ramp and the input together are above 0.25: a witness that reads another one, and is read.
+class Ramp final : public LeafSystem<void> {
+ public:
+  ContinuousState<double> x{this, {"x"}, 0.0};
+  InputPort<double> u{this, {"u"}};
+  TimeDerivative<double> dx{x, Uses(x), [](double) { return 1.0; }};
+  Witness own{this, "own", Crossing::kRising, Uses(x), [](double x) { return x - 0.25; }};
+  Witness sum{this, "sum", Crossing::kRising, Uses(own, u), [](double own, double u) { return own + u; }};
+  OutputPort<double> y{this, {"y"}, Uses(sum), [](double sum) { return sum; }};
+  DiscreteState<double> when{this, "when", -1.0};
+  Update<double> note{when, sum, Uses(time), [](double t) { return t; }};
+};
+
+TEST(WitnessTest, AWitnessMayReadAnotherOneOfAnyBlock) {
+  for (const Method method : kMethods) {
+    DiagramBuilder builder;
+    auto& low = builder.AddFunction("low", Uses(), [] { return -0.25; });
+    auto& first = builder.Add<Ramp>("first");
+    auto& second = builder.Add<Ramp>("second");
+    builder.Connect(low, first.u);
+    builder.Connect(first.y, second.u);
+    Simulator simulator(builder.Build(), {.method = method, .max_step = 0.1});
+    simulator.RunTo(1);
+    EXPECT_NEAR(simulator.context().Eval(first.when), 0.5, 1e-9);
+    EXPECT_NEAR(simulator.context().Eval(second.when), 0.375, 1e-9) << "t - 0.25 + (t - 0.5)";
   }
 }
 
