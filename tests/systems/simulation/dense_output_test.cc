@@ -17,7 +17,7 @@ struct Case {
 };
 
 void PrintTo(const Case& c, std::ostream* os) {
-  constexpr const char* kNames[] = {"Erk", "Dirk", "Bdf", "Adams"};
+  constexpr const char* kNames[] = {"Erk", "Dirk", "Bdf", "Adams", "Stabilized"};
   *os << kNames[static_cast<int>(c.method)] << c.order;
 }
 

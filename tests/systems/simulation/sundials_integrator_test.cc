@@ -14,8 +14,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr Method kMethods[] = {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf,
-                               Method::kAdams};
+constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
 
 /// x' = -x² from 1: x = 1 / (1 + t). And x' = cos(t) x from 1: x = exp(sin t).
 class Scalars final : public LeafSystem<void> {
