@@ -27,8 +27,8 @@ TENON_INLINE void AddAbsolute(const Lanes& numbers, Lanes& sum) {
   sum += (Lanes)bits;
 }
 
-/// The least of the quotients so far, in each lane, and which it was. Compared without dividing, which would
-/// take more time than all else of them.
+/// The least of the quotients so far, in each lane, and which it was. Compared without dividing, which took a
+/// fifth of the time of a pose.
 struct Least {
   Lanes over = {kLargest, kLargest, kLargest, kLargest}, under = {1, 1, 1, 1};
   Bits which = {};
