@@ -22,6 +22,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Does it with each log, whatever is thrown; the first that was.
+template <class RatedLogs>
+std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) {
+  std::exception_ptr first;
+  for (const auto& rated : logs) {
+    for (const auto& each : rated.logs) {
+      try {
+        ((*each).*act)();
+      } catch (...) {
+        if (!first) first = std::current_exception();
+      }
+    }
+  }
+  return first;
+}
+
 /// Times that differ by less are the same: sums of periods round differently than ticks do, and an interval
 /// between the two would be a step of 1e-17 s.
 double Rounding(double time) {
@@ -142,19 +158,9 @@ void Simulator::HoldLogs(double seconds) {
 }
 
 void Simulator::ReleaseLogs() {
-  std::exception_ptr first;
-  for (const RatedLog& log : logs_) {
-    for (const auto& each : log.logs) {
-      try {
-        each->Release();
-      } catch (...) {
-        if (!first) first = std::current_exception();
-      }
-    }
-  }
-  const std::exception_ptr flushed = FlushLogs();
-  if (!first) first = flushed;
-  if (first) std::rethrow_exception(first);
+  const std::exception_ptr released = WithEachLog(logs_, &SignalLog::Release), flushed = FlushLogs();
+  if (released) std::rethrow_exception(released);
+  if (flushed) std::rethrow_exception(flushed);
 }
 
 void Simulator::RebuildSchedule() {
@@ -496,17 +502,7 @@ void Simulator::KeepPace(bool tick) {
 }
 
 std::exception_ptr Simulator::FlushLogs() {
-  std::exception_ptr first;
-  for (const RatedLog& log : logs_) {
-    for (const auto& each : log.logs) {
-      try {
-        each->Flush();
-      } catch (...) {
-        if (!first) first = std::current_exception();
-      }
-    }
-  }
-  return first;
+  return WithEachLog(logs_, &SignalLog::Flush);
 }
 
 }  // namespace tenon
