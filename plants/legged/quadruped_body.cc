@@ -1,6 +1,6 @@
 #include <tenon/plants/legged/quadruped_body.h>
 
-#include <tenon/plants/legged/per_leg.h>
+#include <tenon/plants/legged/internal/per_leg.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
 

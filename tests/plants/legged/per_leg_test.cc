@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <tenon/plants/legged/per_leg.h>
+#include <tenon/plants/legged/internal/per_leg.h>
 #include <tenon/systems/framework/random_stream.h>
 
 #include <Eigen/Geometry>
