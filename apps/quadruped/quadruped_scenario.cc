@@ -253,8 +253,9 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario) {
   }
   if (scenario.walk) {
     StepProperties& step = scenario.walk->step;
-    for (double* const part : {&step.height, &step.touchdown_speed, &step.search_depth, &step.free_shift,
-                               &step.free_offset, &step.largest_shift})
+    for (double* const part :
+         {&step.height, &step.touchdown_speed, &step.search_depth, &step.free_shift, &step.free_offset,
+          &step.largest_shift, &step.reflex.lag, &step.reflex.retreat, &step.reflex.height})
       *part *= length;
   }
   return scenario;

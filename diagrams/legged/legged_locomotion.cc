@@ -24,6 +24,7 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(com_planner.reference, swing_planner.body);
   Connect(state, swing_planner.state);
   Connect(ground_estimator.ground, swing_planner.ground);
+  Connect(foot_forces, swing_planner.foot_forces);
   Connect(wrench, swing_planner.wrench);
 
   Connect(state, whole_body.state);

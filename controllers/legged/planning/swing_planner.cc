@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/shortened.h>
@@ -15,11 +16,13 @@ namespace {
 constexpr double kLeastWeight = 0.5;  // of the robot's, that its feet carry at least while it walks
 
 /// The motion over ground at the time t after lift-off.
-PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
+PlanarPoint Course(const SwingPlanner::LegMemory& leg, const StepProperties& step, double duration,
+                   double t) {
   PlanarPoint course;
+  const double rise = leg.high ? step.reflex.rise_phase * duration : 0, begin = std::max(leg.from_time, rise);
   for (const int axis : {0, 1}) {
     const MotionPoint from{leg.from.position[axis], leg.from.velocity[axis], leg.from.acceleration[axis]};
-    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - leg.from_time, t - leg.from_time);
+    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - begin, std::max(t - begin, 0.0));
     course.position[axis] = now.position;
     course.velocity[axis] = now.velocity;
     course.acceleration[axis] = now.acceleration;
@@ -47,10 +50,10 @@ bool Searches(ContactState state) {
 FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& step, double phase,
                     double duration) {
   const double t = phase * duration, half = duration / 2;
-  const PlanarPoint course = Course(leg, duration, t);
+  const PlanarPoint course = Course(leg, step, duration, t);
   // Heights as they were without the slope from lift-off on.
   const double z_begin = leg.lift_off[2], z_end = leg.ground.HeightAt(leg.lift_off.head<2>());
-  const double z_top = std::max(z_begin, z_end) + step.height;
+  const double z_top = std::max(z_begin, z_end) + (leg.high ? step.reflex.height : step.height);
   // At the top, the mean of what cubics from rest to rest would have on its two sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
   const double v = step.touchdown_speed;
@@ -79,6 +82,16 @@ FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& s
 
 }  // namespace
 
+void StepReflex::Validate() const {
+  Demand(lag > 0, fmt::format("reflex.lag_m is {} m: it must be positive", lag));
+  Demand(force >= 0, fmt::format("reflex.force_mg is {}: it must not be negative", force));
+  Demand(retreat >= 0, fmt::format("reflex.retreat_m is {} m: it must not be negative", retreat));
+  Demand(height > 0, fmt::format("reflex.height_m is {} m: it must be positive", height));
+  Demand(rise_phase >= 0 && rise_phase < 1,
+         fmt::format("reflex.rise_phase is {}: it must be at least 0 and less than 1, where the swing ends",
+                     rise_phase));
+}
+
 void StepProperties::Validate() const {
   Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
   Demand(touchdown_speed > 0,
@@ -97,6 +110,7 @@ void StepProperties::Validate() const {
   Demand(free_offset >= 0, fmt::format("a free offset of {} m: it must not be negative", free_offset));
   Demand(free_turn >= 0, fmt::format("a free turn of {} rad: it must not be negative", free_turn));
   Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
+  reflex.Validate();
 }
 
 void SwingPlannerParams::Validate() const {
@@ -106,9 +120,10 @@ void SwingPlannerParams::Validate() const {
 
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
-                            const WrenchEstimate& wrench, const StepProperties& step, Memory& memory,
-                            Memory* plan) const {
+                            const FootForces& foot_forces, const WrenchEstimate& wrench,
+                            const StepProperties& step, Memory& memory, Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
+  const double weight = mass_ * params.gravity;
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
     foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
@@ -128,7 +143,20 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
-      if (!lifts_off && schedule.legs[i].phase > step.retarget_phase) continue;
+      if (lifts_off) {
+        leg.high = std::exchange(leg.blocked, false);
+      } else if (step.reflex.enabled && !leg.blocked && !leg.high) {
+        const Eigen::Vector2d lag = Course(leg, step, swing, t).position - foot[i].head<2>();
+        const double length = lag.norm(), push = -foot_forces[static_cast<int>(i)].head<2>().dot(lag);
+        if (length > step.reflex.lag && push > step.reflex.force * weight * length) {
+          leg.blocked = true;
+          leg.from = {.position = foot[i].head<2>()};
+          leg.from_time = t;
+          leg.foothold.head<2>() = leg.from.position - step.reflex.retreat / length * lag;
+          leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
+        }
+      }
+      if (leg.blocked || (!lifts_off && schedule.legs[i].phase > step.retarget_phase)) continue;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
       if (lifts_off) {
@@ -138,7 +166,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         leg.ground = ground;
         leg.ground.p_W[2] += params.robot.foot_radius / ground.Normal()[2];
       } else {
-        leg.from = Course(leg, swing, t);
+        leg.from = Course(leg, step, swing, t);
         leg.from_time = t;
       }
       leg.foothold.head<2>() =

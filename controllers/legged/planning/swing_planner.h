@@ -16,6 +16,24 @@
 
 namespace tenon {
 
+/// The step reflex of a robot that does not see the ground: what a swing foot does that has met the side of
+/// something.
+struct StepReflex {
+  bool enabled = true;      ///< a foot that meets the side of something gives its step up
+  double lag = 0.03;        ///< a foot has met something that is farther behind its course over ground [m]
+  double force = 0.05;      ///< while this pushes it back, over the robot's weight m g
+  double retreat = 0.02;    ///< before it lands, so far it goes back from there [m]
+  double height = 0.1;      ///< of its next step, as StepProperties::height [m]
+  double rise_phase = 0.3;  ///< part of that swing in which it only rises
+
+  static FieldList Fields() {
+    return {{"enabled", &StepReflex::enabled}, {"lag_m", &StepReflex::lag},
+            {"force_mg", &StepReflex::force},  {"retreat_m", &StepReflex::retreat},
+            {"height_m", &StepReflex::height}, {"rise_phase", &StepReflex::rise_phase}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// What a user chooses of the steps.
 struct StepProperties {
   double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
@@ -29,6 +47,7 @@ struct StepProperties {
   double free_offset = 0.03;        ///< a CoM that is farther off takes its feet along [m]
   double free_turn = 0.1;           ///< and so does a trunk that is turned more [rad]
   double largest_shift = 0.1;       ///< of a foothold by the wrench, at most [m]
+  StepReflex reflex = {};
 
   static FieldList Fields() {
     return {{"height_m", &StepProperties::height},
@@ -41,7 +60,8 @@ struct StepProperties {
             {"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
             {"largest_shift_m", &StepProperties::largest_shift},
             {"free_offset_m", &StepProperties::free_offset},
-            {"free_turn_rad", &StepProperties::free_turn}};
+            {"free_turn_rad", &StepProperties::free_turn},
+            {"reflex", &StepProperties::reflex}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -61,7 +81,9 @@ struct SwingPlannerParams {
 ///                body       the CoM planner's reference, for the velocity error
 ///                state      where the feet are
 ///                ground     below the robot
-///                wrench     estimated disturbance, for the option wrench_shift; none if not connected
+///                foot_forces  measured, of the ground on each foot [N], for the reflex; none if not
+///                connected wrench     estimated disturbance, for the option wrench_shift; none if not
+///                connected
 ///     parameter  step       StepProperties
 ///     ports out  feet       position, velocity, acceleration of all feet; sampled
 ///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
@@ -92,6 +114,13 @@ struct SwingPlannerParams {
 ///
 /// bounded by the search depth D. Throughout the swing the acceleration does not jump.
 ///
+/// **Step reflex** (after Focchi et al., Local reflex generation for obstacle negotiation in quadrupedal
+/// locomotion, CLAWAR 2013). A foot that meets the side of a block is held down by the friction of its own
+/// push, and would stay there from step to step while the robot walks on. So one that lags behind its course
+/// over ground by more than `lag`, and is pushed back by more than `force`, gives this step up: it goes back
+/// by `retreat` and lands. Its next step is `height` high, and goes straight up first, until rise_phase.
+/// During that step there is no reflex.
+///
 /// In the air no foot is sent farther from its hip than a leg with a bent knee reaches, wherever the trunk
 /// is: through a straight one the knee would snap to the other side, and there is no force to get it back.
 /// It is drawn in at its height.
@@ -110,6 +139,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
     Vec<3> hip = Vec<3>::Zero();       ///< [m]
     double searching = 0;              ///< for how long, late included [s]
+    bool blocked = false;              ///< met something in this swing, or in the last one if it stands
+    bool high = false;                 ///< this swing follows one in which it did
 
     static FieldList Fields() {
       return {{"state", &LegMemory::state},
@@ -119,7 +150,9 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
               {"ground", &LegMemory::ground},
               {"foothold", &LegMemory::foothold, "m"},
               {"hip", &LegMemory::hip, "m"},
-              {"searching", &LegMemory::searching, "s"}};
+              {"searching", &LegMemory::searching, "s"},
+              {"blocked", &LegMemory::blocked},
+              {"high", &LegMemory::high}};
     }
   };
   struct Memory {
@@ -139,13 +172,14 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<GroundPlane> ground{this, {"ground"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces()};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
   Parameter<StepProperties> step{this, {"step"}, params.step, "shape of the steps, choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<Memory> plan{this,
                           {"plan"},
                           Sampled{params.rate},
-                          Uses(schedule, path, body, state, ground, wrench, step, memory),
+                          Uses(schedule, path, body, state, ground, foot_forces, wrench, step, memory),
                           &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
@@ -154,8 +188,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
 
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
-                const LeggedState& state, const GroundPlane& ground, const WrenchEstimate& wrench,
-                const StepProperties& step, Memory& memory, Memory* plan) const;
+                const LeggedState& state, const GroundPlane& ground, const FootForces& foot_forces,
+                const WrenchEstimate& wrench, const StepProperties& step, Memory& memory, Memory* plan) const;
   FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;

@@ -51,7 +51,8 @@ class Trot {
   const FootReference& Tick() {
     auto& block = rig_.system();
     rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
-    rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench).Tick();
+    rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench);
+    rig_.Fix(block.foot_forces, forces).Tick();
     return rig_[block.feet][kFrontLeft];
   }
   /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
@@ -84,20 +85,30 @@ class Trot {
   LeggedState state;
   GroundPlane ground;
   WrenchEstimate wrench;
+  FootForces forces;
 
  private:
   TestRig<SwingPlanner> rig_;
   QuadrupedDescription robot_;
 };
 
-void ExpectConsistent(const std::vector<FootReference>& motion) {
+/// The largest height above where it began.
+double Top(const std::vector<FootReference>& motion, const Vec<3>& begin) {
+  double top = 0;
+  for (const FootReference& foot : motion) top = std::max(top, foot.p_W[2] - begin[2]);
+  return top;
+}
+
+/// `snap`: how many times those of a step of 5 cm in height; its jerk at lift-off is 11000 m/s^3, and a jump
+/// of the acceleration would be 90 m/s^2.
+void ExpectConsistent(const std::vector<FootReference>& motion, double snap = 1) {
   const double dt = 1e-3;
   for (std::size_t n = 1; n < motion.size(); ++n) {
     const FootReference &a = motion[n - 1], &b = motion[n];
     // Errors of the trapezoid: dt^3 / 12 times jerk, and times snap.
-    EXPECT_THAT(b.p_W - a.p_W, IsNear(dt / 2 * (a.v_W + b.v_W), 1e-6)) << n;
-    EXPECT_THAT(b.v_W - a.v_W, IsNear(dt / 2 * (a.a_W + b.a_W), 3e-4)) << n;
-    EXPECT_LT((b.a_W - a.a_W).norm(), 12) << n;  // the jerk at lift-off is 11000 m/s^3; a jump would be 90
+    EXPECT_THAT(b.p_W - a.p_W, IsNear(dt / 2 * (a.v_W + b.v_W), 1e-6 * snap)) << n;
+    EXPECT_THAT(b.v_W - a.v_W, IsNear(dt / 2 * (a.a_W + b.a_W), 3e-4 * snap)) << n;
+    EXPECT_LT((b.a_W - a.a_W).norm(), 12 * snap) << n;
   }
 }
 
@@ -142,13 +153,11 @@ TEST(SwingPlannerTest, SwingLiftsAndLowersWithoutJumps) {
   EXPECT_THAT(swing.front().a_W, IsNear(Eigen::Vector3d(0, 0, 0), 1e-9));
   EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
   EXPECT_THAT(swing.back().v_W, IsNear(Eigen::Vector3d(0, 0, -0.5), 1e-12));
-  double top = 0;
   for (std::size_t n = 1; n < swing.size(); ++n) {
-    top = std::max(top, swing[n].p_W[2] - begin[2]);
     if (n == kSwingTicks / 2 + 1) continue;  // the top lies between two ticks
     EXPECT_EQ(swing[n].p_W[2] > swing[n - 1].p_W[2], n <= kSwingTicks / 2) << n;  // up, then down
   }
-  EXPECT_NEAR(top, 0.05, 2e-5);
+  EXPECT_NEAR(Top(swing, begin), 0.05, 2e-5);
 }
 
 TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
@@ -383,6 +392,58 @@ TEST(SwingPlannerTest, StepsAlongASlope) {
   EXPECT_NEAR(over_ground(uphill.Foothold(kFrontLeft)), clearance, 1e-12);
 }
 
+// The foot of this robot never leaves its place; the path takes its foothold 0.2 m ahead. A force from ahead
+// is what the side of a block does to it.
+class AgainstABlock : public Trot {
+ public:
+  explicit AgainstABlock(double push, const SwingPlannerParams& params = Params()) : Trot(params) {
+    path.velocity << 0.6, 0;
+    forces[kFrontLeft] << -push, 0, 0;
+  }
+  Eigen::Vector2d Step() { return (Foothold(kFrontLeft) - Foot(kFrontLeft)).head<2>(); }
+};
+
+TEST(SwingPlannerTest, AFootThatMeetsABlockGoesBackAndLands) {
+  const double threshold = 0.05 * Params().robot.mass() * 9.81;
+  AgainstABlock held(1.1 * threshold), touched(0.9 * threshold);
+  const auto swing = held.Swing();
+  touched.Swing();
+  EXPECT_THAT(held.Step(), IsNear(Eigen::Vector2d(-0.02, 0), 1e-3));
+  EXPECT_GT(touched.Step()[0], 0.1);
+  double farthest = 0;
+  for (const FootReference& foot : swing)
+    farthest = std::max(farthest, foot.p_W[0] - held.Foot(kFrontLeft)[0]);
+  EXPECT_GT(farthest, 0.027);
+  EXPECT_LT(farthest, 0.03) << "there is one tick of 2 mm to the lag at which it goes back";
+  EXPECT_THAT(swing.back().p_W, IsNear(held.Foothold(kFrontLeft), 1e-12));
+}
+
+TEST(SwingPlannerTest, TheStepAfterThatIsHighAndGoesUpFirst) {
+  AgainstABlock trot(50);
+  trot.Swing();
+  trot.forces = FootForces();
+  const auto swing = trot.Swing();
+  const Vec<3> begin = trot.Foot(kFrontLeft);
+  ExpectConsistent({swing.begin(), swing.begin() + 35}, 4);  // it goes on over ground between two ticks
+  ExpectConsistent({swing.begin() + 35, swing.end()}, 4);
+  EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
+  for (std::size_t n = 0; n <= 34; ++n)  // 0.3 of 115 ticks
+    EXPECT_THAT(swing[n].p_W.head<2>(), IsNear(begin.head<2>(), 1e-12)) << n;
+  EXPECT_GT(swing[34].p_W[2], begin[2] + 0.05) << "above a block of 4 cm";
+  EXPECT_NEAR(Top(swing, begin), 0.1, 1e-4);
+  EXPECT_GT(trot.Step()[0], 0.1);
+  EXPECT_NEAR(Top(trot.Swing(), begin), 0.05, 1e-4) << "the one after it is as ever";
+}
+
+TEST(SwingPlannerTest, TheReflexIsAnOption) {
+  SwingPlannerParams params = Params();
+  params.step.reflex.enabled = false;
+  AgainstABlock with(50), without(50, params), alone(0, params);
+  for (AgainstABlock* trot : {&with, &without, &alone}) trot->Swing();
+  EXPECT_EQ(without.Step(), alone.Step());
+  EXPECT_NE(with.Step(), alone.Step());
+}
+
 TEST(SwingPlannerTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Trot trot;
@@ -412,6 +473,16 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses(&StepProperties::free_offset, -1, "free offset of -1 m"));
   EXPECT_TRUE(refuses(&StepProperties::free_turn, -1, "free turn of -1 rad"));
   EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));
+  const auto reflex_refuses = [](double StepReflex::*member, double value, const std::string& a) {
+    SwingPlannerParams params = Params();
+    params.step.reflex.*member = value;
+    return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
+  };
+  EXPECT_TRUE(reflex_refuses(&StepReflex::lag, 0, "reflex.lag_m is 0 m"));
+  EXPECT_TRUE(reflex_refuses(&StepReflex::force, -1, "reflex.force_mg is -1"));
+  EXPECT_TRUE(reflex_refuses(&StepReflex::retreat, -1, "reflex.retreat_m is -1 m"));
+  EXPECT_TRUE(reflex_refuses(&StepReflex::height, 0, "reflex.height_m is 0 m"));
+  EXPECT_TRUE(reflex_refuses(&StepReflex::rise_phase, 1, "reflex.rise_phase is 1"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
