@@ -14,9 +14,9 @@ namespace tenon {
 ///     wrench, leg_forces (what others exert) ────────┴───────────────┘
 ///
 /// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle, the ground all
-/// but the trunk's. `wrench` and `leg_forces` are an observer's estimates; without a connection nothing is
-/// compensated. Each block can be replaced by any other with its ports; this diagram is its six blocks and
-/// these connections, nothing else.
+/// but the trunk's; `foot_forces` reach the swing planner, too. `wrench` and `leg_forces` are an observer's
+/// estimates; without a connection nothing is compensated. Each block can be replaced by any other with its
+/// ports; this diagram is its six blocks and these connections, nothing else.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);

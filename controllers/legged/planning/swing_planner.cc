@@ -53,7 +53,8 @@ FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& st
   const PlanarPoint course = Course(leg, step, duration, t);
   // Heights as they were without the slope from lift-off on.
   const double z_begin = leg.lift_off[2], z_end = leg.ground.HeightAt(leg.lift_off.head<2>());
-  const double z_top = std::max(z_begin, z_end) + (leg.high ? step.reflex.height : step.height);
+  const double z_top =
+      std::max(z_begin, z_end) + (leg.high ? std::max(step.height, step.reflex.height) : step.height);
   // At the top, the mean of what cubics from rest to rest would have on its two sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
   const double v = step.touchdown_speed;
@@ -81,37 +82,6 @@ FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& s
 }
 
 }  // namespace
-
-void StepReflex::Validate() const {
-  Demand(lag > 0, fmt::format("reflex.lag_m is {} m: it must be positive", lag));
-  Demand(force >= 0, fmt::format("reflex.force_mg is {}: it must not be negative", force));
-  Demand(retreat >= 0, fmt::format("reflex.retreat_m is {} m: it must not be negative", retreat));
-  Demand(height > 0, fmt::format("reflex.height_m is {} m: it must be positive", height));
-  Demand(rise_phase >= 0 && rise_phase < 1,
-         fmt::format("reflex.rise_phase is {}: it must be at least 0 and less than 1, where the swing ends",
-                     rise_phase));
-}
-
-void StepProperties::Validate() const {
-  Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
-  Demand(touchdown_speed > 0,
-         fmt::format("a touchdown at {} m/s: it must be positive, or a late foot never finds the ground",
-                     touchdown_speed));
-  Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
-  Demand(velocity_feedback >= 0,
-         fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
-  Demand(retarget_phase >= 0 && retarget_phase < 1,
-         fmt::format("a retarget phase of {}: it must be at least 0 and less than 1, where the swing ends",
-                     retarget_phase));
-  Demand(
-      shift_bandwidth > 0,
-      fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
-  Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
-  Demand(free_offset >= 0, fmt::format("a free offset of {} m: it must not be negative", free_offset));
-  Demand(free_turn >= 0, fmt::format("a free turn of {} rad: it must not be negative", free_turn));
-  Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
-  reflex.Validate();
-}
 
 void SwingPlannerParams::Validate() const {
   step.Validate();
@@ -143,20 +113,22 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
-      if (lifts_off) {
-        leg.high = std::exchange(leg.blocked, false);
-      } else if (step.reflex.enabled && !leg.blocked && !leg.high) {
-        const Eigen::Vector2d lag = Course(leg, step, swing, t).position - foot[i].head<2>();
-        const double length = lag.norm(), push = -foot_forces[static_cast<int>(i)].head<2>().dot(lag);
-        if (length > step.reflex.lag && push > step.reflex.force * weight * length) {
+      if (!lifts_off && schedule.legs[i].phase > step.retarget_phase) continue;
+      if (lifts_off) leg.high = std::exchange(leg.blocked, false);
+      if (!lifts_off && step.reflex.enabled && !leg.blocked && !leg.high) {
+        FootReference course = Swing(leg, step, schedule.legs[i].phase, swing);
+        KeepBent(leg.hip, stance.longest[i], &course);
+        const Eigen::Vector2d off = (foot[i] - course.p_W).head<2>(), back = off.normalized();
+        const double push = foot_forces[static_cast<int>(i)].head<2>().dot(back);
+        if (off.norm() > step.reflex.lag && push > step.reflex.force * weight) {
           leg.blocked = true;
           leg.from = {.position = foot[i].head<2>()};
           leg.from_time = t;
-          leg.foothold.head<2>() = leg.from.position - step.reflex.retreat / length * lag;
+          leg.foothold.head<2>() = leg.from.position + step.reflex.retreat * back;
           leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
         }
       }
-      if (leg.blocked || (!lifts_off && schedule.legs[i].phase > step.retarget_phase)) continue;
+      if (leg.blocked) continue;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
       if (lifts_off) {

@@ -4,6 +4,7 @@
 
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/planar_point.h>
+#include <tenon/controllers/legged/planning/step_properties.h>
 #include <tenon/plants/model/disturbance_signals.h>
 #include <tenon/plants/model/gait_signals.h>
 #include <tenon/plants/model/gravity.h>
@@ -16,56 +17,6 @@
 
 namespace tenon {
 
-/// The step reflex of a robot that does not see the ground: what a swing foot does that has met the side of
-/// something.
-struct StepReflex {
-  bool enabled = true;      ///< a foot that meets the side of something gives its step up
-  double lag = 0.03;        ///< a foot has met something that is farther behind its course over ground [m]
-  double force = 0.05;      ///< while this pushes it back, over the robot's weight m g
-  double retreat = 0.02;    ///< before it lands, so far it goes back from there [m]
-  double height = 0.1;      ///< of its next step, as StepProperties::height [m]
-  double rise_phase = 0.3;  ///< part of that swing in which it only rises
-
-  static FieldList Fields() {
-    return {{"enabled", &StepReflex::enabled}, {"lag_m", &StepReflex::lag},
-            {"force_mg", &StepReflex::force},  {"retreat_m", &StepReflex::retreat},
-            {"height_m", &StepReflex::height}, {"rise_phase", &StepReflex::rise_phase}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-/// What a user chooses of the steps.
-struct StepProperties {
-  double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
-  double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 9 cm deeper in 0.25 s [m/s]
-  double search_depth = 0.2;        ///< how far below its foothold a foot searches at most [m]
-  double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
-  double retarget_phase = 0.7;      ///< part of the swing in which the foothold is chosen anew at every tick
-  bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
-  double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
-  double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
-  double free_offset = 0.03;        ///< a CoM that is farther off takes its feet along [m]
-  double free_turn = 0.1;           ///< and so does a trunk that is turned more [rad]
-  double largest_shift = 0.1;       ///< of a foothold by the wrench, at most [m]
-  StepReflex reflex = {};
-
-  static FieldList Fields() {
-    return {{"height_m", &StepProperties::height},
-            {"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
-            {"search_depth_m", &StepProperties::search_depth},
-            {"velocity_feedback_s", &StepProperties::velocity_feedback},
-            {"retarget_phase", &StepProperties::retarget_phase},
-            {"wrench_shift", &StepProperties::wrench_shift},
-            {"free_shift_m", &StepProperties::free_shift},
-            {"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
-            {"largest_shift_m", &StepProperties::largest_shift},
-            {"free_offset_m", &StepProperties::free_offset},
-            {"free_turn_rad", &StepProperties::free_turn},
-            {"reflex", &StepProperties::reflex}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
 struct SwingPlannerParams {
   QuadrupedDescription robot;
   StepProperties step;
@@ -76,17 +27,16 @@ struct SwingPlannerParams {
 
 /// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).
 ///
-///     ports in   schedule   which feet stand; phases of those that swing
-///                path       of the CoM planner, with its twist
-///                body       the CoM planner's reference, for the velocity error
-///                state      where the feet are
-///                ground     below the robot
-///                foot_forces  measured, of the ground on each foot [N], for the reflex; none if not
-///                connected wrench     estimated disturbance, for the option wrench_shift; none if not
-///                connected
-///     parameter  step       StepProperties
-///     ports out  feet       position, velocity, acceleration of all feet; sampled
-///                footholds  next place of a foot in the air, present place of one that stands [m]; sampled
+///     ports in   schedule     which feet stand; phases of those that swing
+///                path         of the CoM planner, with its twist
+///                body         the CoM planner's reference, for the velocity error
+///                state        where the feet are
+///                ground       below the robot
+///                foot_forces  measured, of the ground on each foot, in W [N]; no reflex if not connected
+///                wrench       estimated disturbance, for wrench_shift; none if not connected
+///     parameter  step         StepProperties
+///     ports out  feet         position, velocity, acceleration of all feet; sampled
+///                footholds    next place of a foot in the air, present one of one that stands [m]; sampled
 ///
 /// **Foothold.** Chosen at lift-off, and over ground anew at every tick until retarget_phase, so that in the
 /// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
@@ -112,14 +62,17 @@ struct SwingPlannerParams {
 ///
 ///     z = z_0 - D (1 - e^(-v t / D)),
 ///
-/// bounded by the search depth D. Throughout the swing the acceleration does not jump.
+/// bounded by the search depth D. Throughout the swing the acceleration does not jump, but at a reflex.
 ///
 /// **Step reflex** (after Focchi et al., Local reflex generation for obstacle negotiation in quadrupedal
 /// locomotion, CLAWAR 2013). A foot that meets the side of a block is held down by the friction of its own
-/// push, and would stay there from step to step while the robot walks on. So one that lags behind its course
-/// over ground by more than `lag`, and is pushed back by more than `force`, gives this step up: it goes back
-/// by `retreat` and lands. Its next step is `height` high, and goes straight up first, until rise_phase.
-/// During that step there is no reflex.
+/// push, and would stay there from step to step while the robot walks on. So one that is farther off its
+/// course over ground than `lag`, and is pushed away from it by more than `force`, gives this step up: it
+/// goes back by `retreat` and lands. Its next step is at least `height` high, and goes straight up first,
+/// until rise_phase; in that one there is no reflex, nor is there in any step beyond retarget_phase. (A
+/// scheduler that takes every force for a touchdown from some phase on, as FootScheduler does, ends it
+/// there.) Both conditions count: a foot that is off its course and free belongs to a trunk that tips, and
+/// has to reach its foothold.
 ///
 /// In the air no foot is sent farther from its hip than a leg with a bent knee reaches, wherever the trunk
 /// is: through a straight one the knee would snap to the other side, and there is no force to get it back.

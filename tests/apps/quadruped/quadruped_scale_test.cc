@@ -22,6 +22,7 @@ TEST(QuadrupedScaleTest, ForcesGoWithTheWeightAndBlocksWithTheLegs) {
   EXPECT_NEAR(a1.world.plant.terrain.field->kinds[1].height, kLength * 0.035, 1e-12);
   EXPECT_NEAR(a1.locomotion.swing_planner.step.height, kLength * dogbot.locomotion.swing_planner.step.height,
               1e-12);
+  EXPECT_NEAR(a1.locomotion.swing_planner.step.reflex.height, kLength * 0.1, 1e-12);
   const QuadrupedWalkParams pushed = MakeWalkParams(Load("A3", {"robot=a1", "scale_forces=true"}));
   EXPECT_NEAR(pushed.world.pulses[0].push.force_W[0], kWeight * 80, 1e-9);
 }

@@ -159,6 +159,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     builder.Connect(*body, planner.body);
     builder.Connect(world.state, planner.state);
     builder.Connect(*ground, planner.ground);
+    builder.Connect(world.foot_forces, planner.foot_forces);
     builder.Connect(wrench, planner.wrench);
     feet = &planner.feet;
   }

@@ -392,69 +392,98 @@ TEST(SwingPlannerTest, StepsAlongASlope) {
   EXPECT_NEAR(over_ground(uphill.Foothold(kFrontLeft)), clearance, 1e-12);
 }
 
-// The foot of this robot never leaves its place; the path takes its foothold 0.2 m ahead. A force from ahead
-// is what the side of a block does to it.
+// The feet of this robot never leave their places; the path takes their footholds 0.2 m ahead. The force on
+// one of them is what the side of a block does to it.
 class AgainstABlock : public Trot {
  public:
-  explicit AgainstABlock(double push, const SwingPlannerParams& params = Params()) : Trot(params) {
+  explicit AgainstABlock(const Vec<3>& force, const SwingPlannerParams& params = Params()) : Trot(params) {
     path.velocity << 0.6, 0;
-    forces[kFrontLeft] << -push, 0, 0;
+    forces[kFrontLeft] = force;
   }
-  Eigen::Vector2d Step() { return (Foothold(kFrontLeft) - Foot(kFrontLeft)).head<2>(); }
+  Vec<3> Step(Leg leg) { return Foothold(leg) - Foot(leg); }
 };
 
 TEST(SwingPlannerTest, AFootThatMeetsABlockGoesBackAndLands) {
+  SwingPlannerParams params = Params();
+  params.step.retarget_phase = 0.4;
+  AgainstABlock trot({-50, 0, 0}, params);
+  const auto swing = trot.Swing();
+  const Vec<3> begin = trot.Foot(kFrontLeft);
+  EXPECT_THAT(trot.Step(kFrontLeft), IsNear(Vec<3>(-0.02, 0, 0), 1e-12));
+  EXPECT_GT(trot.Step(kRearRight)[0], 0.1) << "nothing is in its way";
+  std::size_t n = 0;
+  while (swing[n].p_W[0] >= swing[n == 0 ? 0 : n - 1].p_W[0]) ++n;
+  EXPECT_THAT(swing[n].p_W.head<2>(), IsNear(begin.head<2>(), 1e-12)) << "it goes on from where it is";
+  EXPECT_GT(swing[n - 1].p_W[0] - begin[0], 0.027) << "a tick of 2 mm before the lag of 0.03 m";
+  ExpectConsistent({swing.begin() + static_cast<int>(n), swing.end()});
+}
+
+TEST(SwingPlannerTest, OnlyWhatPushesAFootBackIsABlock) {
   const double threshold = 0.05 * Params().robot.mass() * 9.81;
-  AgainstABlock held(1.1 * threshold), touched(0.9 * threshold);
-  const auto swing = held.Swing();
-  touched.Swing();
-  EXPECT_THAT(held.Step(), IsNear(Eigen::Vector2d(-0.02, 0), 1e-3));
-  EXPECT_GT(touched.Step()[0], 0.1);
-  double farthest = 0;
-  for (const FootReference& foot : swing)
-    farthest = std::max(farthest, foot.p_W[0] - held.Foot(kFrontLeft)[0]);
-  EXPECT_GT(farthest, 0.027);
-  EXPECT_LT(farthest, 0.03) << "there is one tick of 2 mm to the lag at which it goes back";
-  EXPECT_THAT(swing.back().p_W, IsNear(held.Foothold(kFrontLeft), 1e-12));
+  AgainstABlock held({-1.1 * threshold, 0, 0}), touched({-0.9 * threshold, 0, 0}), ground({0, 0, 200}),
+      aside({0, 200, 0}), along({200, 0, 0});
+  for (AgainstABlock* trot : {&held, &touched, &ground, &aside, &along}) trot->Swing();
+  EXPECT_LT(held.Step(kFrontLeft)[0], 0);
+  for (AgainstABlock* trot : {&touched, &ground, &aside, &along})
+    EXPECT_GT(trot->Step(kFrontLeft)[0], 0.1) << trot->forces[kFrontLeft].transpose();
+}
+
+TEST(SwingPlannerTest, AFootThatGoesBackFindsTheGroundOfASlope) {
+  AgainstABlock trot({-50, 0, 0});
+  trot.ground.slope << 0.2, 0;
+  trot.state = StandingOn(Params().robot, trot.ground);
+  trot.Swing();
+  EXPECT_NEAR(trot.Step(kFrontLeft)[0], -0.02, 1e-12);
+  EXPECT_NEAR(trot.Step(kFrontLeft)[2], -0.02 * 0.2, 1e-12);
 }
 
 TEST(SwingPlannerTest, TheStepAfterThatIsHighAndGoesUpFirst) {
-  AgainstABlock trot(50);
+  SwingPlannerParams params = Params();
+  params.step.reflex.rise_phase = 35.0 / kSwingTicks;
+  AgainstABlock trot({-50, 0, 0}, params);
   trot.Swing();
-  trot.forces = FootForces();
-  const auto swing = trot.Swing();
+  const auto swing = trot.Swing();  // in which there is no reflex
   const Vec<3> begin = trot.Foot(kFrontLeft);
-  ExpectConsistent({swing.begin(), swing.begin() + 35}, 4);  // it goes on over ground between two ticks
-  ExpectConsistent({swing.begin() + 35, swing.end()}, 4);
+  ExpectConsistent(swing, 4);
   EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
-  for (std::size_t n = 0; n <= 34; ++n)  // 0.3 of 115 ticks
+  for (std::size_t n = 0; n <= 35; ++n)
     EXPECT_THAT(swing[n].p_W.head<2>(), IsNear(begin.head<2>(), 1e-12)) << n;
-  EXPECT_GT(swing[34].p_W[2], begin[2] + 0.05) << "above a block of 4 cm";
+  EXPECT_GT(swing[35].p_W[2], begin[2] + 0.05) << "above a block of 4 cm";
   EXPECT_NEAR(Top(swing, begin), 0.1, 1e-4);
-  EXPECT_GT(trot.Step()[0], 0.1);
+  EXPECT_GT(trot.Step(kFrontLeft)[0], 0.1);
+  trot.forces = FootForces();
   EXPECT_NEAR(Top(trot.Swing(), begin), 0.05, 1e-4) << "the one after it is as ever";
+}
+
+TEST(SwingPlannerTest, AHighStepIsNotLowerThanTheOthers) {
+  SwingPlannerParams params = Params();
+  params.step.height = 0.12;
+  AgainstABlock trot({-50, 0, 0}, params);
+  trot.Swing();
+  EXPECT_NEAR(Top(trot.Swing(), trot.Foot(kFrontLeft)), 0.12, 1e-4);
 }
 
 TEST(SwingPlannerTest, TheReflexIsAnOption) {
   SwingPlannerParams params = Params();
   params.step.reflex.enabled = false;
-  AgainstABlock with(50), without(50, params), alone(0, params);
+  AgainstABlock with({-50, 0, 0}), without({-50, 0, 0}, params), alone({0, 0, 0}, params);
   for (AgainstABlock* trot : {&with, &without, &alone}) trot->Swing();
-  EXPECT_EQ(without.Step(), alone.Step());
-  EXPECT_NE(with.Step(), alone.Step());
+  EXPECT_EQ(without.Step(kFrontLeft), alone.Step(kFrontLeft));
+  EXPECT_NE(with.Step(kFrontLeft), alone.Step(kFrontLeft));
 }
 
 TEST(SwingPlannerTest, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  Trot trot;
+  AgainstABlock trot({-50, 0, 0});
   trot.Set(kStance);
   trot.Tick();
   AllocationGuard guard;
   for (const ContactState state : {kSwing, kSwing, kLate, kSearching, kStance}) {
-    trot.Set(state, 0.5);
+    trot.Set(state, trot.schedule.legs[kFrontLeft].phase == 0 ? 0.001 : 0.5);
     trot.Tick();
   }
   EXPECT_EQ(guard.count(), 0);
+  EXPECT_LT(trot.Step(kFrontLeft)[0], 0.03) << "the reflex was part of it";
 }
 
 TEST(SwingPlannerTest, RefusesNonsense) {
@@ -482,7 +511,7 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(reflex_refuses(&StepReflex::force, -1, "reflex.force_mg is -1"));
   EXPECT_TRUE(reflex_refuses(&StepReflex::retreat, -1, "reflex.retreat_m is -1 m"));
   EXPECT_TRUE(reflex_refuses(&StepReflex::height, 0, "reflex.height_m is 0 m"));
-  EXPECT_TRUE(reflex_refuses(&StepReflex::rise_phase, 1, "reflex.rise_phase is 1"));
+  EXPECT_TRUE(reflex_refuses(&StepReflex::rise_phase, 0.6, "reflex.rise_phase is 0.6"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));

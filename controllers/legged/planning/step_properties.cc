@@ -1,0 +1,39 @@
+#include <tenon/controllers/legged/planning/step_properties.h>
+
+#include <fmt/core.h>
+
+#include <tenon/systems/framework/errors.h>
+
+namespace tenon {
+
+void StepReflex::Validate() const {
+  Demand(lag > 0, fmt::format("reflex.lag_m is {} m: it must be positive", lag));
+  Demand(force >= 0, fmt::format("reflex.force_mg is {}: it must not be negative", force));
+  Demand(retreat >= 0, fmt::format("reflex.retreat_m is {} m: it must not be negative", retreat));
+  Demand(height > 0, fmt::format("reflex.height_m is {} m: it must be positive", height));
+  Demand(rise_phase >= 0 && rise_phase <= 0.5,
+         fmt::format("reflex.rise_phase is {}: it must be 0 to 0.5, where the foot is highest", rise_phase));
+}
+
+void StepProperties::Validate() const {
+  Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
+  Demand(touchdown_speed > 0,
+         fmt::format("a touchdown at {} m/s: it must be positive, or a late foot never finds the ground",
+                     touchdown_speed));
+  Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
+  Demand(velocity_feedback >= 0,
+         fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
+  Demand(retarget_phase >= 0 && retarget_phase < 1,
+         fmt::format("a retarget phase of {}: it must be at least 0 and less than 1, where the swing ends",
+                     retarget_phase));
+  Demand(
+      shift_bandwidth > 0,
+      fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
+  Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
+  Demand(free_offset >= 0, fmt::format("a free offset of {} m: it must not be negative", free_offset));
+  Demand(free_turn >= 0, fmt::format("a free turn of {} rad: it must not be negative", free_turn));
+  Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
+  reflex.Validate();
+}
+
+}  // namespace tenon
