@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/system.h>
 
 namespace tenon {
 
