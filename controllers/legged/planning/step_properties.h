@@ -14,12 +14,9 @@ struct StepReflex {
   double rise_phase = 0.3;  ///< part of that step in which it only rises
 
   static FieldList Fields() {
-    return {{"enabled", &StepReflex::enabled},
-            {"lag_m", &StepReflex::lag},
-            {"force_mg", &StepReflex::force},
-            {"retreat_m", &StepReflex::retreat},
-            {"height_m", &StepReflex::height},
-            {"rise_phase", &StepReflex::rise_phase}};
+    return {{"enabled", &StepReflex::enabled}, {"lag_m", &StepReflex::lag},
+            {"force_mg", &StepReflex::force},  {"retreat_m", &StepReflex::retreat},
+            {"height_m", &StepReflex::height}, {"rise_phase", &StepReflex::rise_phase}};
   }
   void Validate() const;  ///< throws ParameterError
 };
