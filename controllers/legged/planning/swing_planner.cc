@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/shortened.h>
@@ -93,7 +92,6 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                             const FootForces& foot_forces, const WrenchEstimate& wrench,
                             const StepProperties& step, Memory& memory, Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
-  const double weight = mass_ * params.gravity;
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
     foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
@@ -113,36 +111,25 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
-      if (!lifts_off && schedule.legs[i].phase > step.retarget_phase) continue;
-      if (lifts_off) leg.high = std::exchange(leg.blocked, false);
-      if (!lifts_off && step.reflex.enabled && !leg.blocked && !leg.high) {
-        FootReference course = Swing(leg, step, schedule.legs[i].phase, swing);
-        KeepBent(leg.hip, stance.longest[i], &course);
-        const Eigen::Vector2d off = (foot[i] - course.p_W).head<2>(), back = off.normalized();
-        const double push = foot_forces[static_cast<int>(i)].head<2>().dot(back);
-        if (off.norm() > step.reflex.lag && push > step.reflex.force * weight) {
-          leg.blocked = true;
-          leg.from = {.position = foot[i].head<2>()};
-          leg.from_time = t;
-          leg.foothold.head<2>() = leg.from.position + step.reflex.retreat * back;
-          leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
-        }
-      }
-      if (leg.blocked) continue;
-      const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
-      const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
+      if (!lifts_off && (leg.blocked || schedule.legs[i].phase > step.retarget_phase)) continue;
+      Eigen::Vector2d back = Eigen::Vector2d::Zero();
       if (lifts_off) {
-        leg.from = {.position = foot[i].head<2>()};
-        leg.from_time = 0;
+        leg.high = leg.blocked;
         leg.lift_off = foot[i];
         leg.ground = ground;
         leg.ground.p_W[2] += params.robot.foot_radius / ground.Normal()[2];
       } else {
-        leg.from = Course(leg, step, swing, t);
-        leg.from_time = t;
+        back = PushedBack(i, schedule, leg, foot[i], foot_forces[static_cast<int>(i)], step);
       }
-      leg.foothold.head<2>() =
-          Foothold(i, schedule, below, ground.slope, step.velocity_feedback * v_error + memory.shift);
+      leg.blocked = !back.isZero(0);
+      leg.from =
+          lifts_off || leg.blocked ? PlanarPoint{.position = foot[i].head<2>()} : Course(leg, step, swing, t);
+      leg.from_time = lifts_off ? 0 : t;
+      const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
+      const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
+      leg.foothold.head<2>() = leg.blocked ? Eigen::Vector2d(leg.from.position + step.reflex.retreat * back)
+                                           : Foothold(i, schedule, below, ground.slope,
+                                                      step.velocity_feedback * v_error + memory.shift);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();
@@ -155,10 +142,22 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   *plan = memory;
 }
 
+/// The horizontal direction in which something pushes a swinging foot that is off its course back; else zero.
+Eigen::Vector2d SwingPlanner::PushedBack(std::size_t i, const ContactSchedule& schedule, const LegMemory& leg,
+                                         const Vec<3>& foot, const Vec<3>& force,
+                                         const StepProperties& step) const {
+  const double least = step.reflex.force * weight_;
+  if (!step.reflex.enabled || leg.high || force.head<2>().norm() <= least) return Eigen::Vector2d::Zero();
+  FootReference course = Swing(leg, step, schedule.legs[i].phase, schedule.timing.swing);
+  KeepBent(leg.hip, stance.longest[i], &course);
+  const Eigen::Vector2d off = (foot - course.p_W).head<2>(), back = off.normalized();
+  const bool pushed = off.norm() > step.reflex.lag && force.head<2>().dot(back) > least;
+  return pushed ? back : Eigen::Vector2d::Zero();
+}
+
 Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {
   const Vec<3>&f = wrench.force_W, &t = wrench.torque_W;
-  const double weight = mass_ * params.gravity;
-  const double load = std::max(weight - f[2], kLeastWeight * weight);
+  const double load = std::max(weight_ - f[2], kLeastWeight * weight_);
   const Eigen::Vector2d shift(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
   const double length = shift.norm() / load, free = step.free_shift;
   if (length <= free) return Eigen::Vector2d::Zero();

@@ -147,13 +147,15 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
 
+  Eigen::Vector2d PushedBack(std::size_t leg, const ContactSchedule& schedule, const LegMemory& memory,
+                             const Vec<3>& foot, const Vec<3>& force, const StepProperties& step) const;
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
                            const Eigen::Vector2d& slope, const Eigen::Vector2d& correction) const;
   PlanarPath BelowTheRobot(const PlanarPath& path, const BodyReference& body, const LeggedState& state,
                            const StepProperties& step) const;
 
-  const double mass_ = params.robot.mass();
+  const double weight_ = params.robot.mass() * params.gravity;
 };
 
 }  // namespace tenon
