@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -99,8 +101,8 @@ double Top(const std::vector<FootReference>& motion, const Vec<3>& begin) {
   return top;
 }
 
-/// `snap`: how many times those of a step of 5 cm in height; its jerk at lift-off is 11000 m/s^3, and a jump
-/// of the acceleration would be 90 m/s^2.
+/// `snap`: its derivatives over those of a step of 5 cm, whose jerk at lift-off is 11000 m/s^3; a jump of its
+/// acceleration would be 90 m/s^2.
 void ExpectConsistent(const std::vector<FootReference>& motion, double snap = 1) {
   const double dt = 1e-3;
   for (std::size_t n = 1; n < motion.size(); ++n) {
@@ -411,11 +413,12 @@ TEST(SwingPlannerTest, AFootThatMeetsABlockGoesBackAndLands) {
   const Vec<3> begin = trot.Foot(kFrontLeft);
   EXPECT_THAT(trot.Step(kFrontLeft), IsNear(Vec<3>(-0.02, 0, 0), 1e-12));
   EXPECT_GT(trot.Step(kRearRight)[0], 0.1) << "nothing is in its way";
-  std::size_t n = 0;
-  while (swing[n].p_W[0] >= swing[n == 0 ? 0 : n - 1].p_W[0]) ++n;
-  EXPECT_THAT(swing[n].p_W.head<2>(), IsNear(begin.head<2>(), 1e-12)) << "it goes on from where it is";
-  EXPECT_GT(swing[n - 1].p_W[0] - begin[0], 0.027) << "a tick of 2 mm before the lag of 0.03 m";
-  ExpectConsistent({swing.begin() + static_cast<int>(n), swing.end()});
+  const auto turned = std::is_sorted_until(
+      swing.begin(), swing.end(),
+      [](const FootReference& a, const FootReference& b) { return a.p_W[0] < b.p_W[0]; });
+  EXPECT_THAT(turned->p_W.head<2>(), IsNear(begin.head<2>(), 1e-12)) << "it goes on from where it is";
+  EXPECT_GT(std::prev(turned)->p_W[0] - begin[0], 0.027) << "a tick of 2 mm before the lag of 0.03 m";
+  ExpectConsistent({turned, swing.end()});
 }
 
 TEST(SwingPlannerTest, OnlyWhatPushesAFootBackIsABlock) {
@@ -478,40 +481,37 @@ TEST(SwingPlannerTest, DoesNotAllocate) {
   trot.Set(kStance);
   trot.Tick();
   AllocationGuard guard;
+  double step = 0;
   for (const ContactState state : {kSwing, kSwing, kLate, kSearching, kStance}) {
-    trot.Set(state, trot.schedule.legs[kFrontLeft].phase == 0 ? 0.001 : 0.5);
+    trot.Set(state, 0.5);
     trot.Tick();
+    if (state == kLate) step = trot.Step(kFrontLeft)[0];
   }
   EXPECT_EQ(guard.count(), 0);
-  EXPECT_LT(trot.Step(kFrontLeft)[0], 0.03) << "the reflex was part of it";
+  EXPECT_LT(step, 0) << "the reflex was part of it";
 }
 
 TEST(SwingPlannerTest, RefusesNonsense) {
-  const auto refuses = [](double StepProperties::*member, double value, const std::string& a) {
+  const auto refuses = [](const StepProperties& step, const std::string& a) {
     SwingPlannerParams params = Params();
-    params.step.*member = value;
+    params.step = step;
     return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
   };
-  EXPECT_TRUE(refuses(&StepProperties::height, 0, "height 0 m"));
-  EXPECT_TRUE(refuses(&StepProperties::touchdown_speed, 0, "touchdown at 0 m/s"));
-  EXPECT_TRUE(refuses(&StepProperties::search_depth, -1, "search depth of -1 m"));
-  EXPECT_TRUE(refuses(&StepProperties::velocity_feedback, -1, "feedback of -1 s"));
-  EXPECT_TRUE(refuses(&StepProperties::retarget_phase, 1, "retarget phase of 1"));
-  EXPECT_TRUE(refuses(&StepProperties::shift_bandwidth, 0, "bandwidth of 0 rad/s"));
-  EXPECT_TRUE(refuses(&StepProperties::free_shift, -1, "free shift of -1 m"));
-  EXPECT_TRUE(refuses(&StepProperties::free_offset, -1, "free offset of -1 m"));
-  EXPECT_TRUE(refuses(&StepProperties::free_turn, -1, "free turn of -1 rad"));
-  EXPECT_TRUE(refuses(&StepProperties::largest_shift, -1, "shift of -1 m"));
-  const auto reflex_refuses = [](double StepReflex::*member, double value, const std::string& a) {
-    SwingPlannerParams params = Params();
-    params.step.reflex.*member = value;
-    return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
-  };
-  EXPECT_TRUE(reflex_refuses(&StepReflex::lag, 0, "reflex.lag_m is 0 m"));
-  EXPECT_TRUE(reflex_refuses(&StepReflex::force, -1, "reflex.force_mg is -1"));
-  EXPECT_TRUE(reflex_refuses(&StepReflex::retreat, -1, "reflex.retreat_m is -1 m"));
-  EXPECT_TRUE(reflex_refuses(&StepReflex::height, 0, "reflex.height_m is 0 m"));
-  EXPECT_TRUE(reflex_refuses(&StepReflex::rise_phase, 0.6, "reflex.rise_phase is 0.6"));
+  EXPECT_TRUE(refuses({.height = 0}, "height 0 m"));
+  EXPECT_TRUE(refuses({.touchdown_speed = 0}, "touchdown at 0 m/s"));
+  EXPECT_TRUE(refuses({.search_depth = -1}, "search depth of -1 m"));
+  EXPECT_TRUE(refuses({.velocity_feedback = -1}, "feedback of -1 s"));
+  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget phase of 1"));
+  EXPECT_TRUE(refuses({.shift_bandwidth = 0}, "bandwidth of 0 rad/s"));
+  EXPECT_TRUE(refuses({.free_shift = -1}, "free shift of -1 m"));
+  EXPECT_TRUE(refuses({.free_offset = -1}, "free offset of -1 m"));
+  EXPECT_TRUE(refuses({.free_turn = -1}, "free turn of -1 rad"));
+  EXPECT_TRUE(refuses({.largest_shift = -1}, "shift of -1 m"));
+  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "reflex.lag_m is 0 m"));
+  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "reflex.force_mg is -1"));
+  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "reflex.retreat_m is -1 m"));
+  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "reflex.height_m is 0 m"));
+  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "reflex.rise_phase is 0.6"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
