@@ -31,6 +31,8 @@ struct BrokenCableDetectorParams {
 ///               command  to the winches [N]
 ///     port out  broken   1 if so, else 0, one per cable, sampled; a tick later, so that the command may
 ///                        depend on it
+///
+/// @throws RunError in the loop if the signals are those of another number of cables.
 class BrokenCableDetector final : public LeafSystem<BrokenCableDetectorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -63,6 +63,15 @@ TEST_F(BrokenCableDetectorTest, IfNoCablePullsTheMeasurementFails) {
   EXPECT_EQ(After(Of(0, 0, 0, 0), commands, 200), Of(0, 0, 0, 0));
 }
 
+TEST_F(BrokenCableDetectorTest, RefusesSignalsOfAnotherRobot) {
+  const auto refuses = [&](int tensions, int commands) {
+    rig.Fix(rig->cables, CableSignals::Zero(tensions)).Fix(rig->command, CableVector::Zero(commands));
+    EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "signals of 3 cables, but its num_cables is 4"));
+  };
+  refuses(3, 4);
+  refuses(4, 3);
+}
+
 TEST(BrokenCableDetectorParamsTest, RefusesNonsense) {
   const auto refuses = [](const BrokenCableDetectorParams& params, const char* what) {
     EXPECT_TRUE(Throws<ParameterError>([&] { BrokenCableDetector detector(params); }, what));

@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <sstream>
 #include <thread>
 
@@ -84,21 +86,25 @@ TEST(BackgroundLogTest, RunGoesOnWhileTheDiskIsBusy) {
   ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
   const int reader = open(file.c_str(), O_RDONLY | O_NONBLOCK);
   constexpr int kRows = 10000;
-  std::thread emptied;
+  std::promise<void> all_rows;
+  bool went_on = false;
   std::string text;
+  std::thread emptied([&] {
+    went_on = all_rows.get_future().wait_for(std::chrono::seconds(10)) == std::future_status::ready;
+    fcntl(reader, F_SETFL, 0);
+    std::array<char, 4096> part;
+    for (ssize_t size = 0; (size = read(reader, part.data(), part.size())) > 0;)
+      text.append(part.data(), static_cast<std::size_t>(size));
+  });
   {
     BackgroundLog log({std::make_shared<CsvLog>(file)});
     log.Begin({"time", "a"}, {"s", ""});
     for (int i = 0; i < kRows; ++i) log.Row(std::vector<double>{1.0 * i, 1.0 / 3});
-    emptied = std::thread([&] {
-      fcntl(reader, F_SETFL, 0);
-      std::array<char, 4096> part;
-      for (ssize_t size = 0; (size = read(reader, part.data(), part.size())) > 0;)
-        text.append(part.data(), static_cast<std::size_t>(size));
-    });
+    all_rows.set_value();
   }
   emptied.join();
   close(reader);
+  EXPECT_TRUE(went_on) << "rows waited for the pipe to be read";
   std::istringstream lines(text);
   EXPECT_EQ(Lines(lines).size(), kRows + 1);
   EXPECT_THAT(text, EndsWith("\n9999,0.333333333\n"));
