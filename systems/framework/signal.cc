@@ -1,10 +1,12 @@
 #include <tenon/systems/framework/signal.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-
-#include <tenon/systems/framework/errors.h>
+#include <limits>
+#include <type_traits>
 
 namespace tenon {
 
@@ -108,6 +110,62 @@ void ForEachRun(const TypeInfo& type, const void* value, Function function) {
   }
 }
 
+/// Whether an element of that type can hold the number as it is.
+template <class T>
+bool CanHold(double number) {
+  using Limits = std::numeric_limits<T>;
+  if constexpr (std::is_same_v<T, double>) {
+    return true;
+  } else if constexpr (std::is_same_v<T, float>) {
+    return !(std::abs(number) > Limits::max()) || std::isinf(number);
+  } else {
+    constexpr double kEnd = 2.0 * static_cast<double>(Limits::max() / 2 + 1);  // max() may be no double
+    return number == std::floor(number) && number >= static_cast<double>(Limits::min()) && number < kEnd;
+  }
+}
+
+template <class T>
+std::string WhatItHolds() {
+  if constexpr (std::is_floating_point_v<T>) return "what single precision can hold";
+  if constexpr (std::is_same_v<T, bool>) return "0 or 1";
+  return fmt::format("a whole number from {} to {}", std::numeric_limits<T>::min(),
+                     std::numeric_limits<T>::max());
+}
+
+class DoubleReader final : public ValueVisitor {
+ public:
+  DoubleReader(const TypeInfo& type, const void* value, const double* in)
+      : type_(type), value_(value), in_(in) {}
+  void Number(void* data, const TypeInfo& type) override {
+    if (type.names.empty()) return Numbers(data, type.scalar, 1, 1);
+    WithKind(type.scalar, data, [&]<class T>(T* number) {
+      const bool holds = CanHold<T>(in_[count_]);
+      if (holds) *number = static_cast<T>(in_[count_]);
+      if (!holds || !IsNamed(type, number)) Refuse(NamedValues(type));
+    });
+    ++count_;
+  }
+  void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    WithKind(kind, data, [&]<class T>(T* first) {
+      for (T* each = first; each != first + rows * cols; ++each) {
+        if (!CanHold<T>(in_[count_])) Refuse(WhatItHolds<T>());
+        *each = static_cast<T>(in_[count_++]);
+      }
+    });
+  }
+
+ private:
+  [[noreturn]] void Refuse(const std::string& allowed) const {
+    const std::string name = ListElements(type_, value_, "")[count_].name;
+    throw NumberError(fmt::format("{} cannot be {}: give {}", name.empty() ? "it" : "'" + name + "'",
+                                  in_[count_], allowed));
+  }
+  const TypeInfo& type_;
+  const void* value_;
+  const double* in_;
+  std::size_t count_ = 0;
+};
+
 [[noreturn]] void ThrowOpaque() {
   throw Error("its type does not describe itself: give it a static Fields() to make it storable");
 }
@@ -142,9 +200,7 @@ class Loader final : public ValueVisitor {
   }
   void Number(void* data, const TypeInfo& type) override {
     Numbers(data, type.scalar, 1, 1);
-    if (type.names.empty() ||
-        std::ranges::count(type.names, LoadInteger(type.scalar, data), &NamedValue::value) > 0)
-      return;
+    if (IsNamed(type, data)) return;
     throw RunError("the snapshot is damaged: an enumeration has a value without a name");
   }
   void Resize(std::size_t* rows, std::size_t* cols) override {
@@ -208,11 +264,28 @@ double* ToDoubles(const TypeInfo& type, const void* value, double* out) {
 }
 
 void FromDoubles(const TypeInfo& type, void* value, const double* in) {
-  ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
-    WithKind(kind, data, [&]<class T>(T* first) {
-      for (std::size_t i = 0; i < count; ++i) first[i] = static_cast<T>(*in++);
-    });
-  });
+  const auto is_double = [](const ScalarRun& run) { return run.kind == ScalarKind::kDouble; };
+  if (type.fixed && std::ranges::all_of(type.runs, is_double)) {
+    for (const ScalarRun& run : type.runs) {
+      std::copy_n(in, run.count, reinterpret_cast<double*>(static_cast<std::byte*>(value) + run.offset));
+      in += run.count;
+    }
+    return;
+  }
+  DoubleReader reader(type, value, in);
+  Walk(type, value, reader);
+}
+
+bool IsNamed(const TypeInfo& type, const void* value) {
+  return type.names.empty() ||
+         std::ranges::count(type.names, LoadInteger(type.scalar, value), &NamedValue::value) > 0;
+}
+
+std::string NamedValues(const TypeInfo& type) {
+  std::string list;
+  for (const auto& [value, name] : type.names)
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", value, name);
+  return list;
 }
 
 Finiteness FinitenessOf(const TypeInfo& type, const void* value) {

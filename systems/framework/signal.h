@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/type_info.h>
 
 namespace tenon {
@@ -48,7 +49,20 @@ std::vector<Element> ListElements(const TypeInfo& type, const void* value, const
 std::size_t CountScalars(const TypeInfo& type, const void* value);
 /// Writes all numbers of a value; returns the end of what it wrote.
 double* ToDoubles(const TypeInfo& type, const void* value, double* out);
+/// A number that an element of a value cannot hold: which element, and what it can be; whose, says who
+/// catches it.
+class NumberError : public ParameterError {
+ public:
+  using ParameterError::ParameterError;
+};
+/// Reads all numbers of a value. Throws NumberError at the first that is no value of its element, a fraction
+/// for an integer, say; those before it are written.
 void FromDoubles(const TypeInfo& type, void* value, const double* in);
+
+/// False for an enumeration with names of which none has this value.
+bool IsNamed(const TypeInfo& type, const void* value);
+/// "0 (stance), 1 (swing)"
+std::string NamedValues(const TypeInfo& type);
 
 enum class Finiteness { kFinite, kInfinite, kNan };
 Finiteness FinitenessOf(const TypeInfo& type, const void* value);

@@ -124,6 +124,19 @@ void LiveRun::LetGo() {
   drives_ = pulls_ = false;
 }
 
+/// Whether what was set is not as `release` sets it.
+bool LiveRun::IsHeld(const LiveSets& release) const {
+  return std::ranges::any_of(release, [&](const LiveSet& set) {
+    const LiveSet* last = nullptr;
+    for (const LiveEntry& entry : file_.entries()) {
+      for (const LiveSet& each : entry.sets) {
+        if (each.path == set.path) last = &each;
+      }
+    }
+    return last != nullptr && last->values != set.values;
+  });
+}
+
 Json LiveRun::Do(const std::string& client, const Json& command) {
   const auto name = command.at("command").get<std::string>();
   if (name == "take") {
@@ -217,8 +230,10 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
   }
 }
 
+/// All or none.
 void LiveRun::Apply(LiveSets sets) {
   LiveEntry entry{time(), std::move(sets)};
+  if (entry.sets.size() > 1) ApplyEntry(*context().Clone(), entry);
   ApplyEntry(context(), entry);
   file_.Add(std::move(entry));
 }

@@ -8,7 +8,8 @@
 
 namespace tenon::internal {
 
-/// Sets the values of an entry; throws what Context::SetDoubles throws, and Error for an unknown path.
+/// Sets the values of an entry, one after the other; throws what Context::SetDoubles throws, and Error for an
+/// unknown path.
 void ApplyEntry(Context& context, const LiveEntry& entry);
 
 /// Writes a recording as the run goes on: after every entry the file is whole.

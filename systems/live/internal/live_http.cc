@@ -35,6 +35,11 @@ std::string RandomToken() {
   return token;
 }
 
+/// As a URL has it.
+std::string HostOf(const std::string& address) {
+  return address.find(':') == address.npos ? address : "[" + address + "]";
+}
+
 }  // namespace
 
 struct LiveHttp::Impl {
@@ -158,12 +163,13 @@ LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
                     address, port));
   }
   if (!local) impl_->token = RandomToken();
-  std::string shown = address;
-  if (std::array<char, 256> name{}; address == "0.0.0.0" && gethostname(name.data(), name.size() - 1) == 0)
+  std::string shown = HostOf(address);
+  const bool any = address == "0.0.0.0" || address == "::";
+  if (std::array<char, 256> name{}; any && gethostname(name.data(), name.size() - 1) == 0)
     shown = name.data();
   impl_->url = fmt::format("http://{}:{}/", shown, impl_->port);
   if (!local) impl_->url += "?token=" + impl_->token;
-  for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), address})
+  for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), HostOf(address)})
     impl_->hosts.push_back(fmt::format("{}:{}", name, impl_->port));
   impl_->Serve();
 }

@@ -7,6 +7,7 @@
 
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/program.h>
 
 namespace tenon::internal {
 namespace {
@@ -36,6 +37,13 @@ LiveRun::LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& 
     simulator_.AddLog(options.frame_rate, {view.shapes.begin(), view.shapes.end()}, {frames_});
   start_ = context().Save();
   Begin();
+}
+
+/// The simulator keeps its logs.
+LiveRun::~LiveRun() {
+  signals_->muted = frames_->muted = true;
+  signals_->Clear();
+  frames_->Clear();
 }
 
 void LiveRun::Begin() {
@@ -123,8 +131,8 @@ void LiveRun::Advance(double until, bool to_tick) {
       ended_ = status;
       state_ = State::kEnded;
       SayEvent(status.reason);
-    } else if (!signals_->muted && time() - snapshots_.back().time >= kSnapshotPeriod - 1e-9) {
-      TakeSnapshot();
+    } else if (!to_tick && !signals_->muted && time() - snapshots_.back().time >= kSnapshotPeriod - 1e-9) {
+      TakeSnapshot();  // before its tick, which what is set there must reach
     }
   } catch (const Error& error) {
     failure_ = std::current_exception();
@@ -224,7 +232,10 @@ void LiveRun::Back(double to) {
   Advance(to);
   signals_->muted = frames_->muted = false;
   file_.DropFrom(to);
-  pulls_ = false;
+  const LiveControls& controls = view_.controls;
+  drives_ = controls.drive && IsHeld(controls.drive->set(Vec<3>::Zero()));
+  pulls_ = false;  // the hand is elsewhere by now
+  if (controls.pull && IsHeld(controls.pull->release())) Apply(controls.pull->release());
   RestartClock();
   // The tick at this time is still to come, and sends its samples again.
   channel_.Say(time(), "back", Dump({{"to_s", std::max(0.0, time() - 1e-9)}}));
@@ -239,10 +250,12 @@ void LiveRun::Reset(std::uint64_t seed) {
   }
   context().Restore(start_);
   const auto fresh = context().diagram().CreateContext(seed);
-  for (const ParameterSource* parameter : parameters_)
-    fresh->SetDoubles(*parameter, context().EvalDoubles(*parameter));
-  start_ = fresh->Save();
-  context().Restore(start_);
+  for (const Cell& cell : context().diagram().program().cells) {
+    if (cell.source->kind() != SourceKind::kRandom) continue;
+    const auto& stream = static_cast<const Random&>(*cell.source);
+    context().Set(stream, fresh->Eval(stream));
+  }
+  start_ = context().Save();
   file_ = LiveFile(options_.recording, seed);
   failure_ = nullptr;
   drives_ = pulls_ = false;

@@ -19,6 +19,9 @@ namespace tenon::internal {
 class LiveRun {
  public:
   LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& options, LiveChannel& channel);
+  ~LiveRun();
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
   RunStatus Run(std::optional<double> duration);
   /// Does what a command says and returns the answer; never throws for what is wrong with the command.
   LiveReply Execute(const std::string& client, const std::string& json);
@@ -64,6 +67,7 @@ class LiveRun {
   bool HasDriver() const;
   void LetGoIfAbandoned();
   void LetGo();
+  bool IsHeld(const LiveSets& release) const;
 
   Simulator& simulator_;
   const LiveView& view_;

@@ -15,13 +15,20 @@ namespace {
 
 class KindVisitor final : public ValueVisitor {
  public:
-  explicit KindVisitor(std::vector<ScalarKind>& kinds) : kinds_(kinds) {}
+  KindVisitor(std::vector<ScalarKind>& kinds, std::vector<const TypeInfo*>& enumerations)
+      : kinds_(kinds), enumerations_(enumerations) {}
+  void Number(void*, const TypeInfo& type) override {
+    kinds_.push_back(type.scalar);
+    enumerations_.push_back(type.names.empty() ? nullptr : &type);
+  }
   void Numbers(void*, ScalarKind kind, std::size_t rows, std::size_t cols) override {
     kinds_.insert(kinds_.end(), rows * cols, kind);
+    enumerations_.resize(kinds_.size());
   }
 
  private:
   std::vector<ScalarKind>& kinds_;
+  std::vector<const TypeInfo*>& enumerations_;
 };
 
 template <class Element>
@@ -103,6 +110,8 @@ class JsonReader::Handler {
     const std::size_t i = next_++;
     if (reader_.given_[i]) return Refuse("'{}' is there twice", path_);
     if (!Fits(number, reader_.kinds_[i])) return Refuse("'{}' = {} does not fit its element", path_, number);
+    if (const TypeInfo* type = reader_.enumerations_[i]; type != nullptr && !IsNamedBy(*type, number))
+      return Refuse("'{}' = {} is none of {}", path_, number, NamedValues(*type));
     reader_.given_[i] = true;
     reader_.numbers_[i] = number;
     return true;
@@ -130,6 +139,13 @@ class JsonReader::Handler {
     return fits;
   }
 
+  template <class T>
+  static bool IsNamedBy(const TypeInfo& type, T number) {
+    std::uint64_t value = 0;
+    StoreInteger(type.scalar, &value, static_cast<long long>(number));
+    return IsNamed(type, &value);
+  }
+
   JsonReader& reader_;
   std::string path_;
   std::vector<std::size_t> lengths_;  ///< of the path, outside of the objects
@@ -138,10 +154,11 @@ class JsonReader::Handler {
 
 JsonReader::JsonReader(std::string name, const TypeInfo& type, const void* model, const Spec& spec)
     : type_(type), names_(JsonKeys(name, type, model, spec)) {
-  KindVisitor kinds(kinds_);
+  KindVisitor kinds(kinds_, enumerations_);
   Walk(type, const_cast<void*>(model), kinds);
   names_.emplace_back(kJsonTimestamp);
   kinds_.push_back(ScalarKind::kDouble);
+  enumerations_.push_back(nullptr);
   for (std::size_t i = 0; i < names_.size(); ++i) places_.emplace(names_[i], i);
   numbers_.resize(names_.size());
 }

@@ -30,7 +30,8 @@ class JsonReader {
   std::vector<std::string> names_;  ///< of the elements, "timestamp" behind them
   std::unordered_map<std::string, std::size_t> places_;
   std::vector<ScalarKind> kinds_;
-  std::vector<JsonNumber> numbers_;  ///< of the present message
+  std::vector<const TypeInfo*> enumerations_;  ///< null for other elements
+  std::vector<JsonNumber> numbers_;            ///< of the present message
   std::vector<bool> given_;
 };
 

@@ -89,23 +89,26 @@ bool LcmBus::Subscription::Take(double timeout_s, std::vector<char>& message) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   std::unique_lock lock(bus_->mutex_);
-  bool looked = false;  // whether LCM has been asked at all
+  bool drained = false;     // nothing is queued in LCM, as far as this thread can tell
+  std::size_t handled = 0;  // here, for others
   while (mail_->messages.empty()) {
     const std::chrono::duration<double> left = end - Clock::now();
-    if (looked && left.count() <= 0) return false;
-    looked = true;
+    if (drained && left.count() <= 0) return false;
     if (bus_->handling_) {
+      drained = true;
       bus_->came_.wait_until(lock, end);
       continue;
     }
     bus_->handling_ = true;
     lock.unlock();
     const double left_ms = std::ceil(1e3 * left.count());
-    const bool open = lcm_handle_timeout(bus_->lcm_, static_cast<int>(std::clamp(left_ms, 0.0, 1e6))) >= 0;
+    const int came = lcm_handle_timeout(bus_->lcm_, static_cast<int>(std::clamp(left_ms, 0.0, 1e6)));
     lock.lock();
     bus_->handling_ = false;
     bus_->came_.notify_all();
-    if (!open && mail_->messages.empty()) return false;  // a log that has come to its end
+    if (came < 0 && mail_->messages.empty()) return false;  // a log that has come to its end
+    // What is queued is handed out whatever time is left; a sender that never pauses does not hold this up.
+    drained = came == 0 || ++handled >= kMostMessages;
   }
   message = std::move(mail_->messages.front());
   mail_->messages.pop_front();

@@ -230,7 +230,7 @@ void LcmType::VisitValue(Visitor& visitor, const Member& member, const TypeInfo&
   const auto* bytes = static_cast<const std::byte*>(value);
   switch (type.kind) {
     case Kind::kNumber:
-      return visitor.Number(type.scalar, value, member.name);
+      return visitor.Number(type, value, member.name);
     case Kind::kMatrix: {
       rows = static_cast<std::size_t>(type.rows), cols = static_cast<std::size_t>(type.cols);
       if (type.shape != nullptr) type.shape(value, &rows, &cols);
@@ -238,7 +238,7 @@ void LcmType::VisitValue(Visitor& visitor, const Member& member, const TypeInfo&
       const std::size_t size = SizeOf(type.scalar);
       for (std::size_t r = 0; r < rows; ++r) {
         for (std::size_t c = 0; c < cols; ++c) {
-          visitor.Number(type.scalar, first + (c * rows + r) * size, member.name);
+          visitor.Number(type, first + (c * rows + r) * size, member.name);
         }
       }
       return;
@@ -263,14 +263,14 @@ class LcmType::Encoder {
     for (std::size_t i = size; i-- > 0;) message_.push_back(static_cast<char>(bits >> (8 * i)));
   }
   void Size(std::int32_t size, const std::string&) { Put(static_cast<std::uint32_t>(size), 4); }
-  void Number(ScalarKind kind, const void* value, const std::string&) {
-    WithKind(kind, const_cast<void*>(value), [&]<class T>(const T* number) {
+  void Number(const TypeInfo& type, const void* value, const std::string&) {
+    WithKind(type.scalar, const_cast<void*>(value), [&]<class T>(const T* number) {
       if constexpr (std::is_same_v<T, double>) {
         Put(std::bit_cast<std::uint64_t>(*number), 8);
       } else if constexpr (std::is_same_v<T, float>) {
         Put(std::bit_cast<std::uint32_t>(*number), 4);
       } else {
-        Put(static_cast<std::uint64_t>(*number), WireTypeOf(kind).size);
+        Put(static_cast<std::uint64_t>(*number), WireTypeOf(type.scalar).size);
       }
     });
   }
@@ -311,10 +311,10 @@ class LcmType::Decoder {
     const auto given = static_cast<std::int32_t>(Get(4));
     if (given != size) Refuse(fmt::format("'{}' is {} where the signal has {}", name, given, size));
   }
-  void Number(ScalarKind kind, const void* value, const std::string& name) {
-    const std::size_t size = WireTypeOf(kind).size;
+  void Number(const TypeInfo& type, const void* value, const std::string& name) {
+    const std::size_t size = WireTypeOf(type.scalar).size;
     const std::uint64_t bits = Get(size);
-    WithKind(kind, const_cast<void*>(value), [&]<class T>(T* number) {
+    WithKind(type.scalar, const_cast<void*>(value), [&]<class T>(T* number) {
       T result;
       if constexpr (std::is_same_v<T, double>) {
         result = std::bit_cast<double>(bits);
@@ -324,6 +324,8 @@ class LcmType::Decoder {
         result = static_cast<T>(bits);
         const std::uint64_t again = static_cast<std::uint64_t>(result) << (64 - 8 * size) >> (64 - 8 * size);
         if (again != bits) Refuse(fmt::format("'{}' holds a number that does not fit", name));
+        if (!IsNamed(type, &result))
+          Refuse(fmt::format("'{}' = {} is none of {}", name, result, NamedValues(type)));
       }
       if (stores_) *number = result;
     });

@@ -167,6 +167,60 @@ TEST(SignalTest, FlattensAndBack) {
   EXPECT_THAT(Doubles(Eigen::Matrix2d{{1, 2}, {3, 4}}), ElementsAre(1, 3, 2, 4));  // as named: by columns
 }
 
+enum class Side { kLeft, kRight };
+constexpr auto EnumNames(Side) {
+  return std::array{Named{Side::kLeft, "left"}, Named{Side::kRight, "right"}};
+}
+
+struct Step {
+  double length = 0;
+  std::array<Side, 2> sides{};
+  bool stands = false;
+  std::int8_t count = 0;
+  static FieldList Fields() {
+    return {{"length", &Step::length},
+            {"sides", &Step::sides},
+            {"stands", &Step::stands},
+            {"count", &Step::count}};
+  }
+};
+
+/// The message of what is thrown when these numbers go into a T; if nothing is, they come out again.
+template <class T>
+std::string DoublesError(const std::vector<double>& numbers) {
+  T value = internal::Zeroed<T>();
+  try {
+    internal::FromDoubles(TypeInfoOf<T>(), &value, numbers.data());
+  } catch (const internal::NumberError& error) {
+    return error.what();
+  }
+  EXPECT_EQ(Doubles(value), numbers);
+  return "no error";
+}
+
+TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(DoublesError<Step>({0.5, 0, 1, 1, -128}), "no error");
+  EXPECT_EQ(DoublesError<Step>({0.5, 0, 9, 1, 0}), "'sides.1' cannot be 9: give 0 (left), 1 (right)");
+  EXPECT_EQ(DoublesError<Step>({0.5, 0, 0.5, 1, 0}), "'sides.1' cannot be 0.5: give 0 (left), 1 (right)");
+  EXPECT_EQ(DoublesError<Step>({0.5, 0, 1, 2, 0}), "'stands' cannot be 2: give 0 or 1");
+  EXPECT_EQ(DoublesError<Step>({0.5, 0, 1, 1, 2.7}),
+            "'count' cannot be 2.7: give a whole number from -128 to 127");
+  EXPECT_EQ(DoublesError<Side>({-1}), "it cannot be -1: give 0 (left), 1 (right)");
+  EXPECT_EQ(DoublesError<int>({2147483647.0}), "no error");
+  for (const double number : {2147483648.0, 1e300, kNan, -HUGE_VAL}) {
+    EXPECT_THAT(DoublesError<int>({number}), HasSubstr("from -2147483648 to 2147483647")) << number;
+  }
+  EXPECT_EQ(DoublesError<std::int64_t>({-9223372036854775808.0}), "no error");
+  EXPECT_EQ(DoublesError<std::uint64_t>({18446744073709549568.0}), "no error");
+  EXPECT_EQ(DoublesError<std::uint64_t>({18446744073709551616.0}),
+            "it cannot be 1.8446744073709552e+19: give a whole number from 0 to 18446744073709551615");
+  EXPECT_THAT(DoublesError<std::uint64_t>({-1}), HasSubstr("it cannot be -1"));
+  EXPECT_EQ(DoublesError<float>({HUGE_VAL}), "no error");
+  EXPECT_EQ(DoublesError<float>({1e39}), "it cannot be 1e+39: give what single precision can hold");
+  EXPECT_EQ(DoublesError<Vec<2>>({0.5, 1e300}), "no error");
+}
+
 TEST(SignalTest, FinitenessFindsTheWorst) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto of = [](Vec<3> p) {
@@ -253,11 +307,6 @@ std::string LoadError(const std::vector<std::uint64_t>& words) {
     return error.what();
   }
   return "no error";
-}
-
-enum class Side { kLeft, kRight };
-constexpr auto EnumNames(Side) {
-  return std::array{Named{Side::kLeft, "left"}, Named{Side::kRight, "right"}};
 }
 
 TEST(SignalTest, ArchivesRefuseWhatNoValueCanBe) {

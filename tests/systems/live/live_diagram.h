@@ -6,6 +6,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -17,12 +18,17 @@ struct EngineParams {
   double force = 0;  // N
   void Validate() const { Demand(std::abs(force) <= 10, "the engine gives 10 N at most"); }
 };
+enum class Gear { kLow, kHigh };
+constexpr auto EnumNames(Gear) {
+  return std::array{Named{Gear::kLow, "low"}, Named{Gear::kHigh, "high"}};
+}
 /// A force that is set from outside, with some noise, so that a run depends on all that it does.
 class Engine final : public LeafSystem<EngineParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<double> force{this, {"force", "N"}, params.force, "of the engine"};
   Parameter<Vec<2>> tilt{this, {"tilt", "rad", "roll,pitch"}, Vec<2>::Zero(), "of nothing"};
+  Parameter<Gear> gear{this, {"gear"}, Gear::kLow, "of nothing"};
   Random random{this, "random"};
   OutputPort<double> u{
       this, {"u", "N"}, Sampled{Hz(100)}, Uses(force, random), [](double force, RandomStream& r) {

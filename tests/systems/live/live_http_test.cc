@@ -4,8 +4,10 @@
 #include <tenon/systems/live/internal/live_http.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
+#include <tenon/systems/io/output_file.h>
 #include <tenon/systems/live/internal/live_channel.h>
 
 namespace tenon::internal {
@@ -105,6 +107,24 @@ TEST_F(LiveHttpTest, OtherMachinesNeedTheToken) {
   EXPECT_EQ(client.Get("/?token=" + http.token())->status, 200);
   EXPECT_THAT(http.url(), HasSubstr("?token=" + http.token()));
   EXPECT_EQ(http.token().size(), 32U);
+}
+
+// As a browser names it.
+TEST(LiveHttpStartTest, AnIpv6AddressStandsInBrackets) {
+  LiveChannel channel(10);
+  std::optional<LiveHttp> http;
+  try {
+    http.emplace("::1", 0, channel);
+  } catch (const OutputError& error) {
+    GTEST_SKIP() << "this machine has no IPv6: " << error.what();
+  }
+  http->SetPage("page");
+  const std::string host = "[::1]:" + std::to_string(http->port());
+  EXPECT_EQ(http->url(), "http://" + host + "/?token=" + http->token());
+  httplib::Client client("::1", http->port());
+  const auto answer = client.Get("/?token=" + http->token(), {{"Host", host}, {"Origin", "http://" + host}});
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200);
 }
 
 TEST_F(LiveHttpTest, ATakenPortIsLeftForTheNext) {

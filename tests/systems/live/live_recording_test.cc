@@ -65,6 +65,12 @@ TEST_F(LiveRecordingTest, AnotherDiagramIsRefused) {
       },
       ThrowsMessage<ParameterError>(
           AllOf(HasSubstr("cannot be replayed at t = 0.5 s"), HasSubstr("engine.force"))));
+  EXPECT_THAT(
+      [&] {
+        Replay(simulator, {0, {{0.5, {{"engine.gear", {0.5}}}}}, 1, true});
+      },
+      ThrowsMessage<ParameterError>(
+          HasSubstr("cannot be replayed at t = 0.5 s: 'engine.gear': it cannot be 0.5: give")));
   Simulator other(*cart.diagram);
   EXPECT_THAT(
       [&] {

@@ -11,6 +11,7 @@
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/tests/systems/live/live_diagram.h>
+#include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon {
@@ -29,7 +30,7 @@ class LiveServerTest : public testing::Test {
                 double duration, const std::string& name = "live", std::uint64_t seed = 7) {
     std::filesystem::create_directory(directory_);
     std::size_t step = 0;
-    LiveServer server({.port = 0, .rate = 0, .recording = directory_ / (name + ".jsonl")});
+    LiveServer server({.port = 0, .frame = frame_, .rate = 0, .recording = directory_ / (name + ".jsonl")});
     server.options().stop = [&] {
       if (step < times.size() && server.status().time >= times[step] - 1e-9) act(step++);
       return false;
@@ -58,6 +59,7 @@ class LiveServerTest : public testing::Test {
   }
 
   const std::filesystem::path directory_ = test::TemporaryPath("live_server");
+  double frame_ = 0.01;  // [s]
   test::LiveCart cart_;
   LiveServer* server_ = nullptr;
   Simulator* simulator_ = nullptr;
@@ -110,6 +112,69 @@ TEST_F(LiveServerTest, GoesBackAndBranches) {
   EXPECT_EQ(Csv("straight"), csv);
 }
 
+TEST_F(LiveServerTest, GoingBackIntoAPullLetsGo) {
+  std::vector<bool> first_calls;
+  LiveControls::Pull pull;
+  pull.bodies[0] = "cart";
+  pull.set = [&](Context&, std::size_t, const Vec<3>&, const Vec<3>& target_W, bool first) {
+    first_calls.push_back(first);
+    return LiveSets{{"engine.force", {target_W[0]}}};
+  };
+  pull.release = [] { return LiveSets{{"engine.force", {0}}}; };
+  cart_.view.controls.pull = std::move(pull);
+  const auto force = [&] { return simulator_->context().Eval(cart_.engine->force); };
+  const auto act = [&](std::size_t step) {
+    const Json pulls{{"command", "pull"}, {"shape", 0}, {"point_W", {0, 0, 0}}, {"target_W", {3, 0, 0}}};
+    if (step == 0) Take();
+    if (step == 1) Command(pulls);
+    if (step == 2) Command({{"command", "release"}});
+    if (step == 3) {
+      EXPECT_TRUE(Command({{"command", "back"}, {"to_s", 0.3}}).contains("ok"));
+      EXPECT_EQ(force(), 0);
+    }
+    if (step == 4) {
+      EXPECT_EQ(force(), 0);
+      Command(pulls);
+    }
+  };
+  Run({0, 0.2, 0.4, 0.6, 0.65}, act, 1);
+  EXPECT_EQ(first_calls, (std::vector<bool>{true, true}));
+  EXPECT_EQ(LiveRecording::Read(directory_ / "live.jsonl").entries.size(), 3U);
+  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
+}
+
+TEST_F(LiveServerTest, WhoLeavesAfterGoingBackLetsGo) {
+  const auto force = [&] { return simulator_->context().Eval(cart_.engine->force); };
+  const auto act = [&](std::size_t step) {
+    if (step != 1) Take();
+    if (step == 1) Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
+    if (step == 2) Command({{"command", "leave"}});
+    if (step == 3) {
+      Command({{"command", "back"}, {"to_s", 0.3}});
+      EXPECT_EQ(force(), 5);
+      Command({{"command", "leave"}});
+      EXPECT_EQ(force(), 0);
+    }
+  };
+  Run({0, 0.2, 0.4, 0.6}, act, 1);
+  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
+}
+
+// A tick that is no frame, and half a second after the beginning, where runs can be set back to.
+TEST_F(LiveServerTest, GoesBackToBeforeATickThatWasDoneAlone) {
+  frame_ = 0.495;
+  const auto act = [&](std::size_t step) {
+    if (step == 0) return Take();
+    EXPECT_TRUE(Command({{"command", "tick"}}).contains("ok"));
+    EXPECT_NEAR(simulator_->context().time(), 0.51, 1e-9);
+    EXPECT_TRUE(Command({{"command", "back"}, {"to_s", 0.5}}).contains("ok"));
+    EXPECT_TRUE(Command({{"command", "drive"}, {"velocity", {1, 0, 0}}}).contains("ok"));
+    Command({{"command", "resume"}});
+  };
+  Run({0, 0.495}, act, 1);
+  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
+}
+
 TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
   Run(
       {0, 1},
@@ -151,6 +216,54 @@ TEST_F(LiveServerTest, ResetsToAnotherSeed) {
   EXPECT_EQ(ReplayedCsv("reset"), Csv("fresh"));
 }
 
+/// Something with a Parameter whose size is known at run time only.
+class Weights final : public LeafSystem<void> {
+ public:
+  Parameter<Eigen::VectorXd> weights{this, {"weights"}, Eigen::VectorXd::Zero(2)};
+  OutputPort<double> sum{this, {"sum"}, Uses(weights), [](const Eigen::VectorXd& w) { return w.sum(); }};
+};
+
+TEST(LiveResetTest, BeginsWithWhatTheRunBeganWith) {
+  DiagramBuilder builder;
+  auto& cart = builder.Add<Cart>("cart");
+  auto& weights = builder.Add<Weights>("weights");
+  const auto diagram = builder.BuildWithOpenInputs();
+  Simulator simulator(*diagram);
+  simulator.context().Set(cart.force, 2);
+  simulator.context().Set(cart.x, {1, 0});
+  simulator.context().Set(weights.weights, Vec<2>(3, 4));
+  LiveServer server({.port = 0, .rate = 0});
+  bool reset = false;
+  server.options().stop = [&] {
+    if (reset || server.status().time < 0.5) return false;
+    reset = true;
+    server.Command("test", R"({"command":"take"})");
+    EXPECT_EQ(server.Command("test", R"({"command":"reset","seed":8})"), R"({"ok":true})");
+    EXPECT_EQ(simulator.context().time(), 0);
+    EXPECT_EQ(simulator.context().Eval(cart.x), Vec<2>(1, 0));
+    return false;
+  };
+  LiveView view;
+  view.signals = {&cart.state};
+  server.Run(simulator, view, 1);
+  EXPECT_TRUE(reset);
+  EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1 + 0.5 * 2 / CartParams().mass, 1e-9);
+  EXPECT_EQ(simulator.context().Eval(weights.sum), 7);
+}
+
+TEST_F(LiveServerTest, ACommandSetsAllOrNothing) {
+  cart_.view.controls.gaits = {{"hop"}, [](std::size_t) {
+                                 return LiveSets{{"engine.tilt", {1, 0}}, {"engine.force", {11}}};
+                               }};
+  const auto act = [&](std::size_t step) {
+    if (step == 0) return Take();
+    EXPECT_THAT(Command({{"command", "gait"}, {"name", "hop"}}).value("error", ""),
+                HasSubstr("10 N at most"));
+    EXPECT_EQ(simulator_->context().Eval(cart_.engine->tilt), Vec<2>(0, 0));
+  };
+  Run({0, 0.1}, act, 0.2);
+}
+
 TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
   const auto refused = [&](const Json& command, const char* why) {
     EXPECT_THAT(Command(command).value("error", "nothing"), HasSubstr(why));
@@ -175,6 +288,8 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
         refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}},
                 "did you mean 'engine.force'");
         refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
+        refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}},
+                "'engine.gear': it cannot be 9: give 0 (low), 1 (high)");
         refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
         refused({{"command", "reset"}, {"seed", "x"}}, "another type");
         refused({{"command", "save"}}, "comes from no scenario");
@@ -241,6 +356,18 @@ TEST_F(LiveServerTest, WhoseEventsEndLetsGo) {
   running = &run;
   run.Run(0.5);
   EXPECT_EQ(step, 3);
+}
+
+TEST_F(LiveServerTest, KeepsNoRowsAfterTheRun) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Simulator simulator(*cart_.diagram);
+  internal::LiveChannel channel(30);
+  const LiveOptions options{.rate = 0};
+  internal::LiveRun(simulator, cart_.view, options, channel).Run(0.1);
+  simulator.RunTo(0.2);
+  const AllocationGuard guard;
+  simulator.RunTo(10);
+  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST_F(LiveServerTest, FindsWhatAParameterMayBe) {

@@ -184,6 +184,11 @@ TEST(LcmTypeTest, SaysWhyItRefusesAMessage) {
   message.pop_back();
   message[16] = 2;  // fingerprint and timestamp are in front
   EXPECT_EQ(reason(message), "'on' holds a number that does not fit");
+  test::Leg leg;
+  EXPECT_EQ(LcmType(TypeInfoOf<test::Leg>())
+                .Decode(Encoded(test::Leg{.phase = static_cast<test::Phase>(9)}, 0), &timestamp, &leg),
+            "'phase' = 9 is none of 0 (stance), 1 (swing)");
+  EXPECT_EQ(leg, test::Leg());
   Cloud cloud = test::SomeCloud();
   cloud.weights.resize(3);
   EXPECT_EQ(LcmType(TypeInfoOf<Cloud>()).Decode(Encoded(test::SomeCloud(), 0), &timestamp, &cloud),
@@ -204,6 +209,19 @@ TEST(LcmTest, ASignalGoesFromBlockToBlock) {
   other.Tick();
   EXPECT_EQ(other[other->refused].count, 0u);
   EXPECT_EQ(rig[rig->unsent], 0u);
+}
+
+// LCM hands out what came in its order.
+TEST(LcmTest, OneChannelDoesNotHoldUpAnother) {
+  TestRig<LcmInput<double>> one({.channel = "A", .url = kUrl}), other({.channel = "B", .url = kUrl});
+  TestRig<LcmPublisher<double>> to_one({.channel = "A", .url = kUrl}),
+      to_other({.channel = "B", .url = kUrl});
+  for (int i = 1; i <= 10; ++i) {
+    to_one.Fix(to_one->u, i).Tick();
+    to_other.Fix(to_other->u, -i).Tick();
+  }
+  EXPECT_EQ(one.Tick()[one->y], 10);
+  EXPECT_EQ(other.Tick()[other->y], -10);
 }
 
 TEST(LcmTest, WhatIsOfAnotherTypeIsRefused) {

@@ -300,6 +300,16 @@ TEST(UdpInputTest, RefusesWhatIsNoMessageOfTheSignalAndSaysWhy) {
   EXPECT_TRUE(rig[rig->y].d == 1 && rig[rig->y].f == kInfinity && rig[rig->y].u == 4 && rig[rig->y].b);
 }
 
+TEST(UdpInputTest, RefusesAnEnumerationsValueWithoutName) {
+  const Peer peer;
+  TestRig<UdpInput<test::Leg>> rig({.name = "leg", .port = 0});
+  peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":1,"p_W":{"x":0,"y":0,"z":0}}})");
+  peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":9,"p_W":{"x":0,"y":0,"z":0}}})");
+  rig.Tick();
+  EXPECT_EQ(rig[rig->refused].reason, "'leg.phase' = 9 is none of 0 (stance), 1 (swing)");
+  EXPECT_EQ(rig[rig->y].phase, test::Phase::kSwing);
+}
+
 TEST(UdpInputTest, RefusesWhatItCannotOpen) {
   const Peer peer;
   const std::string port = std::to_string(peer.port());
