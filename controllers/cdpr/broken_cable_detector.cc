@@ -20,14 +20,8 @@ void BrokenCableDetectorParams::Validate() const {
 
 void BrokenCableDetector::CalcNext(const CableVector& missing, const CableSignals& cables,
                                    const CableVector& command, CableVector* next) const {
-  for (const Eigen::Index num : {cables.tension.size(), command.size()}) {
-    if (num != missing.size()) {
-      throw RunError(fmt::format(
-          "BrokenCableDetector gets signals of {} cables, but its num_cables is {}: give it that of the "
-          "robot.",
-          num, missing.size()));
-    }
-  }
+  for (const Eigen::Index num : {cables.tension.size(), command.size()})
+    CheckNumCables(params.num_cables, num, "BrokenCableDetector");
   *next = missing;
   if ((cables.tension.array() <= 0).all()) return;
   for (Eigen::Index i = 0; i < missing.size(); ++i) {

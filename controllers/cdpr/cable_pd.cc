@@ -16,7 +16,8 @@ void CablePdParams::Validate() const {
 
 void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
                           double damping, CableVector* command) const {
-  CheckNumCables(params.robot, cables.length.size(), "CablePd");
+  for (const Eigen::Index num : {cables.length.size(), reference.length.size()})
+    CheckNumCables(params.robot, num, "CablePd");
   const auto tension = reference.tension + stiffness * (cables.length - reference.length) +
                        damping * (cables.length_rate - reference.length_rate);
   *command = tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);

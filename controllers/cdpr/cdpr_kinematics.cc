@@ -40,10 +40,9 @@ CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Ve
   line.length = span.norm();
   if (line.length < kShortestCable) {
     throw RunError(
-        fmt::format("Cable {} of {} of '{}' has no length: its attachment is at its anchor "
+        fmt::format("Cable {} of '{}' has no length: its attachment is at its anchor "
                     "({:.4g}, {:.4g}, {:.4g}) m.",
-                    index + 1, robot.num_cables(), robot.name, cable.anchor_W.x(), cable.anchor_W.y(),
-                    cable.anchor_W.z()));
+                    index, robot.name, cable.anchor_W.x(), cable.anchor_W.y(), cable.anchor_W.z()));
   }
   line.direction = span / line.length;
   line.wrench << line.direction, line.arm_W.cross(line.direction);

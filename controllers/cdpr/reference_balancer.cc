@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/reference_balancer.h>
 
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/model/euler.h>
 
 namespace tenon {
@@ -13,6 +14,8 @@ CdprReference ReferenceBalancer::Empty(int num_cables) {
 void ReferenceBalancer::CalcBalanced(const CdprReference& reference, const LoadEstimate& load,
                                      const CableVector& broken, ReferenceShift& shift,
                                      BalancedReference& work, CdprReference* balanced) const {
+  CheckNumCables(params.robot, reference.tension.size(), "ReferenceBalancer");
+  if (broken.size() > 0) CheckNumCables(params.robot, broken.size(), "ReferenceBalancer");
   work.Calc(reference, load, broken, shift);
   *balanced = reference;
   balanced->euler = work.euler();

@@ -112,6 +112,13 @@ void CdprDescription::Validate() const {
                       std::max(i, j), num_cables(), num_cables() - 1));
 }
 
+void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {
+  if (num == num_cables) return;
+  throw RunError(
+      fmt::format("{} gets signals of {} cables, but its num_cables is {}: give it that of the robot.", who,
+                  num, num_cables));
+}
+
 CdprDescription LoadCdpr(const std::string& path) {
   return YamlDocument::Load(path).Read<CdprDescription>();
 }

@@ -144,6 +144,9 @@ struct CdprDescription {
   void Validate() const;
 };
 
+/// Throws RunError if the signals that `who` gets are not of `num_cables` cables.
+void CheckNumCables(int num_cables, Eigen::Index num, const char* who);
+
 /// Reads a robot from a YAML file, such as plants/robots/cdpr_4.yaml. Throws ParameterError.
 CdprDescription LoadCdpr(const std::string& path);
 

@@ -26,6 +26,7 @@ void CableSensors::Draw(RandomStream& random, Offsets* offsets) const {
 
 void CableSensors::CalcMeasured(const CableSignals& cables, const Offsets& offsets, RandomStream& random,
                                 Memory& memory, CableSignals* measured) const {
+  CheckNumCables(params.num_cables, cables.length.size(), "CableSensors");
   const auto rounded = [&](double length) {
     return params.resolution > 0 ? params.resolution * std::round(length / params.resolution) : length;
   };

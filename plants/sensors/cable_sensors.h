@@ -32,6 +32,8 @@ struct CableSensorsParams {
 ///
 ///     port in   cables
 ///     port out  measured  sampled
+///
+/// @throws RunError in the loop if the signals are those of another number of cables.
 class CableSensors final : public LeafSystem<CableSensorsParams> {
  public:
   using LeafSystem::LeafSystem;

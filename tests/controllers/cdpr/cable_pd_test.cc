@@ -35,8 +35,14 @@ TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
 }
 
 TEST_F(CablePdTest, RefusesSignalsOfAnotherNumberOfCables) {
+  const auto refuses = [&] {
+    return Throws<RunError>([&] { Command(); }, "CablePd gets signals of 8 cables", "'cdpr_4'", "has 4");
+  };
+  reference.length = CableVector::Zero(8);
+  EXPECT_TRUE(refuses());
+  reference.length = CableVector::Zero(4);
   cables = CableSignals::Zero(8);
-  EXPECT_TRUE(Throws<RunError>([&] { Command(); }, "CablePd gets signals of 8 cables", "'cdpr_4'", "has 4"));
+  EXPECT_TRUE(refuses());
 }
 
 TEST_F(CablePdTest, PullsACableThatIsTooLongOrGrowsTooFast) {

@@ -192,7 +192,7 @@ TEST(CdprKinematics, CableWithoutLengthIsRefused) {
     CalcCableKinematics(robot, position, Matrix3d::Identity());
     FAIL() << "nothing was thrown";
   } catch (const RunError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("Cable 2 of 4 of 'four' has no length"));
+    EXPECT_THAT(error.what(), HasSubstr("Cable 1 of 'four' has no length"));
     EXPECT_THAT(error.what(), HasSubstr("(3.5, -4.5, 4) m"));
   }
 }

@@ -265,6 +265,13 @@ TEST(CdprMpc, DoesWithoutACableThatIsBroken) {
   EXPECT_EQ(guard.count(), 0);
 }
 
+TEST(CdprMpc, RefusesBrokenCablesOfAnotherRobot) {
+  const CdprMpcParams params = Holding(test::FourCableRobot(), {0.3, 0.4, 2});
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig->estimate, At(params, 0, {0, 0, 0})).Fix(rig->broken, CableVector::Zero(8));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "CdprMpc gets signals of 8 cables", "has 4"));
+}
+
 TEST(CdprMpc, RefusesWhatMakesNoSense) {
   const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
   const auto refuses = [&](const auto& change, const char* part) {

@@ -10,6 +10,7 @@
 #include <tenon/plants/model/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
@@ -164,6 +165,17 @@ TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {
   EXPECT_GT((rig[rig->balanced].tension - reference.tension).norm(), 5);
   rig.Fix(rig->load, LoadEstimate{}).Tick();
   EXPECT_THAT(rig[rig->balanced].tension, IsNear(reference.tension, 1e-6));
+}
+
+TEST(ReferenceBalancerTest, RefusesSignalsOfAnotherRobot) {
+  const CdprDescription robot = test::FourCableRobot();
+  TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
+  const auto refuses = [&](const CdprReference& reference, int broken) {
+    rig.Fix(rig->reference, reference).Fix(rig->broken, CableVector::Zero(broken));
+    return Throws<RunError>([&] { rig.Tick(); }, "ReferenceBalancer gets signals of 8 cables", "has 4");
+  };
+  EXPECT_TRUE(refuses(Hold(robot, {0, 0.5, 2}), 8));
+  EXPECT_TRUE(refuses(Hold(test::EightCableRobot(), {0, 0.5, 2}), 4));
 }
 
 TEST(BalancedReferenceTest, AllocatesNothing) {

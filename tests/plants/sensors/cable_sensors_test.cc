@@ -68,6 +68,12 @@ TEST(CableSensorsTest, TensionsHaveNoiseThatGrowsWithThemAndAreNotNegative) {
   EXPECT_GT((mean - Cables().tension.array()).abs().maxCoeff(), 2) << "offsets";
 }
 
+TEST(CableSensorsTest, RefuseSignalsOfAnotherRobot) {
+  TestRig<CableSensors> rig(CableSensorsParams{.num_cables = 8});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); },
+                               "CableSensors gets signals of 4 cables, but its num_cables is 8"));
+}
+
 TEST(CableSensorsTest, RefuseNonsense) {
   EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.num_cables = 0}); }, "num_cables = 0"));
   EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.resolution = -1}); }, "resolution = -1 m"));
