@@ -82,6 +82,7 @@ class Signals {
     for (const Field& field : type.fields) {
       rows += Line({rows.empty() ? name : "", field.name, Link(field.type()), field.units});
     }
+    if (rows.empty()) rows = Line({name, "no numbers", "", ""});
     entries_[NameOf(type)] = rows;
   }
 

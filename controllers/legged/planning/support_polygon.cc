@@ -22,40 +22,52 @@ SupportPolygon::SupportPolygon(std::span<const Eigen::Vector2d> feet, double hal
   if (feet.empty() || feet.size() > kMaxFeet) {
     throw Error(fmt::format("a support polygon of {} feet: give one to {}", feet.size(), kMaxFeet));
   }
-  // An edge leads from i to j if all feet are to its left, and those upon it between the two.
-  for (std::size_t i = 0; i < feet.size(); ++i) {
+  if (AddLine(feet, half_width, margin)) return;
+  // Round the hull, the feet to the left; of feet in line the farthest is next.
+  const auto is_before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] < b[0]; };
+  const auto first = static_cast<std::size_t>(std::ranges::min_element(feet, is_before) - feet.begin());
+  std::array<std::size_t, kMaxFeet> next;
+  next.fill(kMaxFeet);
+  for (std::size_t i = first, steps = 0; steps < feet.size(); ++steps) {
+    std::size_t to = i;
+    Eigen::Vector2d way = Eigen::Vector2d::Zero();
     for (std::size_t j = 0; j < feet.size(); ++j) {
-      const Eigen::Vector2d way = feet[j] - feet[i];
-      const double length = way.norm();
-      if (length < kSamePoint) continue;
-      const Eigen::Vector2d along = way / length, normal = TurnedLeft(along);
-      bool is_edge = true, has_area = false;
-      for (std::size_t k = 0; k < feet.size() && is_edge; ++k) {
-        const Eigen::Vector2d other = feet[k] - feet[i];
-        const double left = normal.dot(other), forward = along.dot(other);
-        has_area = has_area || left > kSamePoint;
-        const bool upon = std::abs(left) <= kSamePoint;
-        const bool duplicate =
-            (k < i && other.norm() < kSamePoint) || (k < j && (feet[k] - feet[j]).norm() < kSamePoint);
-        is_edge = left >= -kSamePoint && !duplicate &&
-                  (!upon || (forward >= -kSamePoint && forward <= length + kSamePoint));
-      }
-      if (!is_edge) continue;
-      if (has_area) {
-        Add(normal, feet[i], margin);
-      } else if (num_edges_ == 0) {  // all in line, and i and j are its ends
-        Add(normal, feet[i], -half_width);
-        Add(-normal, feet[i], -half_width);
-        Add(along, feet[i], margin);
-        Add(-along, feet[j], margin);
-      }
+      const Eigen::Vector2d other = feet[j] - feet[i];
+      if (other.norm() < kSamePoint) continue;
+      const double left = TurnedLeft(way.normalized()).dot(other);
+      if (left > 0 || (left == 0 && other.norm() <= way.norm())) continue;
+      to = j;
+      way = other;
+    }
+    next[i] = to;
+    i = to;
+    if ((feet[i] - feet[first]).norm() < kSamePoint) break;
+  }
+  for (std::size_t i = 0; i < feet.size(); ++i)
+    if (next[i] < kMaxFeet) Add(TurnedLeft((feet[next[i]] - feet[i]).normalized()), feet[i], margin);
+}
+
+/// If all feet are in line, or in one place.
+bool SupportPolygon::AddLine(std::span<const Eigen::Vector2d> feet, double half_width, double margin) {
+  Eigen::Vector2d begin = feet[0], end = feet[0];  // those that are farthest apart
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    for (std::size_t j = i + 1; j < feet.size(); ++j) {
+      if ((feet[j] - feet[i]).norm() <= (end - begin).norm()) continue;
+      begin = feet[i];
+      end = feet[j];
     }
   }
-  if (num_edges_ > 0) return;
-  for (const Eigen::Vector2d& normal : {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}) {
-    Add(normal, feet[0], -half_width);
-    Add(-normal, feet[0], -half_width);
-  }
+  const double length = (end - begin).norm();
+  const bool is_point = length < kSamePoint;
+  const Eigen::Vector2d along = is_point ? Eigen::Vector2d(1, 0) : Eigen::Vector2d((end - begin) / length);
+  const Eigen::Vector2d normal = TurnedLeft(along);
+  for (const Eigen::Vector2d& foot : feet)
+    if (std::abs(normal.dot(foot - begin)) > kSamePoint) return false;
+  Add(normal, begin, -half_width);
+  Add(-normal, begin, -half_width);
+  Add(along, begin, is_point ? -half_width : margin);
+  Add(-along, end, is_point ? -half_width : margin);
+  return true;
 }
 
 void SupportPolygon::Add(const Eigen::Vector2d& normal, const Eigen::Vector2d& point, double inwards) {

@@ -30,6 +30,7 @@ class SupportPolygon {
   double Depth(const Eigen::Vector2d& point) const;
 
  private:
+  bool AddLine(std::span<const Eigen::Vector2d> feet, double half_width, double margin);
   void Add(const Eigen::Vector2d& normal, const Eigen::Vector2d& point, double inwards);
 
   int num_edges_ = 0;

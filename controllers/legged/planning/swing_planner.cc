@@ -110,7 +110,8 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     } else if (leg.state == ContactState::kSwing) {
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
-      const bool lifts_off = before != leg.state || !memory.started || t < leg.from_time;
+      const bool lifts_off = before != leg.state || !memory.started || t < leg.time;
+      leg.time = t;
       if (!lifts_off && (leg.blocked || schedule.legs[i].phase > step.retarget_phase)) continue;
       Eigen::Vector2d back = Eigen::Vector2d::Zero();
       if (lifts_off) {

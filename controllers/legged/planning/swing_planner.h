@@ -87,6 +87,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     ContactState state = ContactState::kStance;
     PlanarPoint from;                  ///< over ground, where the course to the foothold began,
     double from_time = 0;              ///< at this time after lift-off [s]
+    double time = 0;                   ///< after lift-off, at the tick before [s]
     Vec<3> lift_off = Vec<3>::Zero();  ///< where the foot left the ground [m]
     GroundPlane ground;                ///< then, at the feet's centres
     Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
@@ -99,6 +100,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
       return {{"state", &LegMemory::state},
               {"from", &LegMemory::from},
               {"from_time", &LegMemory::from_time, "s"},
+              {"time", &LegMemory::time, "s"},
               {"lift_off", &LegMemory::lift_off, "m"},
               {"ground", &LegMemory::ground},
               {"foothold", &LegMemory::foothold, "m"},

@@ -6,6 +6,11 @@
 #include <cmath>
 
 namespace tenon {
+namespace {
+
+constexpr double kSameHeight = 1e-6;  // the plan's, when the wheel was given back [m], [m/s]
+
+}  // namespace
 
 void WalkDriveParams::Validate() const {
   Demand(acceleration > 0, fmt::format("an acceleration of {} m/s^2: it must be positive", acceleration));
@@ -18,29 +23,40 @@ void WalkDriveParams::Validate() const {
 
 WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, bool active, const Vec<3>& velocity, Gait gait,
                                    bool stands, double height, DriveProgress& progress) const {
-  if (!active) {
-    progress = {{planned.forward, planned.left, planned.yaw_rate}, planned.height[0], planned.height[1]};
-    return planned;
+  if (active != progress.active) {
+    const double sign = active ? 1 : -1;
+    progress.active = active;
+    progress.velocity += sign * Vec<3>(planned.forward, planned.left, planned.yaw_rate);
+    progress.height += sign * planned.height[0];
+    progress.height_rate += sign * planned.height[1];
   }
   const double dt = params.rate.period();
-  const Vec<3> ordered = stands ? Vec<3>(Vec<3>::Zero()) : velocity;
+  const Vec<3> ordered = active && !stands ? velocity : Vec<3>(Vec<3>::Zero());
   Eigen::Vector2d change = (ordered - progress.velocity).head<2>();
   if (change.norm() > params.acceleration * dt) change *= params.acceleration * dt / change.norm();
   progress.velocity.head<2>() += change;
   const double turn = params.yaw_acceleration * dt;
   progress.velocity[2] += std::clamp(ordered[2] - progress.velocity[2], -turn, turn);
+  const bool moves = !progress.velocity.isZero(0);
 
   const double w = params.height_bandwidth;
-  const double acceleration = w * w * (height - progress.height) - 2 * w * progress.height_rate;
+  const double acceleration =
+      w * w * ((active ? height : 0) - progress.height) - 2 * w * progress.height_rate;
   WalkCommand command;
-  command.height = {progress.height, progress.height_rate, acceleration};
+  if (!active) {
+    command = planned;
+    if (moves && command.gait == Gait::kStand) command.gait = gait;  // until it has slowed down
+  } else {
+    command.gait = stands && !moves ? Gait::kStand : gait;
+  }
+  command.forward += progress.velocity[0];
+  command.left += progress.velocity[1];
+  command.yaw_rate += progress.velocity[2];
+  command.height += Vec<3>(progress.height, progress.height_rate, acceleration);
   progress.height += dt * progress.height_rate;
   progress.height_rate += dt * acceleration;
-
-  command.gait = stands && progress.velocity.isZero(0) ? Gait::kStand : gait;
-  command.forward = progress.velocity[0];
-  command.left = progress.velocity[1];
-  command.yaw_rate = progress.velocity[2];
+  if (!active && std::abs(progress.height) < kSameHeight && std::abs(progress.height_rate) < kSameHeight)
+    progress.height = progress.height_rate = 0;
   return command;
 }
 

@@ -19,14 +19,16 @@ struct WalkDriveParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// How far a WalkDrive has come with what was ordered.
+/// How far a WalkDrive has come with what was ordered; what is commanded, or what is added to the plan.
 struct DriveProgress {
+  bool active = false;               ///< it is commanded
   Vec<3> velocity = Vec<3>::Zero();  ///< forward, left [m/s], yaw rate [rad/s]
   double height = 0;                 ///< [m]
   double height_rate = 0;            ///< [m/s]
 
   static FieldList Fields() {
-    return {{"velocity", &DriveProgress::velocity},
+    return {{"active", &DriveProgress::active},
+            {"velocity", &DriveProgress::velocity},
             {"height", &DriveProgress::height, "m"},
             {"height_rate", &DriveProgress::height_rate, "m/s"}};
   }
@@ -49,7 +51,8 @@ struct DriveProgress {
 ///     h'' = w^2 (h* - h) - 2 w h',
 ///
 /// which does not overshoot; explicit Euler's step of it at every tick. Taking the wheel or giving it back,
-/// no velocity jumps that the schedule does not let jump.
+/// no velocity jumps that the schedule does not let jump: what differs from the plan goes to zero in the same
+/// way.
 class WalkDrive final : public LeafSystem<WalkDriveParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -53,6 +53,20 @@ TEST(SupportPolygon, WidensALine) {
   }
 }
 
+// Feet that are nearly in line make a thin triangle or a line, and never more edges than there is room for.
+TEST(SupportPolygon, OfFeetNearlyInLineHasFourEdgesAtMost) {
+  RandomStream random(7);
+  for (int n = 0; n < 20000; ++n) {
+    Feet feet(static_cast<std::size_t>(3 + n % 2));
+    for (Eigen::Vector2d& foot : feet) foot << random.Uniform(), 2e-6 * random.Uniform();
+    const SupportPolygon polygon(feet, 0.03, 0);
+    ASSERT_GE(polygon.edges().size(), 3) << n;
+    ASSERT_LE(polygon.edges().size(), 4) << n;
+  }
+  EXPECT_EQ(SupportPolygon(Feet{{0, 0}, {1, 0}, {0.5, 0.9e-6}}, 0.03, 0).edges().size(), 4) << "a line";
+  EXPECT_EQ(SupportPolygon(Feet{{0, 0}, {1, 0}, {0.5, 1.1e-6}}, 0.03, 0).edges().size(), 3) << "a triangle";
+}
+
 TEST(SupportPolygon, OfOneFootIsASquareAboutIt) {
   const SupportPolygon polygon(Feet{{1, 2}, {1, 2}}, 0.03, 0.02);
   EXPECT_NEAR(polygon.Depth({1, 2}), 0.03, 1e-15);

@@ -198,13 +198,17 @@ TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
 
 // Without a stance between them, a landing and the next lift-off can fall into one tick.
 TEST(SwingPlannerTest, ASwingAfterASwingBeginsAnew) {
-  Trot trot;
-  trot.path.velocity << 0.12, 0;
-  trot.Swing();
-  trot.Set(kSwing, 0.6);
-  trot.Tick();
-  trot.Set(kSwing, 0);
-  EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
+  for (const double retarget_phase : {0.0, 0.7}) {
+    Trot trot({.robot = test::DogBot(), .step = {.retarget_phase = retarget_phase}});
+    trot.path.velocity << 0.12, 0;
+    for (const double phase : {0.0, 0.5, 0.6}) {
+      trot.Set(kSwing, phase);
+      trot.Tick();
+    }
+    trot.state.p_WB[0] += 0.02;
+    trot.Set(kSwing, 0);
+    EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12)) << retarget_phase;
+  }
 }
 
 // The trunk goes away from a foothold: its foot follows it before the knee is straight.

@@ -57,6 +57,43 @@ TEST(WalkDriveTest, StandsOnceItHasSlowedDown) {
   EXPECT_NEAR(walking, std::hypot(0.2, 0.05) / 0.5 / 0.01, 1);
 }
 
+// What differs from the plan goes to zero within the same accelerations; then the plan is handed on as it is.
+TEST(WalkDriveTest, GivesTheWheelBackWithoutAJump) {
+  TestRig<WalkDrive> rig(WalkDriveParams{});
+  rig.Fix(rig->planned, Planned()).Tick();
+  rig.Set(rig->active, true).Set(rig->velocity, Vec<3>(-0.3, 0.2, -0.4)).Set(rig->height, -0.08);
+  for (int n = 0; n < 300; ++n) rig.Tick();
+  WalkCommand last = rig[rig->command];
+  EXPECT_THAT(last.height[0], testing::DoubleNear(-0.08, 1e-4));
+  rig.Set(rig->active, false);
+  for (int n = 0; n < 500; ++n) {
+    rig.Tick();
+    const WalkCommand& command = rig[rig->command];
+    EXPECT_EQ(command.gait, Gait::kCrawl);
+    EXPECT_LE(std::hypot(command.forward - last.forward, command.left - last.left), 0.005 + 1e-12) << n;
+    EXPECT_LE(std::abs(command.yaw_rate - last.yaw_rate), 0.01 + 1e-12) << n;
+    EXPECT_LE(std::abs(command.height[0] - last.height[0]), 0.003) << n;
+    last = command;
+  }
+  EXPECT_EQ(last.forward, Planned().forward);
+  EXPECT_EQ(last.left, Planned().left);
+  EXPECT_EQ(last.yaw_rate, Planned().yaw_rate);
+  EXPECT_EQ(last.height, Planned().height);
+}
+
+TEST(WalkDriveTest, WalksOnUntilItHasTheSpeedOfAPlanThatStands) {
+  TestRig<WalkDrive> rig(WalkDriveParams{});
+  rig.Fix(rig->planned, WalkCommand{}).Tick();
+  rig.Set(rig->active, true).Set(rig->velocity, Vec<3>(0.2, 0, 0));
+  for (int n = 0; n < 100; ++n) rig.Tick();
+  rig.Set(rig->active, false);
+  for (int n = 0; n < 60; ++n) {
+    const WalkCommand& command = rig.Tick()[rig->command];
+    EXPECT_EQ(command.gait == Gait::kStand, command.forward == 0) << n;
+  }
+  EXPECT_EQ(rig[rig->command].gait, Gait::kStand);
+}
+
 // Critically damped: e(t) = e(0) (1 + w t) exp(-w t), no overshoot; the rates are those of the heights.
 TEST(WalkDriveTest, ChangesItsHeightWithoutOvershoot) {
   TestRig<WalkDrive> rig(WalkDriveParams{.rate = Hz(1000)});
