@@ -103,8 +103,6 @@ void CampaignFile::Validate() const {
     throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
   if (limit && estimate != Estimate::kAll)
     throw ParameterError("estimate and limit: a search for a limit estimates by itself; leave estimate away");
-  if (limit && (vary.contains(limit->key) || set.contains(limit->key)))
-    throw ParameterError(fmt::format("limit: {} is also set or varied; take it out there", limit->key));
 }
 
 }  // namespace tenon::apps

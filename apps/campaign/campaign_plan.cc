@@ -131,7 +131,14 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
           fmt::format("{}: the product of all grids has more than 10 million points; draw some of the keys",
                       document.PlaceOf("vary." + name)));
   }
-  if (file_.limit) DemandNoColumn(file_.limit->key);
+  if (file_.limit) {
+    DemandNoColumn(file_.limit->key);
+    for (const auto& [key, factor] : Targets(file_.limit->key, file_.limit->sets)) {
+      if (by_key.contains(key) || file_.set.contains(key))
+        throw ParameterError(
+            fmt::format("{}: {} is also set or varied; take it out there", document.PlaceOf("limit"), key));
+    }
+  }
   sobol_points_ = Sobol(num_seeds(), sobol_.size());
   if (file_.limit) levels_ = (std::size_t{1} << file_.limit->steps) - 1;
   if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) >

@@ -54,25 +54,39 @@ std::string ReadText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// How a process ended.
+struct Ended {
+  int code = 0;           ///< as a shell tells it
+  bool too_long = false;  ///< because of the limit on the clock
+};
+
 /// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so.
-int Wait(::pid_t process, std::optional<double> wall_limit) {
+Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
+  Ended ended;
   bool told = false;
   for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-    const ::pid_t ended = ::waitpid(process, &status, WNOHANG);
-    if (ended == process) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (ended < 0 && errno != EINTR) throw RunError("a run's process is lost");
+    const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
+    if (waited == process) {
+      ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      return ended;
+    }
+    if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
+    if (told) continue;
     const std::chrono::duration<double> elapsed = Clock::now() - begin;
-    if (told || (SignalGuard::caught() == 0 && !(wall_limit && elapsed.count() > *wall_limit))) continue;
-    ::kill(process, SIGTERM);
+    const int caught = SignalGuard::caught();
+    ended.too_long = caught == 0 && wall_limit && elapsed.count() > *wall_limit;
+    if (caught == 0 && !ended.too_long) continue;
+    ::kill(process, caught != 0 ? caught : SIGTERM);
     told = true;
   }
 }
 
-/// Runs a program, and says how it ended; what it prints goes into a file.
-int Execute(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& printed,
-            std::optional<double> wall_limit = {}) {
+/// Runs a program, and says how it ended; what it prints goes into a file. It is told of Ctrl-C by Wait
+/// alone, once, and not by the terminal as well: a second signal would end it at once.
+Ended Execute(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& printed,
+              std::optional<double> wall_limit = {}) {
   std::vector<std::string> texts{program.string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> list;
@@ -83,8 +97,12 @@ int Execute(const fs::path& program, const std::vector<std::string>& arguments, 
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, printed.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
   ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  ::posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);  // its own
   ::pid_t process = 0;
-  const int error = ::posix_spawn(&process, program.c_str(), &actions, nullptr, list.data(), environ);
+  const int error = ::posix_spawn(&process, program.c_str(), &actions, &attributes, list.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error != 0)
     throw ParameterError(
@@ -107,7 +125,7 @@ ScenarioApp ProgramApp(const fs::path& program) {
   const auto check = [program](const YamlDocument& scenario) {
     const Scratch scratch;
     const fs::path printed = scratch.path() / "printed";
-    if (Execute(program, {Written(scenario, scratch), "--keys"}, printed) != kRan)
+    if (Execute(program, {Written(scenario, scratch), "--keys"}, printed).code != kRan)
       throw ParameterError(ReadText(printed));
   };
   const auto run = [program](const YamlDocument& scenario, std::optional<double> duration,
@@ -117,11 +135,16 @@ ScenarioApp ProgramApp(const fs::path& program) {
     const fs::path printed = scratch.path() / "printed";
     std::vector<std::string> arguments{Written(scenario, scratch), "--out", out.string()};
     if (duration) arguments.insert(arguments.end(), {"--duration", fmt::format("{}", *duration)});
-    const int code = Execute(program, arguments, printed, options.wall_limit);
+    const Ended ended = Execute(program, arguments, printed, options.wall_limit);
     if (!fs::exists(out / "summary.json"))
       throw RunError(
-          fmt::format("{} ended with {}: {}", program.filename().string(), code, ReadText(printed)));
-    return {Summary::Load(out / "summary.json", code), std::nullopt};
+          fmt::format("{} ended with {}: {}", program.filename().string(), ended.code, ReadText(printed)));
+    RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
+    if (ended.too_long) {
+      result.summary.Set("end_reason", TookTooLong(*options.wall_limit));
+      result.summary.set_exit_code(kNumericalFailure);
+    }
+    return result;
   };
   return {.name = program.filename().string(), .description = {}, .keys = {}, .check = check, .run = run};
 }

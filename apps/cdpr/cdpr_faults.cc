@@ -25,6 +25,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   FaultPoint<PlatformEstimate> estimate(kOnlyEstimated);
   std::vector<InputPort<CableSignals>*> length_readers;
   if (loop.pd != nullptr) length_readers.push_back(&loop.pd->cables);
+  if (loop.estimator != nullptr) length_readers.push_back(&loop.estimator->cables);
   if (loop.load != nullptr) length_readers.push_back(&loop.load->cables);
   if (loop.broken_cables != nullptr) length_readers.push_back(&loop.broken_cables->cables);
   FaultPoint<CableSignals> lengths(*loop.told_cables, length_readers, rate, CableSignals::Zero(num_cables));

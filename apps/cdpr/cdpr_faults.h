@@ -13,7 +13,7 @@ enum class CdprFaultPlace {
   kCommand,    ///< of the controller to the winches [N], one element per cable
   kWinch,      ///< the winches themselves: stuck
   kCable,      ///< the cables: broken
-  kLengths,    ///< CableSignals, to the PD and to what estimates load and broken cables
+  kLengths,    ///< CableSignals, to the PD and to what estimates pose, load and broken cables
   kReference,  ///< CdprReference, to the PD
   kPose,       ///< PoseMeasurement, to the estimator
   kImu,        ///< ImuMeasurement, to the estimators

@@ -1,11 +1,14 @@
 #include <tenon/apps/cdpr/path_file.h>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
@@ -16,12 +19,21 @@ namespace {
 constexpr const char* kPositions = "t,x,y,z";
 constexpr const char* kPoses = "t,x,y,z,roll,pitch,yaw";
 
-/// Without blanks, and without what other systems put at the end of a line.
-std::string Compact(const std::string& line) {
-  std::string text;
-  for (const char c : line)
-    if (c != ' ' && c != '\t' && c != '\r') text += c;
-  return text;
+/// Without the blanks at its ends, and without what other systems put at the end of a line.
+std::string_view Trimmed(std::string_view text) {
+  constexpr const char* kBlanks = " \t\r";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  return begin == text.npos ? "" : text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
+std::vector<std::string_view> Cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    cells.push_back(Trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
 }
 
 }  // namespace
@@ -36,7 +48,7 @@ PathTable ReadPathFile(const std::string& file) {
     throw ParameterError(fmt::format("{}:{}: {}", file, number, what));
   };
   std::getline(in, line);
-  const std::string header = Compact(line);
+  const std::string header = fmt::format("{}", fmt::join(Cells(line), ","));
   if (header != kPositions && header != kPoses)
     refuse(fmt::format("the columns are '{}': give '{}' or '{}', in s, m and rad", internal::Excerpt(header),
                        kPositions, kPoses));
@@ -44,17 +56,14 @@ PathTable ReadPathFile(const std::string& file) {
 
   while (std::getline(in, line)) {
     ++number;
-    const std::string text = Compact(line);
-    if (text.empty()) continue;
+    if (Trimmed(line).empty()) continue;
     std::vector<double> row;
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
+    for (const std::string_view cell : Cells(line)) {
       double value = 0;
-      const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-      if (error != std::errc() || stop != text.data() + end || !std::isfinite(value))
-        refuse(fmt::format("'{}' is no finite number", internal::Excerpt(text.substr(begin, end - begin))));
+      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+      if (error != std::errc() || stop != cell.data() + cell.size() || !std::isfinite(value))
+        refuse(fmt::format("'{}' is no finite number", internal::Excerpt(std::string(cell))));
       row.push_back(value);
-      begin = end + 1;
     }
     if (row.size() != columns)
       refuse(fmt::format("{} values, but the header names {} columns", row.size(), columns));

@@ -20,7 +20,7 @@ namespace tenon::apps {
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   app.add_option("SCENARIO", arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
   app.add_option("--seed", arguments.seed, "seed of all random streams")->check(Seed());
-  app.add_option("--set", arguments.settings, "override a value of the scenario: --set pd.rate_hz=500")
+  app.add_option("--set", arguments.settings, "override a value of the scenario: --set duration_s=5")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--duration", arguments.duration, "simulated time [s], instead of the scenario's")
@@ -34,8 +34,9 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
       "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
       "output directory.\n"
       "Ctrl-C ends a run in good order, all files whole; a second one ends it at once.\n"
-      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell or broke a forbidden limit; 4 numerical failure; "
-      "5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell, broke a forbidden limit, or did what drives, "
+      "ground, cables or bodies cannot; 4 numerical failure; 5 a file could not be written; 130, 143 stopped "
+      "by Ctrl-C, SIGTERM.");
 }
 
 namespace {

@@ -143,6 +143,10 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   return outcome;
 }
 
+std::string TookTooLong(double wall_limit) {
+  return fmt::format("took longer than {} s on the clock", wall_limit);
+}
+
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit) {
   StopOnSignal(simulator);
   const auto too_long = std::make_shared<bool>(false);  // the monitor outlives this function
@@ -151,7 +155,7 @@ RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> 
     simulator.AddMonitor([=, limit = *wall_limit](Context&) {
       const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
       *too_long = *too_long || wall.count() > limit;
-      return *too_long ? Verdict(fmt::format("took longer than {} s on the clock", limit)) : Verdict();
+      return *too_long ? Verdict(TookTooLong(limit)) : Verdict();
     });
   }
   RunOutcome outcome = Observe(simulator, [&] { return simulator.AdvanceTo(duration); });

@@ -82,5 +82,7 @@ void StopOnSignal(Simulator& simulator);
 /// Advances to `duration` [s], or until SIGINT or SIGTERM comes, see SignalGuard, or `wall_limit` [s] on the
 /// clock are over, which ends the run as a monitor does. Errors as with Observe.
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit = {});
+/// Why a run ended that took longer than its limit.
+std::string TookTooLong(double wall_limit);
 
 }  // namespace tenon::apps

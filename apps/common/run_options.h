@@ -12,7 +12,7 @@ namespace tenon::apps {
 enum ExitCode {
   kRan = 0,
   kBadUsage = 2,          ///< command line, scenario or robot file
-  kLimitBroken = 3,       ///< the robot fell, or broke a limit that the scenario forbids to break
+  kLimitBroken = 3,       ///< the robot fell, broke a forbidden limit, or did what no robot can
   kNumericalFailure = 4,  ///< or out of memory
   kOutputFailed = 5,      ///< a file could not be written
 };

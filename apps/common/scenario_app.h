@@ -90,8 +90,8 @@ ScenarioApp MakeScenarioApp(std::string name, std::string description,
 }
 
 /// A main(): reads the command line (SCENARIO, --set, --seed, --duration, --out, --graph, --list, --keys,
-/// --version, --help), runs the scenario, prints its figures and returns its exit code. What goes wrong is
-/// told on stderr.
+/// --live, --live-address, --replay, --version, --help), runs the scenario, prints its figures and returns
+/// its exit code. What goes wrong is told on stderr.
 int RunApp(const ScenarioApp& app, int argc, char** argv);
 
 }  // namespace tenon::apps

@@ -84,8 +84,8 @@ void ApplySettings(const std::vector<std::string>& settings, YamlDocument* docum
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw ParameterError(fmt::format("--set {}: give it as key=value, say --set pd.rate_hz=500",
-                                       internal::Excerpt(setting)));
+      throw ParameterError(
+          fmt::format("--set {}: give it as key=value, say --set duration_s=5", internal::Excerpt(setting)));
     }
     document->Set(setting.substr(0, equals), setting.substr(equals + 1));
   }

@@ -80,8 +80,8 @@ int main(int argc, char** argv) {
   app.add_option("--out", out, "directory for report.html (default: out/report)");
   app.footer(
       "Reads report.html and signals.csv of each run.\n"
-      "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000\n"
-      "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000\n"
+      "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000 --controller pd\n"
+      "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000 --controller pd\n"
       "    tenon-report out/soft out/stiff\n"
       "Exit codes: 0 written; 2 bad usage, or a directory that holds no run; 5 a file could not be written.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(directories, out); });

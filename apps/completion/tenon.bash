@@ -22,5 +22,5 @@ _tenon() {
   esac
   COMPREPLY+=($(compgen -W "$words" -- "$word"))
 }
-complete -F _tenon tenon-campaign tenon-cdpr tenon-gait-stability tenon-guide-dog tenon-observer-order \
-  tenon-quadruped tenon-robot tenon-tune-pd
+complete -F _tenon tenon-campaign tenon-cdpr tenon-cdpr-workspace tenon-gait-stability tenon-guide-dog \
+  tenon-observer-order tenon-quadruped tenon-report tenon-robot tenon-tune-pd

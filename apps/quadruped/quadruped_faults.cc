@@ -1,5 +1,6 @@
 #include <tenon/apps/quadruped/quadruped_faults.h>
 
+#include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/plants/legged/joint_lock.h>
 
 namespace tenon::apps {
@@ -34,23 +35,32 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
     encoders = {world.joints, {&loop.estimator->joints}, world.encoders.params.rate};
     imu_readers = {&loop.estimator->imu};
   }
-  std::vector<InputPort<FootForces>*> foot_force_readers{&loop.locomotion.foot_forces,
-                                                         &loop.observer.foot_forces};
-  if (loop.foot_force_estimate != nullptr) {
-    foot_force_readers = {&loop.foot_force_estimate->shank};
-    state_readers.push_back(&loop.foot_force_estimate->state);
+  std::vector<InputPort<Vec<12>>*> torque_readers{&loop.observer.torque};
+  FaultPoint<FootForces> foot_force(
+      "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor");
+  if (loop.foot_forces_of_legs != nullptr) {
+    torque_readers.push_back(&loop.foot_forces_of_legs->torque);
+    state_readers.push_back(&loop.foot_forces_of_legs->state);
+  } else {
+    std::vector<InputPort<FootForces>*> readers{&loop.locomotion.foot_forces, &loop.observer.foot_forces};
+    if (loop.foot_force_estimate != nullptr) {
+      readers = {&loop.foot_force_estimate->shank};
+      state_readers.push_back(&loop.foot_force_estimate->state);
+    }
+    foot_force = {world.foot_forces, std::move(readers), world.foot_sensor.params.rate};
   }
   state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
   wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
-  return {.world = &world,
-          .torque = {loop.locomotion.torque, {&world.torque}, rate},
-          .encoders = std::move(encoders),
-          .torque_sensor = {world.measured_torque, {&loop.observer.torque}, world.torque_sensor.params.rate},
-          .foot_force = {world.foot_forces, std::move(foot_force_readers), world.foot_sensor.params.rate},
-          .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
-          .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
-                    rate},
-          .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
+  return {
+      .world = &world,
+      .torque = {loop.locomotion.torque, {&world.torque}, rate},
+      .encoders = std::move(encoders),
+      .torque_sensor = {world.measured_torque, std::move(torque_readers), world.torque_sensor.params.rate},
+      .foot_force = std::move(foot_force),
+      .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
+      .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
+                rate},
+      .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
 }
 
 void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {

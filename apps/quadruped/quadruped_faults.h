@@ -15,8 +15,8 @@ enum class LeggedFaultPlace {
   kTorque,        ///< the controller's command to the drives [N m], one element per joint
   kJoint,         ///< the joints themselves: stuck, or broken, whose drive gives no torque
   kEncoders,      ///< JointMotion, to the controller that stands or the state estimator
-  kTorqueSensor,  ///< [N m], to the observers
-  kFootForce,     ///< FootForces, to controller and observers
+  kTorqueSensor,  ///< [N m], to whatever estimates forces
+  kFootForce,     ///< FootForces, to controller and observers, if the feet have sensors
   kImu,           ///< ImuMeasurement, to observers and the state estimator
   kState,         ///< LeggedState, as controller and observers are told it
   kWrench,        ///< WrenchEstimate of the observers, to the controller

@@ -12,6 +12,7 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 
 namespace tenon::apps {
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::size_t kShown = 12;
 constexpr double kNeutral = 1e-3;  // so near to 1
+constexpr double kRamp = 1.5;      // from the gait's first step to its speed, and more [s]
 
 struct StabilityArguments {
   int settle = 20;      ///< strides before
@@ -85,7 +87,8 @@ int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   Simulator simulator(builder.Build(), simulation);
-  const double begin = period * (std::ceil(2 / period) + arguments.settle);
+  const double walks_from = WalkSchedule(params.walk).end_time() - *last.duration;
+  const double begin = period * (std::ceil((walks_from + kRamp) / period) + arguments.settle);
   if (const RunStatus status = simulator.AdvanceToBefore(begin); status.ended) throw RunError(status.reason);
   const auto at_begin = simulator.context().Clone();
 

@@ -78,6 +78,7 @@ int Run(const RobotArguments& arguments) {
   const Summary stand = Try("stand", yaml, kStand, out / "stand");
   fmt::print("{:<28} {}\n", "stands", stand.exit_code() == kRan ? "yes" : "no, see stand/report.html");
   std::fflush(stdout);
+  if (stand.exit_code() >= kOutputFailed) return stand.exit_code();
   const Summary trot = Try("flat", yaml, kTrot, out / "trot");
   fmt::print("{:<28} {}\n", "trots", trot.exit_code() == kRan ? "yes" : "no, see trot/report.html");
   for (const auto& [key, value] : trot.Flat())
@@ -101,7 +102,8 @@ int main(int argc, char** argv) {
       ->type_name("JOINT=ANGLE")
       ->allow_extra_args(false);
   app.footer(
-      "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell; 4 numerical failure; 5 a file could "
+      "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell, or did what no robot can; 4 numerical "
+      "failure; 5 a file could "
       "not be "
       "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });

@@ -38,7 +38,7 @@ GuideDog::GuideDog(const GuideDogParams& params)
   Connect(state, admittance.state);
 
   Connect(admittance.walk, locomotion.command);
-  ConnectWalk(*this, state, ConnectFootForces(*this, params, state, foot_force_estimate));
+  ConnectWalk(*this, state, ConnectFootForces(*this, params, state));
 
   Connect(world.state, obstacles.state);
   Connect(world.state, leash.robot);

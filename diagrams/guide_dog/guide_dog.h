@@ -16,6 +16,7 @@
 
 namespace tenon {
 
+class FootForcesOfLegs;
 class TrackingError;
 class WalkView;
 
@@ -60,6 +61,7 @@ class GuideDog final : public Subdiagram {
   Leash& leash;
   LeggedStateEstimator* estimator = nullptr;         ///< if there is one
   FootForceEstimate* foot_force_estimate = nullptr;  ///< if the sensors of the feet are in the shanks
+  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< if the feet have none
   TrackingError& errors;
   WalkView& view;
 };

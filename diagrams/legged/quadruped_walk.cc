@@ -34,7 +34,7 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     Connect(locomotion.schedule, estimator->schedule);
   }
   const OutputPort<LeggedState>& state = estimator ? estimator->state : world.state;
-  ConnectWalk(*this, state, ConnectFootForces(*this, params, state, foot_force_estimate));
+  ConnectWalk(*this, state, ConnectFootForces(*this, params, state));
 }
 
 }  // namespace tenon

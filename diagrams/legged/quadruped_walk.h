@@ -12,6 +12,7 @@
 
 namespace tenon {
 
+class FootForcesOfLegs;
 class TrackingError;
 class WalkView;
 
@@ -48,6 +49,7 @@ class QuadrupedWalk final : public Subdiagram {
   DisturbanceObserver& observer;
   LeggedStateEstimator* estimator = nullptr;         ///< if there is one
   FootForceEstimate* foot_force_estimate = nullptr;  ///< if the sensors of the feet are in the shanks
+  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< if the feet have none
   TrackingError& errors;
   WalkView& view;
 };

@@ -46,12 +46,10 @@ void ConnectWalk(auto& walk, const OutputPort<LeggedState>& state,
   walk.Connect(walk.world.external_torque, walk.errors.external_torque);
 }
 
-/// The forces on the feet in W: as the world gives them, or, from sensors in the shanks, by a
-/// FootForceEstimate, which is added for that and returned in `estimate`, or, without any, by
-/// FootForcesOfLegs.
+/// The forces on the feet in W: as the world gives them, or, from sensors in the shanks, by the walk's
+/// `foot_force_estimate`, or, without any, by its `foot_forces_of_legs`; the one that is needed is added.
 const OutputPort<FootForces>& ConnectFootForces(auto& walk, const auto& params,
-                                                const OutputPort<LeggedState>& state,
-                                                FootForceEstimate*& estimate) {
+                                                const OutputPort<LeggedState>& state) {
   const FootSensing sensing = params.world.hardware.foot_sensing;
   if (sensing == FootSensing::kWorld) return walk.world.foot_forces;
   if (sensing == FootSensing::kNone) {
@@ -59,6 +57,7 @@ const OutputPort<FootForces>& ConnectFootForces(auto& walk, const auto& params,
                                    .rate = walk.locomotion.scheduler.params.rate};
     of_legs.initial = params.world.plant.initial;
     auto& legs = walk.template Add<FootForcesOfLegs>("foot_forces", of_legs);
+    walk.foot_forces_of_legs = &legs;
     walk.Connect(state, legs.state);
     walk.Connect(walk.world.measured_torque, legs.torque);
     walk.Connect(walk.locomotion.ground, legs.ground);
@@ -66,11 +65,12 @@ const OutputPort<FootForces>& ConnectFootForces(auto& walk, const auto& params,
   }
   FootForceEstimateParams turned{.robot = params.world.plant.robot, .rate = params.world.foot_sensor.rate};
   turned.initial_q_WB = params.world.plant.initial.q_WB;
-  estimate = &walk.template Add<FootForceEstimate>("foot_force_estimate", turned);
-  walk.Connect(walk.world.foot_forces, estimate->shank);
-  walk.Connect(walk.world.joints, estimate->joints);
-  walk.Connect(state, estimate->state);
-  return estimate->forces;
+  auto& estimate = walk.template Add<FootForceEstimate>("foot_force_estimate", turned);
+  walk.foot_force_estimate = &estimate;
+  walk.Connect(walk.world.foot_forces, estimate.shank);
+  walk.Connect(walk.world.joints, estimate.joints);
+  walk.Connect(state, estimate.state);
+  return estimate.forces;
 }
 
 }  // namespace tenon

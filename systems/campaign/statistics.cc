@@ -46,6 +46,8 @@ std::vector<double> Ranks(std::span<const double> values) {
 
 std::optional<double> RankCorrelation(std::span<const double> x, std::span<const double> y) {
   if (x.size() != y.size() || x.size() < 3) return {};
+  const auto is_nan = [](double value) { return std::isnan(value); };
+  if (std::ranges::any_of(x, is_nan) || std::ranges::any_of(y, is_nan)) return {};
   const std::vector<double> a = Ranks(x), b = Ranks(y);
   const double mean = 0.5 * static_cast<double>(x.size() - 1);
   double aa = 0, bb = 0, ab = 0;

@@ -31,7 +31,7 @@ struct FaultyCase {
 };
 
 const std::vector<std::string> kWalk{"torque", "torque_sensor", "foot_force", "imu", "state", "wrench"};
-const std::vector<std::string> kMpc{"command", "pose", "imu", "estimate"};
+const std::vector<std::string> kMpc{"command", "lengths", "pose", "imu", "estimate"};
 const std::vector<std::string> kPd{"command", "lengths", "reference"};
 const std::string kJoints =
     "{at: joint, kind: stuck, elements: [front_left_hip_pitch], start_s: 0.05, duration_s: 0.1}, "
@@ -150,6 +150,24 @@ TEST_F(FaultTest, ANanIsReportedWhereItArises) {
       EXPECT_NEAR(summary.at("simulated_s").get<double>(), 0.02, 1e-9) << place;
     }
   }
+}
+
+// Without sensors in the feet their forces come from the torques: who loses these loses contact as well.
+TEST_F(FaultTest, OfTheTorqueSensorReachesTheForcesOfTheLegs) {
+  Run({kQuadruped, "A1", {}, ""}, "{at: torque_sensor, kind: loss, size: 1, start_s: 0.1}",
+      "--set sensors.foot_force.mounted=none");
+  const std::vector<double> state = Column(out, "loop.locomotion.schedule.legs.front_left.state");
+  EXPECT_EQ(state.front(), 0) << "stance";
+  EXPECT_EQ(state.back(), 3) << "searching";
+}
+
+// An MPC is told of the cables' lengths by the estimate alone.
+TEST_F(FaultTest, OfLengthsReachesTheEstimate) {
+  const auto command = [&](const std::string& faults) {
+    Run({kCdpr, "D1", {}, ""}, faults);
+    return Column(out, "loop.command.0 [N]").back();
+  };
+  EXPECT_NE(command("{at: lengths, kind: offset, size: 0.02, start_s: 0.1}"), command(""));
 }
 
 // What is logged behind the fault is what its kind says, and what is logged before it goes on.
@@ -273,6 +291,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: joint, kind: stuck, elements: [12]"),
                  "elements: there is no joint '12', give some of front_left_abduction, front_left_hip_pitch"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: encoders, kind: stuck"), "set walk.state to estimated"},
+        BadUsage{
+            TENON_QUADRUPED_FAULT("A1",
+                                  "at: foot_force, kind: stuck") " --set sensors.foot_force.mounted=none",
+            "the feet have no sensors; set sensors.foot_force.mounted to world or shank"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: obstacle, kind: stuck"), "it is there for tenon-guide-dog"},
         BadUsage{TENON_QUADRUPED_FAULT("stand", "at: imu, kind: stuck"),
                  "it is there for a robot that walks"},

@@ -144,7 +144,12 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
       refused("limit: {key: a, to: 1, probability: 1}", "c.yaml:3:", "probability = 1 must lie between"));
   EXPECT_TRUE(refused("limit: {key: a, to: 1, steps: 0}", "c.yaml:3:", "steps = 0"));
   EXPECT_TRUE(refused("limit: {key: a, to: 1}\nestimate: survival", "c.yaml:", "leave estimate away"));
-  EXPECT_TRUE(refused("limit: {key: a, to: 1}\nset: {a: 2}", "c.yaml:", "a is also set or varied"));
+  for (const char* other :
+       {"set: {a: 2}", "vary: {a: {grid: [1, 2]}}", "vary: {b: {choices: {x: {a: 2}}}}"}) {
+    const std::string text = std::string(other) + "\nlimit: {key: ";
+    EXPECT_TRUE(refused(text + "a, to: 1}", "c.yaml:4:", "limit: a is also set or varied")) << other;
+    EXPECT_TRUE(refused(text + "all, sets: {a: 1}, to: 1}", "c.yaml:4:", "a is also set or varied")) << other;
+  }
   EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "say seeds: {first: 1"));
   EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is what a run comes to"));
   EXPECT_TRUE(

@@ -386,6 +386,7 @@ TEST_F(TenonCdprTest, AWrongPathFileIsToldWithItsLine) {
   refused("t,x,y,z\n0,0,0,2\n", "way.csv:2: 1 points: a path takes two or more");
   refused("t,x,y,z\n0,0,0,2\n1,0,2\n", "way.csv:3: 3 values, but the header names 4 columns");
   refused("t,x,y,z\n0,0,0,2\n1,0,nan,2\n", "way.csv:3: 'nan' is no finite number");
+  refused("t,x,y,z\n0,0,0,2\n1,2 3,0,2\n", "way.csv:3: '2 3' is no finite number");
   refused("t,x,y,z\n0,0,0,2\n1,0,,2\n", "way.csv:3: '' is no finite number");
   refused("t,x,y,z\n0,0,0,2\n\n0,0,1,2\n",
           "way.csv:4: t = 0 s does not come after the 0 s of the row before");

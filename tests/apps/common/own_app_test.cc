@@ -62,8 +62,25 @@ TEST_F(OwnAppTest, IsRunByCampaigns) {
                                   HasSubstr("mass_kg: expected a number, found 'heavy'")));
   const Result slow = campaign("duration_s: 1e6\nwall_limit_s: 0.5\n");
   EXPECT_THAT(slow.text, HasSubstr("0 of 1 survived"));
+  EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr("took longer than 0.5 s on the clock"));
   fs::remove(out / "step.yaml");
   EXPECT_THAT(campaign("").text, AllOf(HasSubstr("masses.yaml:2:11: scenario"), HasSubstr("no such file")));
+}
+
+// Ctrl-C in a terminal goes to the campaign and to what it runs.
+TEST_F(OwnAppTest, CtrlCEndsAReplayInGoodOrder) {
+  fs::create_directories(out);
+  fs::copy(kExample + "/step.yaml", out / "step.yaml");
+  std::ofstream(out / "long.yaml") << "app: " << kApp << "\nscenario: step.yaml\nduration_s: 1e6\n";
+  const std::string runs = (out / "runs").string();
+  const Result result =
+      RunCommand("bash -c 'set -m; " + kCampaign + " " + (out / "long.yaml").string() + " --replay 0 --out " +
+                 runs + " & run=$!; until [ $(wc -l 2>/dev/null < " + runs +
+                 "/run_0/signals.csv || echo 0) -gt 12 ]; do kill -0 $run || exit 99; "
+                 "sleep 0.02; done 2>/dev/null; kill -INT -- -$run; wait $run'");
+  EXPECT_EQ(result.exit_code, 130) << result.text;
+  EXPECT_THAT(Read(out / "runs/run_0/summary.json"), HasSubstr("\"end_reason\": \"interrupted\""));
+  EXPECT_THAT(Read(out / "runs/run_0/report.html"), HasSubstr("</html>"));
 }
 
 // Programs that are none, or do not keep to what an app does.

@@ -67,6 +67,18 @@ TEST(TenonGaitStabilityTest, TheTrotIsStableAndItsMapForetellsThePush) {
   EXPECT_EQ(strides, 4);
 }
 
+// The walk's last segment, from 3 s on: by then it trots no more.
+TEST(TenonGaitStabilityTest, IsOfTheLastSegment) {
+  const Result result = RunApp(
+      "flat --settle 2 --strides 1 --set \"walk.path.segments=[{gait: trot, duration_s: 3}, "
+      "{gait: pace, duration_s: 1}]\"");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string head = result.text.substr(0, result.text.find('\n'));
+  EXPECT_NE(head.find("pace at 0 m/s"), std::string::npos) << head;
+  ASSERT_GE(NumbersOf(head).size(), 3u) << head;
+  EXPECT_GT(NumbersOf(head)[2], 3 + 2 * NumbersOf(head)[1]) << head;
+}
+
 class TenonGaitStabilityUsageTest : public test::UsageTest {};
 INSTANTIATE_TEST_SUITE_P(
     All, TenonGaitStabilityUsageTest,

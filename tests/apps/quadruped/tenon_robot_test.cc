@@ -52,6 +52,15 @@ TEST_F(TenonRobotTest, CopiesOfTheUrdfFindItsMeshes) {
   fs::remove_all(package);
 }
 
+// A limit of the size of files stands for the end of a disk, or a signal: nothing else is tried.
+TEST_F(TenonRobotTest, EndsWithATrialThatCannotBeWritten) {
+  const Result run = RunCommand(
+      "sh -c 'trap \"\" XFSZ; ulimit -f 100; " TENON_ROBOT " " TENON_ROBOTS_DIR "/a1.urdf" + Out() + "'");
+  EXPECT_EQ(run.exit_code, 5) << run.text;
+  EXPECT_TRUE(fs::exists(out / "stand"));
+  EXPECT_FALSE(fs::exists(out / "trot"));
+}
+
 TEST_F(TenonRobotTest, SaysWhatIsWrong) {
   EXPECT_EQ(Run("nowhere.urdf" + Out()).exit_code, 2);
   const Result lock = Run(TENON_ROBOTS_DIR "/a1.urdf --lock FL_hip_joint=up" + Out());
