@@ -133,8 +133,10 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
   }
   if (file_.limit) {
     DemandNoColumn(file_.limit->key);
-    for (const auto& [key, factor] : Targets(file_.limit->key, file_.limit->sets)) {
-      if (by_key.contains(key) || file_.set.contains(key))
+    auto keys = Targets(file_.limit->key, file_.limit->sets);
+    keys.emplace_back(file_.limit->key, 1);  // a column of the table
+    for (const auto& [key, factor] : keys) {
+      if (by_key.contains(key) || file_.vary.contains(key) || file_.set.contains(key))
         throw ParameterError(
             fmt::format("{}: {} is also set or varied; take it out there", document.PlaceOf("limit"), key));
     }

@@ -65,7 +65,7 @@ Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   Ended ended;
-  bool told = false;
+  int told = 0;  // the signal that it was sent
   for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
     const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
     if (waited == process) {
@@ -73,13 +73,15 @@ Ended Wait(::pid_t process, std::optional<double> wall_limit) {
       return ended;
     }
     if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
-    if (told) continue;
     const std::chrono::duration<double> elapsed = Clock::now() - begin;
-    const int caught = SignalGuard::caught();
-    ended.too_long = caught == 0 && wall_limit && elapsed.count() > *wall_limit;
-    if (caught == 0 && !ended.too_long) continue;
-    ::kill(process, caught != 0 ? caught : SIGTERM);
-    told = true;
+    int signal = SignalGuard::caught();
+    if (signal == 0 && wall_limit && elapsed.count() > *wall_limit) {
+      ended.too_long = true;
+      signal = SIGTERM;
+    }
+    if (signal == 0 || signal == told) continue;
+    ::kill(-process, signal);  // its group: what it runs itself, too
+    told = signal;
   }
 }
 
@@ -136,14 +138,14 @@ ScenarioApp ProgramApp(const fs::path& program) {
     std::vector<std::string> arguments{Written(scenario, scratch), "--out", out.string()};
     if (duration) arguments.insert(arguments.end(), {"--duration", fmt::format("{}", *duration)});
     const Ended ended = Execute(program, arguments, printed, options.wall_limit);
-    if (!fs::exists(out / "summary.json"))
+    if (!fs::exists(out / "summary.json")) {
+      if (ended.too_long) throw RunError(TookTooLong(*options.wall_limit));
       throw RunError(
           fmt::format("{} ended with {}: {}", program.filename().string(), ended.code, ReadText(printed)));
-    RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
-    if (ended.too_long) {
-      result.summary.Set("end_reason", TookTooLong(*options.wall_limit));
-      result.summary.set_exit_code(kNumericalFailure);
     }
+    RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
+    if (ended.too_long && ended.code != kOutputFailed)
+      result.summary.EndedBy(TookTooLong(*options.wall_limit), kNumericalFailure);
     return result;
   };
   return {.name = program.filename().string(), .description = {}, .keys = {}, .check = check, .run = run};

@@ -28,7 +28,8 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   if (loop.estimator != nullptr) length_readers.push_back(&loop.estimator->cables);
   if (loop.load != nullptr) length_readers.push_back(&loop.load->cables);
   if (loop.broken_cables != nullptr) length_readers.push_back(&loop.broken_cables->cables);
-  FaultPoint<CableSignals> lengths(*loop.told_cables, length_readers, rate, CableSignals::Zero(num_cables));
+  FaultPoint<CableSignals> lengths(*loop.told_cables, length_readers, loop.reference.params.rate,
+                                   CableSignals::Zero(num_cables));
   if (loop.pd != nullptr) {
     InputPort<CdprReference>& reader =
         loop.balancer != nullptr ? loop.balancer->reference : loop.pd->reference;

@@ -166,6 +166,12 @@ void Summary::Break(double time, const std::string& reason) {
       fmt::format("{}, at {:.4g} s", breaches_.front().second, breaches_.front().first);
 }
 
+void Summary::EndedBy(const std::string& reason, int exit_code) {
+  json_->values["finished"] = false;
+  json_->values["end_reason"] = reason;
+  exit_code_ = exit_code;
+}
+
 namespace {
 
 void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {

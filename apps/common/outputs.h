@@ -78,6 +78,8 @@ class Summary {
   /// What happened at `time` [s] could not have: the run is not finished, whatever end it came to, and ends
   /// with kLimitBroken. Of several the first in time is the reason, unless something else ended the run.
   void Break(double time, const std::string& reason);
+  /// Whoever ran it knows better what ended it.
+  void EndedBy(const std::string& reason, int exit_code);
 
   void Write(const std::filesystem::path& file) const;  ///< throws OutputError
   void Print() const;                                   ///< on stdout, one figure a line

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kShown = 12;
 constexpr double kNeutral = 1e-3;  // so near to 1
-constexpr double kRamp = 1.5;      // from the gait's first step to its speed, and more [s]
+constexpr double kMore = 1;        // after it has its speed [s]
 
 struct StabilityArguments {
   int settle = 20;      ///< strides before
@@ -44,6 +44,16 @@ QuadrupedWalkParams EndlessWalk(const QuadrupedScenario& scenario) {
   params.world.sines.clear();
   params.world.random.clear();
   return params;
+}
+
+/// When the last segment has its own velocities [s], see WalkSchedule.
+double HasItsSpeed(const WalkScheduleParams& walk) {
+  const WalkSegment &last = walk.segments.back(),
+                    before = walk.segments.size() > 1 ? *(walk.segments.end() - 2) : WalkSegment();
+  const double change = std::hypot(last.forward - before.forward, last.left - before.left);
+  const double ramp =
+      std::max(change / walk.acceleration, std::abs(last.yaw_rate - before.yaw_rate) / walk.yaw_acceleration);
+  return WalkSchedule(walk).end_time() - *last.duration + ramp;
 }
 
 /// Trunk's height, attitude and velocities, joints: what a push shows in, place and heading left out.
@@ -87,8 +97,7 @@ int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   Simulator simulator(builder.Build(), simulation);
-  const double walks_from = WalkSchedule(params.walk).end_time() - *last.duration;
-  const double begin = period * (std::ceil((walks_from + kRamp) / period) + arguments.settle);
+  const double begin = period * (std::ceil((HasItsSpeed(params.walk) + kMore) / period) + arguments.settle);
   if (const RunStatus status = simulator.AdvanceToBefore(begin); status.ended) throw RunError(status.reason);
   const auto at_begin = simulator.context().Clone();
 

@@ -12,21 +12,14 @@
 namespace tenon {
 namespace {
 
-/// Continuous states and chosen inputs as one vector of doubles.
+/// Continuous states and the real numbers of chosen inputs as one vector.
 class Variables {
  public:
   Variables(Context& context, std::vector<const Source*> inputs)
-      : context_(context), inputs_(std::move(inputs)) {
-    for (const Source* input : inputs_) sizes_.push_back(context.EvalDoubles(*input).size());
-  }
-  Eigen::VectorXd Inputs() const { return internal::EvalNumbers(context_, inputs_); }
-  void SetInputs(const Eigen::VectorXd& values) {
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < inputs_.size(); ++i) {
-      context_.SetDoubles(*inputs_[i], {values.data() + begin, sizes_[i]});
-      begin += sizes_[i];
-    }
-  }
+      : context_(context), inputs_(context, std::move(inputs)) {}
+  const std::vector<std::string>& InputNames() const { return inputs_.names(); }
+  Eigen::VectorXd Inputs() const { return inputs_.Get(context_); }
+  void SetInputs(const Eigen::VectorXd& values) { inputs_.Set(context_, values); }
   void Set(const Eigen::VectorXd& all) {
     const Eigen::Index states = context_.continuous_state().size();
     context_.SetContinuousState(all.head(states));
@@ -41,8 +34,7 @@ class Variables {
 
  private:
   Context& context_;
-  std::vector<const Source*> inputs_;
-  std::vector<std::size_t> sizes_;
+  internal::RealNumbers inputs_;
 };
 
 double Step(double value) {
@@ -67,7 +59,7 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
   model.u0 = variables.Inputs();
   model.xdot0 = context->EvalTimeDerivatives();
   model.y0 = evaluate_outputs();
-  model.inputs = internal::NumberNames(*context, inputs);
+  model.inputs = variables.InputNames();
   model.outputs = internal::NumberNames(*context, outputs);
 
   const Eigen::Index n = model.x0.size(), m = model.u0.size(), p = model.y0.size();

@@ -196,7 +196,11 @@ void Context::SetDoubles(const Source& source, std::span<const double> values) {
         fmt::format("'{}' has {} elements, but {} values are given", source.path(), size, values.size()));
   }
   const Copy value(type, Address(source));
-  internal::FromDoubles(type, value.get(), values.data());
+  try {
+    internal::FromDoubles(type, value.get(), values.data());
+  } catch (const internal::NumberError& error) {
+    throw ParameterError(fmt::format("'{}': {}", source.path(), error.what()));
+  }
   Assign({&source, value.get()});
 }
 

@@ -139,6 +139,7 @@ class DoubleReader final : public ValueVisitor {
   void Number(void* data, const TypeInfo& type) override {
     if (type.names.empty()) return Numbers(data, type.scalar, 1, 1);
     WithKind(type.scalar, data, [&]<class T>(T* number) {
+      if (IsSame(*number)) return;
       const bool holds = CanHold<T>(in_[count_]);
       if (holds) *number = static_cast<T>(in_[count_]);
       if (!holds || !IsNamed(type, number)) Refuse(NamedValues(type));
@@ -148,13 +149,21 @@ class DoubleReader final : public ValueVisitor {
   void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
     WithKind(kind, data, [&]<class T>(T* first) {
       for (T* each = first; each != first + rows * cols; ++each) {
-        if (!CanHold<T>(in_[count_])) Refuse(WhatItHolds<T>());
-        *each = static_cast<T>(in_[count_++]);
+        if (!IsSame(*each)) {
+          if (!CanHold<T>(in_[count_])) Refuse(WhatItHolds<T>());
+          *each = static_cast<T>(in_[count_]);
+        }
+        ++count_;
       }
     });
   }
 
  private:
+  /// What is there stays, whatever it is.
+  template <class T>
+  bool IsSame(T present) const {
+    return static_cast<double>(present) == in_[count_];
+  }
   [[noreturn]] void Refuse(const std::string& allowed) const {
     const std::string name = ListElements(type_, value_, "")[count_].name;
     throw NumberError(fmt::format("{} cannot be {}: give {}", name.empty() ? "it" : "'" + name + "'",

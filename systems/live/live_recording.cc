@@ -98,13 +98,7 @@ RunStatus Replay(Simulator& simulator, const LiveRecording& recording, std::opti
 namespace internal {
 
 void ApplyEntry(Context& context, const LiveEntry& entry) {
-  for (const LiveSet& set : entry.sets) {
-    try {
-      context.SetDoubles(context.diagram().Find(set.path), set.values);
-    } catch (const NumberError& error) {
-      throw ParameterError(fmt::format("'{}': {}", set.path, error.what()));
-    }
-  }
+  for (const LiveSet& set : entry.sets) context.SetDoubles(context.diagram().Find(set.path), set.values);
 }
 
 LiveFile::LiveFile(std::filesystem::path file, std::uint64_t seed) : file_(std::move(file)) {

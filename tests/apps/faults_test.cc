@@ -161,13 +161,15 @@ TEST_F(FaultTest, OfTheTorqueSensorReachesTheForcesOfTheLegs) {
   EXPECT_EQ(state.back(), 3) << "searching";
 }
 
-// An MPC is told of the cables' lengths by the estimate alone.
+// Of the lengths themselves the estimate of the pose alone makes use.
 TEST_F(FaultTest, OfLengthsReachesTheEstimate) {
   const auto command = [&](const std::string& faults) {
     Run({kCdpr, "D1", {}, ""}, faults);
     return Column(out, "loop.command.0 [N]").back();
   };
-  EXPECT_NE(command("{at: lengths, kind: offset, size: 0.02, start_s: 0.1}"), command(""));
+  EXPECT_NE(
+      command("{at: lengths, kind: spike, size: 0.02, period_s: 0.05, elements: [length], start_s: 0.1}"),
+      command(""));
 }
 
 // What is logged behind the fault is what its kind says, and what is logged before it goes on.

@@ -24,7 +24,9 @@ SupportPolygon::SupportPolygon(std::span<const Eigen::Vector2d> feet, double hal
   }
   if (AddLine(feet, half_width, margin)) return;
   // Round the hull, the feet to the left; of feet in line the farthest is next.
-  const auto is_before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] < b[0]; };
+  const auto is_before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
+  };
   const auto first = static_cast<std::size_t>(std::ranges::min_element(feet, is_before) - feet.begin());
   std::array<std::size_t, kMaxFeet> next;
   next.fill(kMaxFeet);

@@ -124,17 +124,17 @@ void LiveRun::LetGo() {
   drives_ = pulls_ = false;
 }
 
-/// Whether what was set is not as `release` sets it.
+/// Whether the last command that set what `release` sets, all at once, was another one.
 bool LiveRun::IsHeld(const LiveSets& release) const {
-  return std::ranges::any_of(release, [&](const LiveSet& set) {
-    const LiveSet* last = nullptr;
-    for (const LiveEntry& entry : file_.entries()) {
-      for (const LiveSet& each : entry.sets) {
-        if (each.path == set.path) last = &each;
-      }
-    }
-    return last != nullptr && last->values != set.values;
-  });
+  const auto sets_the_same = [&](const LiveEntry& entry) {
+    return std::ranges::equal(entry.sets, release, {}, &LiveSet::path, &LiveSet::path);
+  };
+  bool held = false;
+  for (const LiveEntry& entry : file_.entries()) {
+    if (sets_the_same(entry))
+      held = !std::ranges::equal(entry.sets, release, {}, &LiveSet::values, &LiveSet::values);
+  }
+  return held;
 }
 
 Json LiveRun::Do(const std::string& client, const Json& command) {
@@ -232,9 +232,15 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
 
 /// All or none.
 void LiveRun::Apply(LiveSets sets) {
-  LiveEntry entry{time(), std::move(sets)};
-  if (entry.sets.size() > 1) ApplyEntry(*context().Clone(), entry);
-  ApplyEntry(context(), entry);
+  LiveEntry entry{time(), std::move(sets)}, before{time(), {}};
+  for (const LiveSet& set : entry.sets)
+    before.sets.push_back({set.path, context().EvalDoubles(context().diagram().Find(set.path))});
+  try {
+    ApplyEntry(context(), entry);
+  } catch (const Error&) {
+    ApplyEntry(context(), before);
+    throw;
+  }
   file_.Add(std::move(entry));
 }
 

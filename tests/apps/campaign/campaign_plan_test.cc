@@ -150,6 +150,8 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
     EXPECT_TRUE(refused(text + "a, to: 1}", "c.yaml:4:", "limit: a is also set or varied")) << other;
     EXPECT_TRUE(refused(text + "all, sets: {a: 1}, to: 1}", "c.yaml:4:", "a is also set or varied")) << other;
   }
+  EXPECT_TRUE(refused("vary: {all: {grid: [1], sets: {b: 1}}}\nlimit: {key: all, sets: {a: 1}, to: 1}",
+                      "c.yaml:4:", "all is also set or varied"));
   EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "say seeds: {first: 1"));
   EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is what a run comes to"));
   EXPECT_TRUE(

@@ -14,6 +14,7 @@ using test::Result;
 using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kApp = CART_APP, kCampaign = TENON_CAMPAIGN, kExample = TENON_APP_EXAMPLE;
 
@@ -63,6 +64,7 @@ TEST_F(OwnAppTest, IsRunByCampaigns) {
   const Result slow = campaign("duration_s: 1e6\nwall_limit_s: 0.5\n");
   EXPECT_THAT(slow.text, HasSubstr("0 of 1 survived"));
   EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr("took longer than 0.5 s on the clock"));
+  EXPECT_THAT(Read(out / "runs/runs.csv"), Not(HasSubstr("step,true")));
   fs::remove(out / "step.yaml");
   EXPECT_THAT(campaign("").text, AllOf(HasSubstr("masses.yaml:2:11: scenario"), HasSubstr("no such file")));
 }

@@ -39,6 +39,17 @@ TEST(SupportPolygon, LeavesOutAFootInside) {
   EXPECT_NEAR(polygon.Depth({2, 2}), -1 / std::sqrt(2), 1e-15);
 }
 
+TEST(SupportPolygon, LeavesOutAFootUponAnEdgeInAnyOrder) {
+  const Feet feet{{0, 0}, {0, 0.25}, {0, 1}, {1, 0.5}};
+  std::array<int, 4> order{0, 1, 2, 3};
+  do {
+    const Feet shuffled{feet[order[0]], feet[order[1]], feet[order[2]], feet[order[3]]};
+    const SupportPolygon polygon(shuffled, 0.1, 0);
+    EXPECT_EQ(polygon.edges().size(), 3);
+    for (const Eigen::Vector2d& foot : feet) EXPECT_NEAR(polygon.Depth(foot), 0, 1e-15);
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
 TEST(SupportPolygon, WidensALine) {
   const Eigen::Vector2d along = Eigen::Vector2d(3, 4) / 5, across(-along[1], along[0]), begin(7, -2);
   for (const Feet& feet : {Feet{begin, begin + 2 * along}, Feet{begin + 2 * along, begin},
