@@ -20,15 +20,16 @@ struct LinearModel {
 /// Linearises a diagram about a context's values, by central differences. x is the diagram's continuous
 /// state, with time, discrete states and samples held; `inputs` are open inputs or sampled outputs (of which
 /// the diagram holds the value: so a plant inside a digital loop can be linearised from its command),
-/// `outputs` any ports. The context is left as it is. Throws RunError if an input
-/// cannot be set, and for a diagram that has samples and no continuous state: that is for LinearizeDiscrete.
+/// `outputs` any ports. Of inputs the real numbers are moved; bools, integers and enumerations stay and have
+/// no column. The context is left as it is. Throws RunError if an input cannot be set, and for a diagram that
+/// has samples and no continuous state: that is for LinearizeDiscrete.
 LinearModel Linearize(const Context& context, const std::vector<const Source*>& inputs,
                       const std::vector<const Source*>& outputs);
 
 struct EquilibriumOptions {
   double tolerance = 1e-10;  ///< on the norm of ẋ [SI units]
   int max_iterations = 200;
-  /// Open inputs or samples that may change too (trim); all others stay.
+  /// Open inputs or samples whose real numbers may change too (trim); all others stay.
   std::vector<const Source*> free_inputs = {};
 };
 

@@ -106,7 +106,8 @@ class Concatenate final : public LeafSystem<ConcatenateParams> {
 ///     | u                 | input  | Eigen::VectorXd |            |
 ///     | y<0>(), y<1>(), … | output | Ts              | as `ports` |
 ///
-/// Throws ParameterError as Concatenate does, and RunError if u has another size than its parts together.
+/// Throws ParameterError as Concatenate does, RunError if u has another size than its parts together, and
+/// ParameterError in the loop if a part cannot hold a number, a fraction as an integer, say.
 template <class... Ts>
 class Split final : public LeafSystem<ConcatenateParams> {
  public:

@@ -16,7 +16,7 @@ namespace tenon {
 
 /// What y is while a fault acts, from its first tick on.
 enum class SignalFaultKind {
-  kDropOut,  ///< 0
+  kDropOut,  ///< 0; the run ends with an error if an enumeration has no such value
   kStuck,    ///< u of the last tick before
   kNan,      ///< not a number: the run ends with an error that names the block
   kSpike,    ///< u + size at the first tick, and every `period` after it if that is not 0; else u

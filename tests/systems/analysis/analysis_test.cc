@@ -83,6 +83,35 @@ TEST(AnalysisTest, LinearizesAboutAnyState) {
   EXPECT_THAT(model.outputs, ElementsAre("pendulum.tip.x", "pendulum.tip.y", "pendulum.torque"));
 }
 
+/// A force, and to which of two carts of 1 kg it is applied.
+struct Pull {
+  int cart = 0;
+  double force = 0;  // [N]
+  static FieldList Fields() { return {{"cart", &Pull::cart}, {"force", &Pull::force, "N"}}; }
+};
+class Carts final : public LeafSystem<void> {
+ public:
+  InputPort<Pull> pull{this, {"pull"}};
+  ContinuousState<Vec<2>> v{this, {"v", "m/s"}};
+  TimeDerivative<Vec<2>> dv{v, Uses(pull), &Carts::CalcDv};
+
+ private:
+  Vec<2> CalcDv(const Pull& pull) const { return pull.force * Vec<2>::Unit(pull.cart); }
+};
+
+TEST(AnalysisTest, WhatIsNoRealNumberStays) {
+  DiagramBuilder builder;
+  auto& carts = builder.Add<Carts>("carts");
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
+  context->Set(carts.pull, Pull{1, 3});
+  const LinearModel model = Linearize(*context, {&carts.pull}, {});
+  EXPECT_THAT(model.inputs, ElementsAre("carts.pull.force"));
+  EXPECT_TRUE(model.B.isApprox(Eigen::Vector2d(0, 1), 1e-8)) << model.B;
+  FindEquilibrium(*context, {.free_inputs = {&carts.pull}});
+  EXPECT_EQ(context->Eval(carts.pull).cart, 1);
+  EXPECT_NEAR(context->Eval(carts.pull).force, 0, 1e-9);
+}
+
 TEST(AnalysisTest, SamplesAreHeld) {
   // The controller's feedback is held between ticks, so it is not in A; its command can serve as input.
   DiagramBuilder builder;
