@@ -73,7 +73,8 @@ class Context {
     std::vector<Assignment> list;
     Collect(list, parameter, value, more...);
   }
-  /// The same for a source known by path only; throws RunError if the number of values is wrong.
+  /// The same for a source known by path only; throws RunError if the number of values is wrong, and
+  /// ParameterError if an element cannot hold one: a fraction for an integer, say.
   void SetDoubles(const Source& source, std::span<const double> values);
   void SetTime(double time);
 

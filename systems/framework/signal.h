@@ -56,7 +56,7 @@ class NumberError : public ParameterError {
   using ParameterError::ParameterError;
 };
 /// Reads all numbers of a value. Throws NumberError at the first that is no value of its element, a fraction
-/// for an integer, say; those before it are written.
+/// for an integer, say, unless it is there already; those before it are written.
 void FromDoubles(const TypeInfo& type, void* value, const double* in);
 
 /// False for an enumeration with names of which none has this value.
