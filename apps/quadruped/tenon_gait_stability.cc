@@ -12,7 +12,6 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 
 namespace tenon::apps {
@@ -44,16 +43,6 @@ QuadrupedWalkParams EndlessWalk(const QuadrupedScenario& scenario) {
   params.world.sines.clear();
   params.world.random.clear();
   return params;
-}
-
-/// When the last segment has its own velocities [s], see WalkSchedule.
-double HasItsSpeed(const WalkScheduleParams& walk) {
-  const WalkSegment &last = walk.segments.back(),
-                    before = walk.segments.size() > 1 ? *(walk.segments.end() - 2) : WalkSegment();
-  const double change = std::hypot(last.forward - before.forward, last.left - before.left);
-  const double ramp =
-      std::max(change / walk.acceleration, std::abs(last.yaw_rate - before.yaw_rate) / walk.yaw_acceleration);
-  return WalkSchedule(walk).end_time() - *last.duration + ramp;
 }
 
 /// Trunk's height, attitude and velocities, joints: what a push shows in, place and heading left out.
@@ -97,7 +86,7 @@ int Analyse(const CommonArguments& common, const StabilityArguments& arguments,
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   Simulator simulator(builder.Build(), simulation);
-  const double begin = period * (std::ceil((HasItsSpeed(params.walk) + kMore) / period) + arguments.settle);
+  const double begin = period * (std::ceil((loop.walk.last_ramp_end() + kMore) / period) + arguments.settle);
   if (const RunStatus status = simulator.AdvanceToBefore(begin); status.ended) throw RunError(status.reason);
   const auto at_begin = simulator.context().Clone();
 

@@ -103,8 +103,6 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.footer(
       "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell, or did what no robot can; 4 numerical "
-      "failure; 5 a file could "
-      "not be "
-      "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+      "failure; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
 }

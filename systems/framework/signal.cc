@@ -139,30 +139,29 @@ class DoubleReader final : public ValueVisitor {
   void Number(void* data, const TypeInfo& type) override {
     if (type.names.empty()) return Numbers(data, type.scalar, 1, 1);
     WithKind(type.scalar, data, [&]<class T>(T* number) {
-      if (IsSame(*number)) return;
-      const bool holds = CanHold<T>(in_[count_]);
-      if (holds) *number = static_cast<T>(in_[count_]);
-      if (!holds || !IsNamed(type, number)) Refuse(NamedValues(type));
+      const T before = *number;
+      if (!Store(number) || (*number != before && !IsNamed(type, number))) Refuse(NamedValues(type));
     });
     ++count_;
   }
   void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
     WithKind(kind, data, [&]<class T>(T* first) {
       for (T* each = first; each != first + rows * cols; ++each) {
-        if (!IsSame(*each)) {
-          if (!CanHold<T>(in_[count_])) Refuse(WhatItHolds<T>());
-          *each = static_cast<T>(in_[count_]);
-        }
+        if (!Store(each)) Refuse(WhatItHolds<T>());
         ++count_;
       }
     });
   }
 
  private:
-  /// What is there stays, whatever it is.
+  /// Whether the element can hold the number. An integer that is there already stays, whatever it is.
   template <class T>
-  bool IsSame(T present) const {
-    return static_cast<double>(present) == in_[count_];
+  bool Store(T* element) const {
+    const double number = in_[count_];
+    if (!std::is_floating_point_v<T> && static_cast<double>(*element) == number) return true;
+    if (!CanHold<T>(number)) return false;
+    *element = static_cast<T>(number);
+    return true;
   }
   [[noreturn]] void Refuse(const std::string& allowed) const {
     const std::string name = ListElements(type_, value_, "")[count_].name;

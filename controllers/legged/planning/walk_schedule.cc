@@ -91,6 +91,10 @@ double WalkSchedule::end_time() const {
   return pieces_.back().end;
 }
 
+double WalkSchedule::last_ramp_end() const {
+  return pieces_.back().begin + pieces_.back().ramp;
+}
+
 WalkCommand WalkSchedule::CalcCommand(const double& time) const {
   for (const Piece& piece : pieces_) {
     if (time >= piece.end) continue;

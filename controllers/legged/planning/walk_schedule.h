@@ -65,6 +65,8 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
 
   /// When the last segment ends [s].
   double end_time() const;
+  /// When the last segment has its own velocities [s].
+  double last_ramp_end() const;
   OutputPort<WalkCommand> command{
       this, {"command"}, Sampled{params.rate}, Uses(time), &WalkSchedule::CalcCommand};
 

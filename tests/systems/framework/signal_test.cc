@@ -221,6 +221,15 @@ TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
   EXPECT_EQ(DoublesError<Vec<2>>({0.5, 1e300}), "no error");
 }
 
+TEST(SignalTest, AnEnumeratorWithoutNameStaysWhileOthersChange) {
+  Step value;
+  value.sides[1] = static_cast<Side>(9);
+  const std::vector<double> numbers{-0.0, 0, 9, 1, 0};
+  internal::FromDoubles(TypeInfoOf<Step>(), &value, numbers.data());
+  EXPECT_EQ(Doubles(value), numbers);
+  EXPECT_TRUE(std::signbit(value.length));
+}
+
 TEST(SignalTest, FinitenessFindsTheWorst) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto of = [](Vec<3> p) {

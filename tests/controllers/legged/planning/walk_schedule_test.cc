@@ -54,6 +54,7 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
   TestRig<WalkSchedule> rig(Example());
   const double end = rig.system().end_time();
   EXPECT_NEAR(end, 0.5 + 0.4 + (2 - 0.024) / 0.12 + 3.5 / 0.12 + 4, 1e-12);
+  EXPECT_NEAR(rig.system().last_ramp_end(), end - 4 + std::hypot(0.12, 0.1) / 0.3, 1e-12);
   rig.RunTo(end - 1);
   EXPECT_EQ(rig[rig.system().command].gait, Gait::kPace);
   EXPECT_EQ(rig[rig.system().command].left, 0.1);
