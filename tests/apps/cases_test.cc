@@ -6,7 +6,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::cases_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ TEST_F(CasesTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cases_test

@@ -9,7 +9,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::faults_test {
 namespace {
 
 using test::BadUsage;
@@ -312,4 +312,4 @@ INSTANTIATE_TEST_SUITE_P(
                  "duration_s: a cable that broke stays broken"}));
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::faults_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/browser.h>
 
-namespace tenon {
+namespace tenon::report_page_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ TEST_F(ReportPageTest, WithoutWebGlPlotsAndTableAreThereAndAMessage) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::report_page_test

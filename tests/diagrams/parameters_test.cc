@@ -15,7 +15,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 
-namespace tenon {
+namespace tenon::parameters_test {
 namespace {
 
 QuadrupedWalkParams Walk() {
@@ -127,4 +127,4 @@ TEST(ParametersTest, AWalkGoesOnWithOtherGains) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::parameters_test

@@ -13,7 +13,7 @@
 #include <tenon/docs/catalogue/headers.h>
 #include <tenon/docs/catalogue/scenario_page.h>
 
-namespace tenon::docs {
+namespace tenon::docs::blocks_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ TEST(BlocksTest, ThePicturesAreUpToDate) {
 }
 
 }  // namespace
-}  // namespace tenon::docs
+}  // namespace tenon::docs::blocks_test

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-namespace tenon::docs {
+namespace tenon::docs::version_test {
 namespace {
 
 std::string Read(const char* file) {
@@ -26,4 +26,4 @@ TEST(VersionTest, IsOneEverywhere) {
 }
 
 }  // namespace
-}  // namespace tenon::docs
+}  // namespace tenon::docs::version_test

@@ -4,7 +4,7 @@
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
 
-namespace tenon {
+namespace tenon::geometry_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -67,4 +67,4 @@ TEST(GeometryTest, ShapesSayWhatTheyAre) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::geometry_test

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace tenon {
+namespace tenon::allocation_guard_test {
 namespace {
 
 /// A place that the compiler must believe to be read, so that it cannot leave out the allocation.
@@ -122,4 +122,4 @@ TEST(AllocationGuardWithoutCountingTest, CountsZero) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::allocation_guard_test

@@ -7,7 +7,7 @@
 #include <tenon/systems/framework/signal.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::derivative_check_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST(DerivativeCheckTest, RefusesNan) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::derivative_check_test

@@ -5,7 +5,7 @@
 
 #include <tenon/systems/framework/errors.h>
 
-namespace tenon {
+namespace tenon::expect_throws_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -49,4 +49,4 @@ TEST(ThrowsTest, FailsTheTestWithTheActualText) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::expect_throws_test

@@ -6,7 +6,7 @@
 
 #include <tenon/systems/framework/signal.h>
 
-namespace tenon {
+namespace tenon::matchers_test {
 namespace {
 
 using ::testing::AllOf;
@@ -73,4 +73,4 @@ TEST(IsNearTest, FailsTheTestReadably) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::matchers_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::test_rig_test {
 namespace {
 
 struct PdParams {
@@ -147,4 +147,4 @@ TEST(TestRigTest, TicksWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::test_rig_test

@@ -12,7 +12,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 
-namespace tenon::apps {
+namespace tenon::apps::campaign_plan_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -264,4 +264,4 @@ TEST(CampaignScheduleTest, ALimitIsFoundWithItsConfidence) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::campaign_plan_test

@@ -10,7 +10,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon::apps {
+namespace tenon::apps::campaign_table_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ TEST_F(CampaignTableTest, RefusesWhatIsNoTable) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::campaign_table_test

@@ -7,7 +7,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon::test {
+namespace tenon::test::tenon_campaign_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ TEST_F(TenonCampaignMpiTest, CtrlCEndsAllRanksInGoodOrder) {
 }
 
 }  // namespace
-}  // namespace tenon::test
+}  // namespace tenon::test::tenon_campaign_test

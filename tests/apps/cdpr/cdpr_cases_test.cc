@@ -6,7 +6,7 @@
 
 #include <tenon/tests/apps/run_case.h>
 
-namespace tenon {
+namespace tenon::cdpr_cases_test {
 namespace {
 
 class CdprCasesTest : public test::CaseTest {
@@ -169,4 +169,4 @@ TEST_F(CdprCasesTest, GustAndPendulum) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_cases_test

@@ -9,7 +9,7 @@
 #include <tenon/systems/framework/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 
-namespace tenon::apps {
+namespace tenon::apps::same_noise_test {
 namespace {
 
 struct Errors {
@@ -50,4 +50,4 @@ TEST(SameNoiseTest, ForEveryController) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::same_noise_test

@@ -6,7 +6,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_cdpr_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -452,4 +452,4 @@ TEST(TenonCdprListTest, HelpSaysWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_cdpr_test

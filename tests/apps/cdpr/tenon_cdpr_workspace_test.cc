@@ -6,7 +6,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_cdpr_workspace_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,4 +104,4 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"cdpr_8 --attitude nan 0 0", "not finite"}));
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_cdpr_workspace_test

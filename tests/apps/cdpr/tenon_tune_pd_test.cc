@@ -4,7 +4,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_tune_pd_test {
 namespace {
 
 using test::Result;
@@ -60,4 +60,4 @@ TEST(TenonTunePdTest, SaysWhyItCannotSearch) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_tune_pd_test

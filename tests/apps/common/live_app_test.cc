@@ -4,7 +4,7 @@
 
 #include <tenon/tests/apps/common/live_app.h>
 
-namespace tenon::test {
+namespace tenon::test::live_app_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -126,4 +126,4 @@ INSTANTIATE_TEST_SUITE_P(
                                "has 1 elements"}));
 
 }  // namespace
-}  // namespace tenon::test
+}  // namespace tenon::test::live_app_test

@@ -7,7 +7,7 @@
 #include <tenon/tests/apps/common/live_app.h>
 #include <tenon/tests/systems/report/browser.h>
 
-namespace tenon::test {
+namespace tenon::test::live_browser_test {
 namespace {
 
 using testing::Browser;
@@ -126,4 +126,4 @@ TEST_F(LiveBrowserTest, TheRobotIsDrivenPushedTunedSetBackAndReplayed) {
 }
 
 }  // namespace
-}  // namespace tenon::test
+}  // namespace tenon::test::live_browser_test

@@ -4,7 +4,7 @@
 
 #include <tenon/tests/systems/live/live_diagram.h>
 
-namespace tenon::apps {
+namespace tenon::apps::live_terminal_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -48,4 +48,4 @@ TEST(LiveTerminalTest, KeysSteerTheRun) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::live_terminal_test

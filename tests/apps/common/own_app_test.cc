@@ -4,7 +4,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::own_app_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"nothing", "no scenario of cart-app ships"}));
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::own_app_test

@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon::apps {
+namespace tenon::apps::scenario_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::scenario_file_test

@@ -14,7 +14,7 @@
 #include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 
-namespace tenon::apps {
+namespace tenon::apps::scenario_keys_test {
 namespace {
 
 enum class Mode { kOff, kOn };
@@ -97,4 +97,4 @@ TEST(ScenarioKeysTest, UnitsAreThoseOfTheNames) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::scenario_keys_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tenon::apps {
+namespace tenon::apps::tally_test {
 namespace {
 
 TEST(TallyTest, SaysNothingOfNothing) {
@@ -41,4 +41,4 @@ TEST(TimeQuantilesTest, TakeWhatLiesOutsideAtTheirEnds) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::tally_test

@@ -5,7 +5,7 @@
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/browser.h>
 
-namespace tenon {
+namespace tenon::tenon_report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST_F(TenonReportTest, SaysWhatIsMissingWhere) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_report_test

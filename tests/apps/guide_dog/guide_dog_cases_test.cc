@@ -6,7 +6,7 @@
 
 #include <tenon/tests/apps/run_case.h>
 
-namespace tenon {
+namespace tenon::guide_dog_cases_test {
 namespace {
 
 using test::Case;
@@ -108,4 +108,4 @@ TEST_F(GuideDogCasesTest, DoesNotStartByItselfInNoise) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::guide_dog_cases_test

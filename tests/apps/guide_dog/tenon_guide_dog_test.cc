@@ -5,7 +5,7 @@
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::tenon_guide_dog_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_guide_dog_test

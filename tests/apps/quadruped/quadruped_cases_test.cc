@@ -5,7 +5,7 @@
 
 #include <tenon/tests/apps/run_case.h>
 
-namespace tenon {
+namespace tenon::quadruped_cases_test {
 namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -154,4 +154,4 @@ TEST_F(QuadrupedCasesTest, WalkWithoutSensorsInTheFeet) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_cases_test

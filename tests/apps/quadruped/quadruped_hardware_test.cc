@@ -10,7 +10,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon::apps {
+namespace tenon::apps::quadruped_hardware_test {
 namespace {
 
 QuadrupedWorldParams WorldWith(const HardwareScenario& hardware) {
@@ -113,4 +113,4 @@ TEST(QuadrupedHardwareTest, RefusesWhatNoRobotHasWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::quadruped_hardware_test

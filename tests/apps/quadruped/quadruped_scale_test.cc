@@ -4,7 +4,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
 
-namespace tenon::apps {
+namespace tenon::apps::quadruped_scale_test {
 namespace {
 
 QuadrupedScenario Load(const char* name, std::vector<std::string> settings) {
@@ -49,4 +49,4 @@ TEST(QuadrupedScaleTest, JointsAreAsStiffAsTheRobotIsHeavy) {
 }
 
 }  // namespace
-}  // namespace tenon::apps
+}  // namespace tenon::apps::quadruped_scale_test

@@ -7,7 +7,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::stopped_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST_F(TenonStoppedRunTest, TextThatIsNotUtf8IsRefusedWhenRead) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::stopped_run_test

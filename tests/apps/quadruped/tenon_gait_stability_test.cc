@@ -5,7 +5,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_gait_stability_test {
 namespace {
 
 using test::BadUsage;
@@ -92,4 +92,4 @@ TEST_P(TenonGaitStabilityUsageTest, ExitCode2WithItsMessage) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_gait_stability_test

@@ -5,7 +5,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_observer_order_test {
 namespace {
 
 using test::BadUsage;
@@ -84,4 +84,4 @@ TEST(TenonObserverOrderListTest, ListsScenariosWithTheirDescriptions) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_observer_order_test

@@ -7,7 +7,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-namespace tenon {
+namespace tenon::tenon_quadruped_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -359,4 +359,4 @@ TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tenon_quadruped_test

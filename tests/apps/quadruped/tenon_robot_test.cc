@@ -4,7 +4,7 @@
 #include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon::test {
+namespace tenon::test::tenon_robot_test {
 namespace {
 
 using ::testing::AllOf;
@@ -74,4 +74,4 @@ TEST_F(TenonRobotTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace tenon::test
+}  // namespace tenon::test::tenon_robot_test

@@ -5,7 +5,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::broken_cable_detector_test {
 namespace {
 
 CableVector Of(double a, double b, double c, double d) {
@@ -84,4 +84,4 @@ TEST(BrokenCableDetectorParamsTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::broken_cable_detector_test

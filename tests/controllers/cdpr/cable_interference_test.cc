@@ -10,7 +10,7 @@
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 
-namespace tenon {
+namespace tenon::cable_interference_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -106,4 +106,4 @@ TEST(CableInterferenceTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cable_interference_test

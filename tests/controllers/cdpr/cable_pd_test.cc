@@ -8,7 +8,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cable_pd_test {
 namespace {
 
 class CablePdTest : public ::testing::Test {
@@ -89,4 +89,4 @@ TEST_F(CablePdTest, GainsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cable_pd_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_estimator_test {
 namespace {
 
 /// A motion in closed form: a circle in space with a swinging attitude, as a sway at 2 Hz.
@@ -219,4 +219,4 @@ TEST(CdprEstimator, NoiseIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_estimator_test

@@ -9,7 +9,7 @@
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
-namespace tenon {
+namespace tenon::cdpr_kinematics_test {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -198,4 +198,4 @@ TEST(CdprKinematics, CableWithoutLengthIsRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_kinematics_test

@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_mpc_test {
 namespace {
 
 CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
@@ -320,4 +320,4 @@ TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_mpc_test

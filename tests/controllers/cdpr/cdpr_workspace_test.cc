@@ -11,7 +11,7 @@
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::cdpr_workspace_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -184,4 +184,4 @@ TEST(CdprWorkspaceTest, RefusesGridsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_workspace_test

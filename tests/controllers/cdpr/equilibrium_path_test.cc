@@ -15,7 +15,7 @@
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
-namespace tenon {
+namespace tenon::equilibrium_path_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -340,4 +340,4 @@ TEST(EquilibriumPath, EndOfTheBranchIsRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::equilibrium_path_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::goal_path_test {
 namespace {
 
 class GoalPathTest : public testing::Test {
@@ -73,4 +73,4 @@ TEST_F(GoalPathTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::goal_path_test

@@ -11,7 +11,7 @@
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
-namespace tenon {
+namespace tenon::inverse_geometrico_static_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -304,4 +304,4 @@ TEST(InverseGeometricoStatic, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::inverse_geometrico_static_test

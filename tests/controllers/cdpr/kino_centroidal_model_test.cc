@@ -14,7 +14,7 @@
 #include <limits>
 #include <vector>
 
-namespace tenon {
+namespace tenon::kino_centroidal_model_test {
 namespace {
 
 CdprDescription RobotWith(int cables) {
@@ -218,4 +218,4 @@ TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::kino_centroidal_model_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::load_estimator_test {
 namespace {
 
 const Vec<3> kGravity(0, 0, -9.81);
@@ -158,4 +158,4 @@ TEST(LoadedPlatformTest, MovesAsItsParts) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::load_estimator_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::pose_feasibility_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -167,4 +167,4 @@ TEST(PoseFeasibilityTest, RefusesRobotsThatHaveNoSuchWorkspace) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::pose_feasibility_test

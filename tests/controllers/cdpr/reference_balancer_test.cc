@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::reference_balancer_test {
 namespace {
 
 const Eigen::Vector3d kGravity(0, 0, -9.81);
@@ -193,4 +193,4 @@ TEST(BalancedReferenceTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::reference_balancer_test

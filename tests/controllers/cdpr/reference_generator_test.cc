@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::reference_generator_test {
 namespace {
 
 TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
@@ -54,4 +54,4 @@ TEST(ReferenceGeneratorTest, NeedsAPath) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::reference_generator_test

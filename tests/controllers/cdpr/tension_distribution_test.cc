@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::tension_distribution_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -243,4 +243,4 @@ TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tension_distribution_test

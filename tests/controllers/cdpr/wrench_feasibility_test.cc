@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::wrench_feasibility_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -237,4 +237,4 @@ TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::wrench_feasibility_test

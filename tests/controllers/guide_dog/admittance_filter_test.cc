@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::admittance_filter_test {
 namespace {
 
 constexpr double kForward = 0.12;
@@ -289,4 +289,4 @@ TEST(AdmittanceFilterTest, GainsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::admittance_filter_test

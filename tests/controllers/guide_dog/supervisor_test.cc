@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::supervisor_test {
 namespace {
 
 using enum GuideMode;
@@ -393,4 +393,4 @@ TEST(SupervisorTest, GainsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::supervisor_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::box_newton_test {
 namespace {
 
 template <int N>
@@ -146,4 +146,4 @@ TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::box_newton_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::dual_active_set_oracle_test {
 namespace {
 
 using test::OwnedQp;
@@ -53,4 +53,4 @@ TEST(DualActiveSetOracle, AgreesWithExactArithmetic) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::dual_active_set_oracle_test

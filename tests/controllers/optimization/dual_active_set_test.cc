@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::dual_active_set_test {
 namespace {
 
 using test::IsOptimal;
@@ -390,4 +390,4 @@ TEST(DualActiveSet, RefusesSizesThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::dual_active_set_test

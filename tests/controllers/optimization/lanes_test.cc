@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace tenon::internal {
+namespace tenon::internal::lanes_test {
 namespace {
 
 /// How many units in the last place `value` is off.
@@ -105,4 +105,4 @@ TEST(SmallProduct, MirrorsTheLowerTriangle) {
 }
 
 }  // namespace
-}  // namespace tenon::internal
+}  // namespace tenon::internal::lanes_test

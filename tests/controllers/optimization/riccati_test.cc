@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::riccati_test {
 namespace {
 
 // p = q + a^2 p - a^2 p^2 b^2 / (r + b^2 p) is a quadratic equation for p.
@@ -47,4 +47,4 @@ TEST(DiscreteRiccati, RefusesWhatCannotBeStabilised) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::riccati_test

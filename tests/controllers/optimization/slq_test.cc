@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::slq_test {
 namespace {
 
 using test::LinearProblem;
@@ -453,4 +453,4 @@ TEST(Slq, RefusesStepsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::slq_test

@@ -9,7 +9,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::cdpr_loop_test {
 namespace {
 
 CdprLoopParams Circle(double ramp = 2) {
@@ -128,4 +128,4 @@ TEST(CdprLoopTest, SlackCableEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_loop_test

@@ -12,7 +12,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::cdpr_mpc_loop_test {
 namespace {
 
 constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-3, .atol = 1e-5};
@@ -160,4 +160,4 @@ TEST(CdprMpcLoop, ThreadsGiveTheNumbersOfOne) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_mpc_loop_test

@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::many_cables_test {
 namespace {
 
 /// Of so many cables, read from a file.
@@ -126,4 +126,4 @@ TEST_P(ManyCables, RunWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::many_cables_test

@@ -21,7 +21,7 @@
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/simulation/simulator.h>
 
-namespace tenon {
+namespace tenon::leash_walk_test {
 namespace {
 
 constexpr double kForward = 0.12;  // [m/s]
@@ -272,4 +272,4 @@ TEST(LeashWalkTest, WaitsAtTheObstacleWithoutAPull) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::leash_walk_test

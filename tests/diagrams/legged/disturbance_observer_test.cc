@@ -21,7 +21,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::disturbance_observer_test {
 namespace {
 
 using test::DogBot;
@@ -226,4 +226,4 @@ TEST(DisturbanceObserverTest, ForceOnAStandingLegIsTakenOffOnce) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::disturbance_observer_test

@@ -13,7 +13,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
-namespace tenon {
+namespace tenon::legged_locomotion_test {
 namespace {
 
 enum class Replaced {
@@ -241,4 +241,4 @@ TEST(LeggedLocomotionTest, IsItsSixBlocks) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::legged_locomotion_test

@@ -6,7 +6,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_stand_test {
 namespace {
 
 using test::A1;
@@ -107,4 +107,4 @@ TEST(QuadrupedStandTest, FeetCarryPayloadAndDisturbances) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_stand_test

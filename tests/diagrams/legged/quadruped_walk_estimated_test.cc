@@ -10,7 +10,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
-namespace tenon {
+namespace tenon::quadruped_walk_estimated_test {
 namespace {
 
 /// DogBot trots from a stand, with noise on all sensors that its controller uses.
@@ -128,4 +128,4 @@ TEST(QuadrupedWalkEstimatedTest, ThreadsGiveTheNumbersOfOne) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_walk_estimated_test

@@ -12,7 +12,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
-namespace tenon {
+namespace tenon::quadruped_walk_test {
 namespace {
 
 WalkSegment Segment(Gait gait, double forward, double duration) {
@@ -199,4 +199,4 @@ TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_walk_test

@@ -10,7 +10,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
-namespace tenon {
+namespace tenon::spline_walk_test {
 namespace {
 
 class SplineWalkTest : public ::testing::TestWithParam<Gait> {};
@@ -48,4 +48,4 @@ TEST_P(SplineWalkTest, ThePlantFollows) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::spline_walk_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::walking_qp_test {
 namespace {
 
 TEST(WalkingQp, AgreesWithExactArithmetic) {
@@ -46,4 +46,4 @@ TEST(WalkingQp, AgreesWithExactArithmetic) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::walking_qp_test

@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cable_fault_test {
 namespace {
 
 using test::FourCableRobot;
@@ -138,4 +138,4 @@ TEST(CableFaultTest, ThePlantWantsOneEntryPerCable) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cable_fault_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::cable_statics_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -179,4 +179,4 @@ TEST(CableStaticsTest, SaysWhatItCannotHang) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cable_statics_test

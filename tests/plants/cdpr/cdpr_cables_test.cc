@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_cables_test {
 namespace {
 
 using test::FourCableRobot;
@@ -241,4 +241,4 @@ TEST(CdprCablesTest, SaysWhyItCannotGoOn) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_cables_test

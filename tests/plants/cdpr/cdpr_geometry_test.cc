@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_geometry_test {
 namespace {
 
 using test::FourCableRobot;
@@ -119,4 +119,4 @@ TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_geometry_test

@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_monitor_test {
 namespace {
 
 /// Holds four cables, 800 N at most, with 100 N each, 2 m above the floor.
@@ -103,4 +103,4 @@ TEST(CdprMonitorTest, RefusesLimitsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_monitor_test

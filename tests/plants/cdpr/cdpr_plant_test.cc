@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cdpr_plant_test {
 namespace {
 
 using test::FourCableRobot;
@@ -533,4 +533,4 @@ TEST(CdprPlantTest, SaysWhyItCannotGoOn) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_plant_test

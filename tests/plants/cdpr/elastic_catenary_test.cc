@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::elastic_catenary_test {
 namespace {
 
 /// Taut and slack, light and heavy, stiff and soft.
@@ -216,4 +216,4 @@ TEST(ElasticCatenaryTest, RefusesWhatIsNoCable) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::elastic_catenary_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::free_rigid_body_test {
 namespace {
 
 constexpr double kMass = 15;
@@ -134,4 +134,4 @@ TEST(FreeRigidBodyTest, RefusesAnInertiaOfNoBody) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::free_rigid_body_test

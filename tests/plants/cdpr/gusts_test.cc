@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::gusts_test {
 namespace {
 
 TEST(GustsTest, RiseToTheirPeaksAndFallAndAddUp) {
@@ -28,4 +28,4 @@ TEST(GustsTest, RefuseNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::gusts_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::hanging_load_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -102,4 +102,4 @@ TEST(HangingLoadTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::hanging_load_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tenon {
+namespace tenon::layered_drum_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -37,4 +37,4 @@ TEST(LayeredDrumTest, TheAngleIsContinuousWithTheSlopeOfTheRadius) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::layered_drum_test

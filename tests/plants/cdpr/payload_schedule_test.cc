@@ -6,7 +6,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::payload_schedule_test {
 namespace {
 
 TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
@@ -46,4 +46,4 @@ TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::payload_schedule_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::platform_pull_test {
 namespace {
 
 // Turned by 90 degrees about z, x_B points along y_W; the point at x_B = 0.2 m moves by w = 1 rad/s.
@@ -37,4 +37,4 @@ TEST(PlatformPullTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::platform_pull_test

@@ -8,7 +8,7 @@
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::swivel_pulley_test {
 namespace {
 
 constexpr double kRadius = 0.04;
@@ -63,4 +63,4 @@ TEST(SwivelPulleyTest, TheDirectionIsTheGradientOfTheLength) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::swivel_pulley_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::winch_errors_test {
 namespace {
 
 const CableVector kCommand = Eigen::Vector4d(10, 50, 200, 0);
@@ -57,4 +57,4 @@ TEST(WinchErrorsTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::winch_errors_test

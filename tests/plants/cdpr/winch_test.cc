@@ -9,7 +9,7 @@
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::winch_test {
 namespace {
 
 WinchProperties Properties(WinchMode mode) {
@@ -71,4 +71,4 @@ TEST(WinchTest, ADrumSaysThatItIsEmpty) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::winch_test

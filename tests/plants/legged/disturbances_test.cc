@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::disturbances_test {
 namespace {
 
 using test::A1;
@@ -199,4 +199,4 @@ TEST(DisturbancesTest, ForcesAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::disturbances_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::drive_errors_test {
 namespace {
 
 TEST(DriveErrorsTest, WithoutErrorsItPassesWhatComes) {
@@ -44,4 +44,4 @@ TEST(DriveErrorsTest, RefusesWhatIsNoRatio) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::drive_errors_test

@@ -6,7 +6,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::fall_monitor_test {
 namespace {
 
 LeggedState At(const Vec<3>& p_WB, double roll = 0) {
@@ -76,4 +76,4 @@ TEST(FallMonitorTest, LimitsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::fall_monitor_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::foot_contact_test {
 namespace {
 
 constexpr double kRadius = 0.03, kGravity = 9.81;
@@ -253,4 +253,4 @@ TEST(FootContactTest, ABlockSlidesAcrossASeamOfFriction) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::foot_contact_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::joint_lock_test {
 namespace {
 
 using test::DogBot;
@@ -130,4 +130,4 @@ TEST(JointLockTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::joint_lock_test

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace tenon::internal {
+namespace tenon::internal::per_leg_test {
 namespace {
 
 constexpr int kNumLegs = 4;
@@ -45,4 +45,4 @@ TEST(PerLegTest, MatricesAreThoseOfTheLegs) {
 }
 
 }  // namespace
-}  // namespace tenon::internal
+}  // namespace tenon::internal::per_leg_test

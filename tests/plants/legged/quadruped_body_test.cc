@@ -11,7 +11,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_body_test {
 namespace {
 
 Vec<18> Stacked(const LeggedAcceleration& a) {
@@ -153,4 +153,4 @@ TEST(QuadrupedBodyTest, ForcesActAtTheirPoints) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_body_test

@@ -9,7 +9,7 @@
 
 #include <tenon/tests/testing/allocation_guard.h>
 
-namespace tenon {
+namespace tenon::quadruped_clearance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -142,4 +142,4 @@ TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_clearance_test

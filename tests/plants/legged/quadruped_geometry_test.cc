@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::quadruped_geometry_test {
 namespace {
 
 using test::A1;
@@ -199,4 +199,4 @@ TEST(QuadrupedGeometryTest, MovingItDoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_geometry_test

@@ -18,7 +18,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::quadruped_plant_test {
 namespace {
 
 using test::A1;
@@ -499,4 +499,4 @@ TEST(QuadrupedPlantTest, RefusesParametersThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_plant_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::sliding_load_test {
 namespace {
 
 LeggedState Trunk(double pitch = 0) {
@@ -115,4 +115,4 @@ TEST(SlidingLoadTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::sliding_load_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::spring_pull_test {
 namespace {
 
 LeggedState SomeState(RandomStream& random) {
@@ -89,4 +89,4 @@ TEST(SpringPullTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::spring_pull_test

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tenon {
+namespace tenon::cdpr_description_test {
 namespace {
 
 using ::testing::AllOf;
@@ -296,4 +296,4 @@ TEST(CdprDescriptionTest, WinchesAndCablesThatCannotBeAreRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cdpr_description_test

@@ -8,7 +8,7 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::euler_test {
 namespace {
 
 TEST(EulerTest, NearIsTheSameRotationWithinHalfATurn) {
@@ -25,4 +25,4 @@ TEST(CrossMatrixTest, MultipliesAsTheCrossProduct) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::euler_test

@@ -8,7 +8,7 @@
 #include <tenon/plants/model/euler.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::ground_plane_test {
 namespace {
 
 const GroundPlane kRamp{.p_W = {1, 2, 0.5}, .slope = {0.3, -0.2}};
@@ -47,4 +47,4 @@ TEST(GroundPlaneTest, RatesAreThoseOfDifferences) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::ground_plane_test

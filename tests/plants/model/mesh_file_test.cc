@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::mesh_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,4 +153,4 @@ TEST_F(MeshFileTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::mesh_file_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::model_error_test {
 namespace {
 
 QuadrupedDescription Disturbed(const ModelErrorParams& error, std::uint64_t seed = 1) {
@@ -70,4 +70,4 @@ TEST(WithModelErrorTest, RefusesWhatIsNoRatio) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::model_error_test

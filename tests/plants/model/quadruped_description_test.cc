@@ -18,7 +18,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_description_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -487,4 +487,4 @@ TEST(WithPayloadTest, RefusesNegativeMass) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_description_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_model_mujoco_test {
 namespace {
 
 class MuJoCo {
@@ -67,4 +67,4 @@ TEST(QuadrupedModelMuJoCoTest, SameDynamics) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_model_mujoco_test

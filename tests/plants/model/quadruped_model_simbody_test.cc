@@ -8,7 +8,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_model_simbody_test {
 namespace {
 
 constexpr double kTolerance = 1e-10;
@@ -45,4 +45,4 @@ TEST(QuadrupedModelSimbodyTest, SameInEveryQuantity) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_model_simbody_test

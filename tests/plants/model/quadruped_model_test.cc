@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::quadruped_model_test {
 namespace {
 
 using test::RandomState;
@@ -286,4 +286,4 @@ TEST_P(QuadrupedModelTest, DoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_model_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::quadruped_proposal_test {
 namespace {
 
 using ::testing::Contains;
@@ -130,4 +130,4 @@ TEST_F(QuadrupedProposalTest, RefusesWhatIsNoQuadruped) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quadruped_proposal_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace tenon {
+namespace tenon::segment_distance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -60,4 +60,4 @@ TEST_F(SegmentDistanceTest, OfABoxIsTheLeastOfAllPoints) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::segment_distance_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::standing_test {
 namespace {
 
 TEST(StandingTest, IsTheNominalStanceOnLevelGround) {
@@ -54,4 +54,4 @@ TEST(StandingTest, SaysWhichLegDoesNotReach) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::standing_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::cable_sensors_test {
 namespace {
 
 CableSignals Cables() {
@@ -84,4 +84,4 @@ TEST(CableSensorsTest, RefuseNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::cable_sensors_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::imu_errors_test {
 namespace {
 
 const ImuMeasurement kMeasurement{{0.1, -0.2, 0.3}, {0.5, 0, 9.81}};
@@ -73,4 +73,4 @@ TEST(ImuErrorsTest, RefusesNegativeDeviations) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::imu_errors_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::imu_test {
 namespace {
 
 using Rig = TestRig<Imu>;
@@ -198,4 +198,4 @@ TEST(ImuTest, NoiseAndBiasesAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::imu_test

@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::legged_sensors_test {
 namespace {
 
 using test::DogBot;
@@ -264,4 +264,4 @@ TEST(ForceSensorsTest, ErrorsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::legged_sensors_test

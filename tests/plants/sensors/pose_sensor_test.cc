@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::pose_sensor_test {
 namespace {
 
 using Rig = TestRig<PoseSensor>;
@@ -142,4 +142,4 @@ TEST(PoseSensorTest, NoiseIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::pose_sensor_test

@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::shank_forces_test {
 namespace {
 
 /// A force along the shank, from the knee to the foot, has in the shank's axes the direction that the
@@ -29,4 +29,4 @@ TEST(ShankForcesTest, AForceAlongTheShankIsAlongItInItsAxes) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::shank_forces_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::leash_test {
 namespace {
 
 const LeashParams kParams{
@@ -136,4 +136,4 @@ TEST(LeashTest, LengthStiffnessAndDissipationAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::leash_test

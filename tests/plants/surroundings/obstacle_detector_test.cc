@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::obstacle_detector_test {
 namespace {
 
 const ObstacleDetectorParams kParams{
@@ -94,4 +94,4 @@ TEST(ObstacleDetectorTest, LooksFartherInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::obstacle_detector_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::person_test {
 namespace {
 
 constexpr double kMass = 70, kDamping = 400, kStiffness = 1300;
@@ -226,4 +226,4 @@ TEST(PersonTest, BodyAndIntentAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::person_test

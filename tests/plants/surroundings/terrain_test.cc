@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::terrain_test {
 namespace {
 
 constexpr double kRadius = 0.03;
@@ -208,4 +208,4 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::terrain_test

@@ -7,7 +7,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::analysis_test {
 namespace {
 
 using ::testing::AllOf;
@@ -238,4 +238,4 @@ TEST(AnalysisTest, NoEquilibriumNamesTheDerivativeThatStays) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::analysis_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::linearize_discrete_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -450,4 +450,4 @@ TEST(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::linearize_discrete_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::lqr_test {
 namespace {
 
 using Eigen::Matrix2d;
@@ -259,4 +259,4 @@ TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::lqr_test

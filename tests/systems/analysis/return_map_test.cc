@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::return_map_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -197,4 +197,4 @@ TEST(ReturnMapTest, WrongDirectionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::return_map_test

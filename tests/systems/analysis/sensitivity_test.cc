@@ -12,7 +12,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::sensitivity_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -139,4 +139,4 @@ TEST(SensitivityTest, RunsThatFailAreNamed) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::sensitivity_test

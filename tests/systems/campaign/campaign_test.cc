@@ -13,7 +13,7 @@
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/systems/primitives/uniform_noise.h>
 
-namespace tenon {
+namespace tenon::campaign_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -121,4 +121,4 @@ TEST(ForEachRunTest, TheFirstErrorEndsItAndIsThrown) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::campaign_test

@@ -8,7 +8,7 @@
 
 #include <tenon/systems/framework/errors.h>
 
-namespace tenon {
+namespace tenon::sampling_test {
 namespace {
 
 TEST(LatinHypercubeTest, HasOnePointInEachInterval) {
@@ -58,4 +58,4 @@ TEST(SobolTest, OfNothingIsNothingAndDimensionsEnd) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::sampling_test

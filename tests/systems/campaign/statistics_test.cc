@@ -8,7 +8,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 
-namespace tenon {
+namespace tenon::statistics_test {
 namespace {
 
 // 81 of 263, 15 of 148: table I of Newcombe, Statistics in Medicine 17 (1998), method 3.
@@ -77,4 +77,4 @@ TEST(RankCorrelationTest, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::statistics_test

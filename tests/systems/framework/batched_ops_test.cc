@@ -19,7 +19,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::batched_ops_test {
 namespace {
 
 /// Of the line of Describe that tells what an evaluation runs.
@@ -308,4 +308,4 @@ TEST(BatchedOpsTest, EachCountsForItselfInAProfile) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::batched_ops_test

@@ -6,7 +6,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::compose_test {
 namespace {
 
 /// A diagram that ships: a PD controller inside a nested diagram drives a cart.
@@ -248,4 +248,4 @@ TEST(ComposeTest, WhatIsInsertedIsCheckedAsAnyOther) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::compose_test

@@ -13,7 +13,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::context_test {
 namespace {
 
 using ::testing::AllOf;
@@ -515,4 +515,4 @@ TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::context_test

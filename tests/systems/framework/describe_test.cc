@@ -4,7 +4,7 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::describe_test {
 namespace {
 
 std::string Describe() {
@@ -45,4 +45,4 @@ TEST(DescribeTest, TellsWhatTheIntegratorDoes) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::describe_test

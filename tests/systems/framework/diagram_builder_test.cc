@@ -5,7 +5,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::diagram_builder_test {
 namespace {
 
 using ::testing::AllOf;
@@ -583,4 +583,4 @@ TEST(DiagramBuilderTest, FindGivesTheNearestName) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::diagram_builder_test

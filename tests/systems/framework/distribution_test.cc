@@ -7,7 +7,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::distribution_test {
 namespace {
 
 /// The mean and the standard deviation of many numbers, each through `of`.
@@ -55,4 +55,4 @@ TEST(DistributionTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::distribution_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::graphviz_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -79,4 +79,4 @@ TEST(GraphvizTest, DotAcceptsIt) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::graphviz_test

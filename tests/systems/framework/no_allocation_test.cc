@@ -3,7 +3,7 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::no_allocation_test {
 namespace {
 
 /// Continuous and discrete states, two rates, noise, scratch, a witness, monitors and updates after each
@@ -66,4 +66,4 @@ TEST(NoAllocationTest, RunningAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::no_allocation_test

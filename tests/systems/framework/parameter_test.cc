@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::parameter_test {
 namespace {
 
 /// u = kp (ref - x), limited, sampled.
@@ -218,4 +218,4 @@ TEST(ParameterTest, RunsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::parameter_test

@@ -8,7 +8,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::publish_test {
 namespace {
 
 /// Writes down what it is told.
@@ -125,4 +125,4 @@ TEST(PublishTest, EvaluationsDoNotPublish) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::publish_test

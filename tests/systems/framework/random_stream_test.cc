@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace tenon {
+namespace tenon::random_stream_test {
 namespace {
 
 constexpr int kCount = 200000;
@@ -96,4 +96,4 @@ TEST(RandomStreamTest, ACopyGoesOnAlike) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::random_stream_test

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace tenon {
+namespace tenon::rate_test {
 namespace {
 
 using ::testing::AllOf;
@@ -75,4 +75,4 @@ TEST(RateTest, OffsetsMayBeZero) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::rate_test

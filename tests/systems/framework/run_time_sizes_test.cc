@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::run_time_sizes_test {
 namespace {
 
 /// x_i' = -i x_i + u from 1, for i = 1 … n; at t = 1 the first is set to 5.
@@ -96,4 +96,4 @@ TEST(RunTimeSizesTest, RunsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::run_time_sizes_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tenon::internal {
+namespace tenon::internal::schedule_test {
 namespace {
 
 using ::testing::AllOf;
@@ -94,4 +94,4 @@ TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {
 }
 
 }  // namespace
-}  // namespace tenon::internal
+}  // namespace tenon::internal::schedule_test

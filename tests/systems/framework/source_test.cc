@@ -6,7 +6,7 @@
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::source_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -46,4 +46,4 @@ TEST(SourceTest, UsesTheEntriesOfAList) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::source_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::wrong_programs_test {
 namespace {
 
 template <class Block, class... Args>
@@ -190,8 +190,9 @@ struct TwoOfThree {
 };
 
 TEST(WrongProgramsTest, NamesInAStructAreAsManyAsElements) {
-  EXPECT_TRUE(Throws<BuildError>([] { internal::TypeInfoOf<TwoOfThree>(); },
-                                 "member 'p' of TwoOfThree has 3 elements but 2 names (x, y)"));
+  EXPECT_TRUE(
+      Throws<BuildError>([] { internal::TypeInfoOf<TwoOfThree>(); },
+                         "member 'p' of wrong_programs_test::TwoOfThree has 3 elements but 2 names (x, y)"));
 }
 
 struct Pair {
@@ -522,4 +523,4 @@ TEST(WrongProgramsTest, WhatDoesNotDescribeItselfIsNotSavedAsBytes) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::wrong_programs_test

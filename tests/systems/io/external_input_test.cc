@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::external_input_test {
 namespace {
 
 using Input = ExternalInput<double>;
@@ -112,4 +112,4 @@ TEST(ExternalInputTest, TakesOverWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::external_input_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::output_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,4 +55,4 @@ TEST_F(OutputFileTest, GrowsByWholeTexts) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::output_file_test

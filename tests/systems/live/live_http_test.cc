@@ -10,7 +10,7 @@
 #include <tenon/systems/io/output_file.h>
 #include <tenon/systems/live/internal/live_channel.h>
 
-namespace tenon::internal {
+namespace tenon::internal::live_http_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -179,4 +179,4 @@ TEST(LiveChannel, AClientIsThereAsLongAsItListens) {
 }
 
 }  // namespace
-}  // namespace tenon::internal
+}  // namespace tenon::internal::live_http_test

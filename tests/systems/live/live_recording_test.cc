@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::live_recording_test {
 namespace {
 
 using ::testing::AllOf;
@@ -80,4 +80,4 @@ TEST_F(LiveRecordingTest, AnotherDiagramIsRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::live_recording_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::live_server_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -400,4 +400,4 @@ TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::live_server_test

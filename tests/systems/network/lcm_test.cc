@@ -20,7 +20,7 @@
 #include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::lcm_test {
 namespace {
 
 using internal::LcmBus;
@@ -345,4 +345,4 @@ TEST(LcmTest, RefusesWhatItCannotOpen) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::lcm_test

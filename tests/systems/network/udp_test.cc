@@ -18,7 +18,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::udp_test {
 namespace {
 
 using test::Cloud;
@@ -433,4 +433,4 @@ TEST(UdpInputTest, ASnapshotHasWhatWasTakenAndRefused) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::udp_test

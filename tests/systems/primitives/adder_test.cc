@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::adder_test {
 namespace {
 
 TEST(AdderTest, AddsTwoInputsByDefault) {
@@ -69,4 +69,4 @@ TEST(AdderTest, WeightsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::adder_test

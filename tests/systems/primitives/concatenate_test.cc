@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::concatenate_test {
 namespace {
 
 struct Trunk {
@@ -99,4 +99,4 @@ TEST(ConcatenateTest, RefusesWrongNumbersOfNamesAndSizesThatAreNotFixed) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::concatenate_test

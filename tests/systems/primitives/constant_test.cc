@@ -5,7 +5,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::constant_test {
 namespace {
 
 TEST(ConstantSourceTest, GivesItsValue) {
@@ -33,4 +33,4 @@ TEST(ConstantSourceTest, IsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::constant_test

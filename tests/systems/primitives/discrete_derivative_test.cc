@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::discrete_derivative_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -48,4 +48,4 @@ TEST(DiscreteDerivativeTest, RefusesABadTimeConstant) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::discrete_derivative_test

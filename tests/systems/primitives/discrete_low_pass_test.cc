@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::discrete_low_pass_test {
 namespace {
 
 TEST(DiscreteLowPassTest, StepResponse) {
@@ -76,4 +76,4 @@ TEST(DiscreteLowPassTest, TheTimeConstantIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::discrete_low_pass_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::discrete_transfer_function_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -73,4 +73,4 @@ TEST(DiscreteTransferFunctionTest, RefusesBadCoefficients) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::discrete_transfer_function_test

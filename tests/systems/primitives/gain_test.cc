@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::gain_test {
 namespace {
 
 TEST(GainTest, Multiplies) {
@@ -41,4 +41,4 @@ TEST(GainTest, IsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::gain_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::gauss_markov_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -71,4 +71,4 @@ TEST(GaussMarkovTest, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::gauss_markov_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::held_lag_test {
 namespace {
 
 TEST(HeldLagTest, AStepIsAnExponential) {
@@ -60,4 +60,4 @@ TEST(HeldLagTest, RefusesALagOfNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::held_lag_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::integrator_test {
 namespace {
 
 TEST(IntegratorTest, Integrates) {
@@ -47,4 +47,4 @@ TEST(IntegratorTest, RefusesAnInitialValueThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::integrator_test

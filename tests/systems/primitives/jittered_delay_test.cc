@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::jittered_delay_test {
 namespace {
 
 /// What leaves a delay into which 1 goes at the first tick and 0 from then on.
@@ -103,4 +103,4 @@ TEST(JitteredDelayTest, RefusesMessagesFromTheFuture) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::jittered_delay_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::low_pass_filter_test {
 namespace {
 
 TEST(LowPassFilterTest, HasTheDerivative) {
@@ -61,4 +61,4 @@ TEST(LowPassFilterTest, TheTimeConstantIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::low_pass_filter_test

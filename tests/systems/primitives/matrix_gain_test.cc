@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::matrix_gain_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -61,4 +61,4 @@ TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::matrix_gain_test

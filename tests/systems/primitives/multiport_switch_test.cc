@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::multiport_switch_test {
 namespace {
 
 enum class Gait { kStand, kTrot, kPace };
@@ -42,4 +42,4 @@ TEST(MultiportSwitchTest, RefusesToChooseFromNothing) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::multiport_switch_test

@@ -5,7 +5,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::mux_test {
 namespace {
 
 TEST(MuxTest, MakesAVector) {
@@ -51,4 +51,4 @@ TEST(DemuxTest, UndoesMux) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::mux_test

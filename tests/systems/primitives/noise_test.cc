@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::noise_test {
 namespace {
 
 TEST(WhiteNoiseTest, HasItsMoments) {
@@ -136,4 +136,4 @@ TEST(NoiseTest, RefusesTypesWithoutAFixedSize) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::noise_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::pid_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -105,4 +105,4 @@ TEST(PidTest, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::pid_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::quantizer_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -28,4 +28,4 @@ TEST(QuantizerTest, RefusesABadStep) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::quantizer_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::random_walk_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -53,4 +53,4 @@ TEST(RandomWalkTest, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::random_walk_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::rate_limiter_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -51,4 +51,4 @@ TEST(RateLimiterTest, RefusesBadLimits) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::rate_limiter_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::sample_delay_test {
 namespace {
 
 TEST(SampleDelayTest, DelaysByItsSamples) {
@@ -79,4 +79,4 @@ TEST(SampleDelayTest, RefusesLessThanOneSample) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::sample_delay_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::saturation_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -60,4 +60,4 @@ TEST(SaturationTest, LimitsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::saturation_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::signal_fault_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -206,4 +206,4 @@ TEST(SignalFaultTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::signal_fault_test

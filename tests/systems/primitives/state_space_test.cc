@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::state_space_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -135,4 +135,4 @@ TEST(DiscreteStateSpaceTest, DoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::state_space_test

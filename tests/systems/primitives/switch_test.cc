@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::switch_test {
 namespace {
 
 TEST(SwitchTest, Selects) {
@@ -46,4 +46,4 @@ TEST(ThresholdSwitchTest, TheThresholdIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::switch_test

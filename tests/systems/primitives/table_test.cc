@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::table_test {
 namespace {
 
 TEST(TableTest, InterpolatesAndClamps) {
@@ -45,4 +45,4 @@ TEST(TableTest, RefusesBadPoints) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::table_test

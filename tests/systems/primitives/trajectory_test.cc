@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::trajectory_test {
 namespace {
 
 TEST(TrajectoryTest, ReproducesACubic) {
@@ -94,4 +94,4 @@ TEST(TrajectoryTest, RefusesBadPoints) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::trajectory_test

@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::transfer_function_test {
 namespace {
 
 using Params = TransferFunctionParams;
@@ -128,4 +128,4 @@ TEST(TransferFunctionTest, RefusesBadCoefficients) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::transfer_function_test

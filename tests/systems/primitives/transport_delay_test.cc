@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::transport_delay_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -112,4 +112,4 @@ TEST(TransportDelayTest, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::transport_delay_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::uniform_noise_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -48,4 +48,4 @@ TEST(UniformNoiseTest, RefusesBadLimits) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::uniform_noise_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::unit_delay_test {
 namespace {
 
 TEST(UnitDelayTest, DelaysByOneSample) {
@@ -55,4 +55,4 @@ TEST(UnitDelayTest, BreaksLoopsOfSampledBlocks) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::unit_delay_test

@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::zero_order_hold_test {
 namespace {
 
 TEST(ZeroOrderHoldTest, HoldsBetweenTicks) {
@@ -41,4 +41,4 @@ TEST(ZeroOrderHoldTest, HasFeedthrough) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::zero_order_hold_test

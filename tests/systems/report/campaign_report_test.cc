@@ -12,7 +12,7 @@
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::campaign_report_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -140,4 +140,4 @@ TEST_F(CampaignReportTest, ThePageShowsItAll) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::campaign_report_test

@@ -18,7 +18,7 @@
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::live_page_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -469,4 +469,4 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::live_page_test

@@ -11,7 +11,7 @@
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::report_page_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -401,4 +401,4 @@ TEST_F(RunPageTest, RunsSideBySide) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::report_page_test

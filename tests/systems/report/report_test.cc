@@ -15,7 +15,7 @@
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -577,4 +577,4 @@ TEST(Base64Test, AgreesWithOthers) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::report_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::volume_report_test {
 namespace {
 
 using ::testing::Each;
@@ -106,4 +106,4 @@ TEST_F(VolumeReportTest, RefusesPartsWithOtherQuantities) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::volume_report_test

@@ -21,7 +21,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::background_log_test {
 namespace {
 
 using ::testing::AllOf;
@@ -172,4 +172,4 @@ TEST(BackgroundLogTest, EndOfTheDiskEndsTheRunBehindAWholeRow) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::background_log_test

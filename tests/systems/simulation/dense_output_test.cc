@@ -8,7 +8,7 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::dense_output_test {
 namespace {
 
 struct Case {
@@ -219,4 +219,4 @@ TEST(DenseOutput, ReadingTicksAskNoWitness) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::dense_output_test

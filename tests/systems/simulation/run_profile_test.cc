@@ -7,7 +7,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::run_profile_test {
 namespace {
 
 /// Takes a quarter of a millisecond at each tick.
@@ -68,4 +68,4 @@ TEST(RunProfileTest, MustBeAskedFor) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::run_profile_test

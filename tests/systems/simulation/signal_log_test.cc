@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::signal_log_test {
 namespace {
 
 using ::testing::AllOf;
@@ -219,4 +219,4 @@ TEST_F(SignalLogTest, WhatWasHeldComesToAllOtherLogsWhereOneCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::signal_log_test

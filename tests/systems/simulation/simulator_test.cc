@@ -12,7 +12,7 @@
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::simulator_test {
 namespace {
 
 using ::testing::AllOf;
@@ -881,4 +881,4 @@ TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::simulator_test

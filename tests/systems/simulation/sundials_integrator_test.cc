@@ -7,7 +7,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::sundials_integrator_test {
 namespace {
 
 using ::testing::AllOf;
@@ -329,4 +329,4 @@ TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::sundials_integrator_test

@@ -7,7 +7,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-namespace tenon {
+namespace tenon::witness_test {
 namespace {
 
 using ::testing::AllOf;
@@ -283,4 +283,4 @@ TEST(WitnessTest, AWitnessMayReadAnotherOneOfAnyBlock) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::witness_test

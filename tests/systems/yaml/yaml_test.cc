@@ -11,7 +11,7 @@
 
 #include <tenon/tests/testing/temporary_path.h>
 
-namespace tenon {
+namespace tenon::yaml_test {
 namespace {
 
 using ::testing::AllOf;
@@ -693,4 +693,4 @@ TEST(YamlDrawTest, RefusesDistributionsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::yaml_test

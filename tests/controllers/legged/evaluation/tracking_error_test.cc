@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::tracking_error_test {
 namespace {
 
 class TrackingErrorTest : public ::testing::Test {
@@ -104,4 +104,4 @@ TEST_F(TrackingErrorTest, TheLeastSingularValueIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::tracking_error_test

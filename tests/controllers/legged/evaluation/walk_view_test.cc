@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::walk_view_test {
 namespace {
 
 TEST(WalkViewTest, ArrowsStartAtCentreAndFeet) {
@@ -36,4 +36,4 @@ TEST(WalkViewTest, ArrowsStartAtCentreAndFeet) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::walk_view_test

@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::com_observer_test {
 namespace {
 
 using test::A1;
@@ -247,4 +247,4 @@ TEST(ComObserverTest, AnotherSourceGoesOnFromTheEstimate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::com_observer_test

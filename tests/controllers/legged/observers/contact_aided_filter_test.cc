@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::contact_aided_filter_test {
 namespace {
 
 using Filter = ContactAidedFilter;
@@ -296,4 +296,4 @@ TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::contact_aided_filter_test

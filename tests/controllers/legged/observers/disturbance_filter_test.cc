@@ -10,7 +10,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::disturbance_filter_test {
 namespace {
 
 Eigen::VectorXd AsVector(const std::vector<double>& values) {
@@ -115,4 +115,4 @@ TEST(DisturbanceFilterTest, StepsComposeExactly) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::disturbance_filter_test

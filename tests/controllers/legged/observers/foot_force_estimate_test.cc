@@ -7,7 +7,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::foot_force_estimate_test {
 namespace {
 
 FootForces SomeForces() {
@@ -50,4 +50,4 @@ TEST(FootForceEstimateTest, GoesByTheAttitudeOfTheTickBefore) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::foot_force_estimate_test

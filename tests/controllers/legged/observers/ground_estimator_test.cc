@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::ground_estimator_test {
 namespace {
 
 /// A robot that is put down on the ground, again and again, each time 5 cm on and with other feet first.
@@ -135,4 +135,4 @@ TEST(GroundEstimatorTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::ground_estimator_test

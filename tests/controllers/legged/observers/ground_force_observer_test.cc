@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::ground_force_observer_test {
 namespace {
 
 /// What forces do at the joints of a robot that stands, where its feet touch this ground.
@@ -95,4 +95,4 @@ TEST(GroundForceObserverTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::ground_force_observer_test

@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::leg_momentum_observer_test {
 namespace {
 
 using test::A1;
@@ -287,4 +287,4 @@ TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::leg_momentum_observer_test

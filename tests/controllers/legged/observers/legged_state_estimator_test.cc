@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::legged_state_estimator_test {
 namespace {
 
 using test::A1;
@@ -367,4 +367,4 @@ TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::legged_state_estimator_test

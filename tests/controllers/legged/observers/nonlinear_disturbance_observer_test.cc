@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::nonlinear_disturbance_observer_test {
 namespace {
 
 using test::DogBot;
@@ -138,4 +138,4 @@ TEST(NonlinearDisturbanceObserverTest, GainsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::nonlinear_disturbance_observer_test

@@ -17,7 +17,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::com_planner_spline_test {
 namespace {
 
 ComPlannerParams SplineParams(SplineOrder order = SplineOrder::kCubic) {
@@ -250,4 +250,4 @@ TEST(ComPlannerSplineTest, ThePlanIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::com_planner_spline_test

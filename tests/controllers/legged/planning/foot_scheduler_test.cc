@@ -15,7 +15,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::foot_scheduler_test {
 namespace {
 
 using enum ContactState;
@@ -399,4 +399,4 @@ TEST(FootSchedulerTest, AGaitThatIsSetCountsFromItsNextBeginning) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::foot_scheduler_test

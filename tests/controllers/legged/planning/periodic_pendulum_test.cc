@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::periodic_pendulum_test {
 namespace {
 
 constexpr double kFrequency = 5.02;  // rad/s
@@ -132,4 +132,4 @@ TEST(PlanarPathTest, GoesInCirclesAndLines) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::periodic_pendulum_test

@@ -12,7 +12,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::support_polygon_test {
 namespace {
 
 using Feet = std::vector<Eigen::Vector2d>;
@@ -142,4 +142,4 @@ TEST(SupportPolygon, RefusesNoFeetAndFive) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::support_polygon_test

@@ -20,7 +20,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::swing_planner_test {
 namespace {
 
 using enum ContactState;
@@ -552,4 +552,4 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::swing_planner_test

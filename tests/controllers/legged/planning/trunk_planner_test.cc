@@ -14,7 +14,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::trunk_planner_test {
 namespace {
 
 using test::DogBot;
@@ -222,4 +222,4 @@ TEST(TrunkPlannerTest, BandwidthAndLimitAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::trunk_planner_test

@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::walk_drive_test {
 namespace {
 
 WalkCommand Planned() {
@@ -127,4 +127,4 @@ TEST(WalkDriveTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::walk_drive_test

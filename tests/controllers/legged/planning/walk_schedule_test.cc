@@ -11,7 +11,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::walk_schedule_test {
 namespace {
 
 WalkScheduleParams Example() {
@@ -111,4 +111,4 @@ TEST(WalkScheduleTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::walk_schedule_test

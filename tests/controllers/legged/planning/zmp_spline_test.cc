@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::zmp_spline_test {
 namespace {
 
 using Feet = std::vector<Eigen::Vector2d>;
@@ -341,4 +341,4 @@ TEST(ZmpSpline, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::zmp_spline_test

@@ -10,7 +10,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 
-namespace tenon {
+namespace tenon::locomotion_profile_test {
 namespace {
 
 // The gains in SI units with which DogBot's figures were found.
@@ -77,4 +77,4 @@ TEST(LocomotionProfileTest, RefusesGainsOfOneRobot) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::locomotion_profile_test

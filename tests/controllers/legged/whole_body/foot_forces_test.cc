@@ -9,7 +9,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::foot_forces_test {
 namespace {
 
 using test::DogBot;
@@ -64,4 +64,4 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::foot_forces_test

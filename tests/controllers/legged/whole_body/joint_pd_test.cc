@@ -9,7 +9,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::joint_pd_test {
 namespace {
 
 using test::A1;
@@ -115,4 +115,4 @@ TEST(JointPdTest, GainsAreSetInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::joint_pd_test

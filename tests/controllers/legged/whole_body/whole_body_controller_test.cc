@@ -16,7 +16,7 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-namespace tenon {
+namespace tenon::whole_body_controller_test {
 namespace {
 
 WholeBodyParams Params() {
@@ -547,4 +547,4 @@ TEST(WholeBodyController, MoreFailuresAreForgivenInARun) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::whole_body_controller_test

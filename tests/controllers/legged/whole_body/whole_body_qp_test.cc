@@ -13,7 +13,7 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-namespace tenon {
+namespace tenon::whole_body_qp_test {
 namespace {
 
 using test::IsOptimal;
@@ -417,4 +417,4 @@ TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
 }
 
 }  // namespace
-}  // namespace tenon
+}  // namespace tenon::whole_body_qp_test
