@@ -171,13 +171,10 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
     tension =
         DistributeTension(cables.structure, wrench, robot.cable.tension_min, robot.cable.tension_max).tension;
   }
-  // The study takes cables for straight lines between points, so it draws them as such.
-  CdprDescription straight = robot;
-  straight.cable.mass_per_length = straight.winch.pulley_radius = 0;
   std::vector<CableStatics> cables(robot.cables.size());
   for (std::size_t i = 0; i < cables.size(); ++i) cables[i].exit_W = robot.cables[i].anchor_W;
-  Geometry shapes = MakeCdprGeometry(straight);
-  MoveCdprGeometry(straight, platform, tension, cables, {}, {}, &shapes);
+  Geometry shapes = MakeCdprGeometry(robot);
+  MoveCdprGeometry(robot, platform, tension, cables, {}, {}, &shapes);
   return shapes;
 }
 
@@ -229,9 +226,9 @@ std::string Describe(const WorkspaceStudy& study) {
 
 }  // namespace
 
-WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
+WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress) {
-  robot.Validate();
+  given.Validate();
   params.demand.Validate();
   if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
     throw ParameterError(fmt::format("a cable diameter of {} m: give 0 or more", params.cable_diameter));
@@ -241,7 +238,10 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudy
     throw ParameterError(
         fmt::format("turns of {} rad either way: give more than 0 and at most pi", params.turn));
   const auto begin = std::chrono::steady_clock::now();
-  WorkspaceStudy study{robot, params};
+  WorkspaceStudy study{given, params};
+  // Cables count as straight lines between points.
+  CdprDescription& robot = study.robot;
+  robot.cable.mass_per_length = robot.winch.pulley_radius = 0;
   const auto add = [&](const std::string& name, const std::string& title, const PlatformDemand& demand,
                        WorkspaceOptions options) {
     PoseFeasibility feasibility(robot, RequiredWrenches(robot, demand));

@@ -35,7 +35,7 @@ struct WorkspaceMap {
 };
 
 struct WorkspaceStudy {
-  CdprDescription robot;
+  CdprDescription robot;  ///< cables without weight, from points
   WorkspaceStudyParams params;
   std::vector<WorkspaceMap> maps =
       {};  ///< loaded positions, static positions if that is another one, attitudes
@@ -43,7 +43,8 @@ struct WorkspaceStudy {
   double wall = 0;                                                          ///< [s]
 };
 
-/// `progress` is told what is done, and which share of it; it may throw. Throws ParameterError.
+/// Pulleys count as points, and cables have no weight. `progress` is told what is done, and which share of
+/// it; it may throw. Throws ParameterError.
 WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress);
 

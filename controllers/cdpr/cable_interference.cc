@@ -58,8 +58,9 @@ CableInterference::CableInterference(const CdprDescription& robot) {
 CableClearance CableInterference::At(const CableKinematics& cables, const Eigen::Matrix3d& R_WB) const {
   CableClearance clearance{kInfinity, 1};
   for (const auto& [i, j] : pairs_) {
-    const double distance = SegmentDistance(anchor_W_[i], -cables.length[i] * cables.direction.col(i),
-                                            anchor_W_[j], -cables.length[j] * cables.direction.col(j));
+    const double distance =
+        SegmentDistance(cables.exit_W.col(i), -cables.free_length[i] * cables.direction.col(i),
+                        cables.exit_W.col(j), -cables.free_length[j] * cables.direction.col(j));
     clearance.cables = std::min(clearance.cables, distance);
   }
   for (int i = 0; i < cables.num_cables(); ++i) {

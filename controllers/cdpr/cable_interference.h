@@ -18,10 +18,11 @@ struct CableClearance {
 /// Do cables touch one another, or the platform? (Perreault, Cardou, Gosselin, Otis, J. Mechanisms Robotics
 /// 2(3), 2010, for straight cables.)
 ///
-/// Two cables are as near as their segments; those that share an anchor or an attachment are left out. The
-/// platform is taken for the solid convex hull of its attachments and its CoM: a cable runs through it if its
-/// direction points below all faces that meet at its attachment, and its sine is the largest n . lambda over
-/// these. A platform that is an open frame, or wider than its attachments, is another one.
+/// Two cables are as near as their segments, from where they leave anchors or pulleys; those that share an
+/// anchor or an attachment are left out. The platform is taken for the solid convex hull of its attachments
+/// and its CoM: a cable runs through it if its direction points below all faces that meet at its attachment,
+/// and its sine is the largest n . lambda over these. A platform that is an open frame, or wider than its
+/// attachments, is another one.
 class CableInterference {
  public:
   explicit CableInterference(const CdprDescription& robot);
@@ -32,6 +33,7 @@ class CableInterference {
   /// A lower bound of the distance between two cables while the CoM moves by up to `distance` [m] and every
   /// arm r by up to `chord` |r|. Points at the fractions s and t of two cables, counted from the anchors,
   /// come nearer by no more than |s - t| distance + chord (s |arm_i| + t |arm_j|): piece by piece of both.
+  /// Of cables without pulleys.
   double LeastDistance(const CableKinematics& cables, double distance, double chord) const;
 
  private:

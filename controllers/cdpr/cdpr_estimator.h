@@ -62,8 +62,8 @@ struct CdprEstimatorParams {
 ///
 ///     (l_i - l_i before) / T = -(W column i) . [v ; R w]      see CableKinematics
 ///
-/// to within `length_rate` and what the gyroscope leaves, taken for white noise. What pulleys, sag, layers on
-/// a drum or a broken cable do to a length is not: b_i, the mean of the difference of both sides over the
+/// to within `length_rate` and what the gyroscope leaves, taken for white noise. What sag, layers on a
+/// drum or a broken cable do to a length is not: b_i, the mean of the difference of both sides over the
 /// last t_b = 0.2 s (a low-pass of first order), counts as additional noise of the variance 2 t_b/T b_i^2, of
 /// which means over that time would be as large. A cable that disagrees with the others and the IMU so loses
 /// its weight; without lengths the velocity is known to what the accelerometer and differences of the pose

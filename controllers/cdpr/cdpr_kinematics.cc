@@ -3,6 +3,7 @@
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Cholesky>
@@ -10,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -20,6 +22,28 @@ namespace {
 constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
+
+/// `line`, of which the arm and the straight way from the attachment to the anchor are known, over a pulley.
+void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
+  const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
+  const double from_centre = std::hypot(x - radius, z);
+  if (!(x > 0 && from_centre > radius)) {
+    throw RunError(fmt::format(
+        "Cable {} of '{}' would end {:.4g} m beside the swivel axis of its pulley and {:.4g} m away "
+        "from the pulley's centre, whose radius is {} m: keep the platform off both, or give a smaller "
+        "pulley_radius_m.",
+        index, robot.name, x, from_centre, radius));
+  }
+  const PulleyContact contact = LeaveStraight(radius, x, z);
+  const Eigen::Vector3d outwards(-span.x() / x, -span.y() / x, 0), up(0, 0, 1);
+  const double sine = std::sin(contact.wrap);
+  const Vec<2> exit = ExitPoint(radius, contact.wrap);
+  line.exit_W += exit[0] * outwards + exit[1] * up;
+  line.direction = -sine * outwards - std::cos(contact.wrap) * up;
+  line.free_length = contact.free_length;
+  line.length = radius * contact.wrap + contact.free_length;
+  line.swivel = std::sqrt(std::max(1 / contact.free_length - sine / x, 0.0)) * up.cross(outwards);
+}
 
 }  // namespace
 
@@ -44,7 +68,10 @@ CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Ve
                     "({:.4g}, {:.4g}, {:.4g}) m.",
                     index, robot.name, cable.anchor_W.x(), cable.anchor_W.y(), cable.anchor_W.z()));
   }
+  line.exit_W = cable.anchor_W;
+  line.free_length = line.length;
   line.direction = span / line.length;
+  if (robot.winch.pulley_radius > 0) LeadOverPulley(robot, index, span, line);
   line.wrench << line.direction, line.arm_W.cross(line.direction);
   return line;
 }
@@ -53,14 +80,20 @@ void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_
                          const Eigen::Matrix3d& R_WB, CableKinematics* cables) {
   const int n = robot.num_cables();
   cables->arm_W.resize(3, n);
+  cables->exit_W.resize(3, n);
   cables->direction.resize(3, n);
   cables->length.resize(n);
+  cables->free_length.resize(n);
+  cables->swivel.resize(3, robot.winch.pulley_radius > 0 ? n : 0);
   cables->structure.resize(6, n);
   for (int i = 0; i < n; ++i) {
     const CableLine line = CalcCableLine(robot, i, p_WB, R_WB);
     cables->arm_W.col(i) = line.arm_W;
+    cables->exit_W.col(i) = line.exit_W;
     cables->direction.col(i) = line.direction;
     cables->length[i] = line.length;
+    cables->free_length[i] = line.free_length;
+    if (cables->swivel.cols() > 0) cables->swivel.col(i) = line.swivel;
     cables->structure.col(i) = line.wrench;
   }
 }
@@ -90,8 +123,10 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
   for (int i = 0; i < cables.num_cables(); ++i) {
     const Eigen::Vector3d direction = cables.direction.col(i);
     const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
-    const Eigen::Matrix3d turn =
-        tension[i] / cables.length[i] * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+    Eigen::Matrix3d turn = tension[i] / cables.free_length[i] *
+                           (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+    if (cables.swivel.cols() > 0)
+      turn -= tension[i] * cables.swivel.col(i) * cables.swivel.col(i).transpose();
     jacobian.topLeftCorner<3, 3>() -= turn;
     jacobian.topRightCorner<3, 3>() += turn * arm;
     jacobian.bottomLeftCorner<3, 3>() -= arm * turn;

@@ -23,22 +23,36 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 ///
 /// All vectors are in W. Wrenches and twists are about the CoM, force before torque, v before w; a tension is
 /// positive when the cable pulls the platform towards the anchor, so that W u + [m g ; 0] = 0 at rest, g
-/// pointing down. Not modelled: sagging, pulleys of finite radius.
+/// pointing down. Not modelled: sagging.
+///
+/// Where the robot has pulleys (plants/model/swivel_pulley.h) lambda_i points to where the cable leaves its
+/// pulley, and |l_i| is the length along pulley and cable from the anchor on; the rest above holds as it is.
 struct CableKinematics {
-  CableMatrix3 arm_W;      ///< CoM to attachment [m]
-  CableMatrix3 direction;  ///< lambda, from the attachment towards the anchor
-  CableVector length;      ///< [m]
-  CableMatrix6 structure;  ///< W: tensions [N] to wrench [N, N m]
+  CableMatrix3 arm_W;       ///< CoM to attachment [m]
+  CableMatrix3 exit_W;      ///< where it leaves its pulley, or the anchor [m]
+  CableMatrix3 direction;   ///< lambda, from the attachment towards the exit
+  CableVector length;       ///< [m]
+  CableVector free_length;  ///< from the exit on [m]
+  CableMatrix3 swivel;      ///< see CableLine; no columns without pulleys
+  CableMatrix6 structure;   ///< W: tensions [N] to wrench [N, N m]
 
   int num_cables() const { return static_cast<int>(length.size()); }
 };
 
-/// One of these cables.
+/// One of these cables. When its attachment moves by d it turns by
+///
+///     d lambda = -((1 - lambda lambda^T) / f - s s^T) d
+///
+/// with f the free length. s is horizontal, across the cable, |s|^2 = 1/f - sin(b)/x: sideways it turns with
+/// the pulley about the swivel axis, at the distance x, b the wrap; 0 without a pulley.
 struct CableLine {
   Eigen::Vector3d arm_W;
+  Eigen::Vector3d exit_W;
   Eigen::Vector3d direction;
   double length = 0;
-  Vector6d wrench;  ///< its column of W
+  double free_length = 0;
+  Eigen::Vector3d swivel = Eigen::Vector3d::Zero();  ///< s [1/sqrt(m)]
+  Vector6d wrench;                                   ///< its column of W
 };
 
 /// Signals of so many cables are of this robot.
@@ -46,12 +60,13 @@ struct CableLine {
 void CheckNumCables(const CdprDescription& robot, Eigen::Index num, const char* who);
 
 /// Cable `index` of `robot` at a pose.
-/// @throws RunError when it has no length, for then it has no direction.
+/// @throws RunError when it has no length, for then it has no direction, or ends on its pulley or beside its
+/// swivel axis.
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB);
 
 /// All cables of `robot` at a pose, into `cables`: does not allocate if that has been filled for as many.
-/// @throws RunError when a cable has no length.
+/// @throws RunError as CalcCableLine().
 void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                          const Eigen::Matrix3d& R_WB, CableKinematics* cables);
 CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
@@ -66,7 +81,8 @@ Vector6d GravityWrench(const CdprDescription& robot);
 
 /// d(W u)/d(p, theta) at constant tensions u, theta a rotation vector in W: R_WB -> exp([theta]x) R_WB.
 ///
-/// Per cable, with P = (I - lambda lambda^T) / |l| and dlambda = -P (dp + dtheta x arm):
+/// Per cable, with P = (I - lambda lambda^T) / f - s s^T (see CableLine) and dlambda = -P (dp + dtheta x
+/// arm):
 ///
 ///     d(force)  = u dlambda
 ///     d(torque) = u (arm x dlambda + (dtheta x arm) x lambda)

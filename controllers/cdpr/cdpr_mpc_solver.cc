@@ -84,8 +84,9 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
   typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
-  RungeKutta<Problem>(12, cables)
-      .Linearize(Problem(path.robot(), 1), StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
+  Problem problem(path.robot(), 1);
+  problem.SetPose(path.robot(), rest.position, RotationFromEuler(rest.euler));
+  RungeKutta<Problem>(12, cables).Linearize(problem, StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
   const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
   return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
                               Eigen::MatrixXd((period * cost.Q).asDiagonal()),
@@ -344,6 +345,8 @@ class SolverFor final : public CdprMpcSolver::Impl {
     if (elapsed > 0) slq_.Shift(elapsed);
     Problem& problem = slq_.problem();
     problem.SetPayload(robot_, body);
+    const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
+    problem.SetPose(robot_, x.segment<3>(6) - R_WB * body.com_B, R_WB);
     const Eigen::Vector3d com_W = RotationFromEuler(targets.front().x.tail<3>()) * body.com_B;
     const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
     problem.load << force, torque - com_W.cross(force);

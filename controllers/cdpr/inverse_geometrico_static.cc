@@ -258,8 +258,9 @@ class StaticsProblem {
 };
 
 [[noreturn]] void Refuse(const CdprDescription& robot, const Eigen::Vector3d& p, const std::string& reason) {
-  throw ParameterError(fmt::format("Robot '{}' cannot rest with its CoM at ({:.4g}, {:.4g}, {:.4g}) m: {}.",
-                                   robot.name, p.x(), p.y(), p.z(), reason));
+  throw ParameterError(fmt::format("Robot '{}' cannot rest with its CoM at ({:.4g}, {:.4g}, {:.4g}) m: {}{}",
+                                   robot.name, p.x(), p.y(), p.z(), reason,
+                                   reason.ends_with('.') ? "" : "."));
 }
 
 StaticEquilibrium MakeEquilibrium(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
@@ -323,10 +324,8 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
                       options.warm_start ? options.warm_start->tension.size() : 0, n));
 }
 
-}  // namespace
-
-StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                                               const StaticsOptions& options) {
+StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                        const StaticsOptions& options) {
   CheckRobot(robot, options);
   if (!p_WB.allFinite()) Refuse(robot, p_WB, "the position is not finite");
   const double lower = robot.cable.tension_min, upper = robot.cable.tension_max;
@@ -394,6 +393,17 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   Refuse(robot, p_WB,
          fmt::format("there is no equilibrium with roll, pitch and yaw within {:.0f} deg",
                      kLargestAngle * 180 / std::numbers::pi));
+}
+
+}  // namespace
+
+StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                               const StaticsOptions& options) {
+  try {
+    return Solve(robot, p_WB, options);
+  } catch (const RunError& error) {  // of a cable that has no direction there
+    Refuse(robot, p_WB, error.what());
+  }
 }
 
 }  // namespace tenon

@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
 #include <fmt/core.h>
+#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/optimization/lanes.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/euler.h>
@@ -112,6 +113,14 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
   inertia_inverse_ = body.mass * body.inertia.inverse();
   for (int i = 0; i < robot.num_cables(); ++i)
     attachment_B_.row(i) = (robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B).transpose();
+}
+
+template <int n>
+void KinoCentroidalModel<n>::SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                     const Eigen::Matrix3d& R_WB) {
+  if (robot.winch.pulley_radius == 0) return;
+  for (int i = 0; i < robot.num_cables(); ++i)
+    anchor_W_.row(i) = CalcCableLine(robot, i, p_WB, R_WB).exit_W.transpose();
 }
 
 /// f(x, u), with the state and its rate in three registers, of which the second begins within L.

@@ -34,9 +34,10 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
 ///     dp/dt     = v
 ///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
 ///
-/// f and tau are a constant load. lambda_i is the direction from attachment p + R r_i to anchor. Exact for a
-/// rigid platform. Singular at pitch = +-pi/2, where a cable has no length, and not known for angles beyond a
-/// million rad: the result is not finite there.
+/// f and tau are a constant load. lambda_i is the direction from attachment p + R r_i to anchor; of a robot
+/// with pulleys, to where the cable leaves its pulley at one pose, see SetPose(). Exact for a rigid platform.
+/// Singular at pitch = +-pi/2, where a cable has no length, and not known for angles beyond a million rad:
+/// the result is not finite there.
 ///
 /// It makes the steps of RungeKutta itself: in a step the cables stand side by side in the lanes of a
 /// register, in the derivatives of steps four steps do.
@@ -56,6 +57,10 @@ class KinoCentroidalModel {
       Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the CoM of all that moves [N, N m]
   /// From now on the platform with what it carries.
   void SetPayload(const CdprDescription& robot, const LoadedPlatform& body);
+  /// From now on cables leave their pulleys where they do with the platform there; at first, at the anchors.
+  /// Around that pose forces are exact to first order in the pulleys' plane, where the tangent turns about
+  /// the exit; a pulley of 4 cm moves it by 4 mm while the platform of a cable of 4 m goes 40 cm.
+  void SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
   /// @throws ParameterError if the robot has not n cables, n not Eigen::Dynamic.
   explicit KinoCentroidalModel(const CdprDescription& robot);

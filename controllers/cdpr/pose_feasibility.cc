@@ -76,6 +76,7 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       gain_(robot.num_cables()),
       spread_(robot.num_cables()) {
   robot.cable.Validate();
+  robot_.winch.pulley_radius = 0;
   if (rows_ == 6) {
     required_.centre.tail(3) /= lever_;
     required_.half_width.tail(3) /= lever_;

@@ -43,7 +43,8 @@ struct PlatformDemand {
 WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand);
 
 /// Can a cable robot produce all required wrenches within its tension bounds, at a pose and all over a set of
-/// poses? Six cables or more; or a point mass, all attachments at the CoM, with three or more.
+/// poses? Six cables or more; or a point mass, all attachments at the CoM, with three or more. Pulleys count
+/// as points.
 ///
 /// A margin at one pose says nothing of those beside it. Over() bounds what can change. If the CoM moves by
 /// rho and the platform turns by phi, attachment i moves by no more than rho + 2 sin(phi/2) |arm_i|, which

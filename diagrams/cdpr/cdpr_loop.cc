@@ -18,12 +18,16 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
   params.p_WB = start.position + loop.start_offset;
   params.euler = start.euler + loop.start_turn;
   params.initial_tension = start.tension;
+  try {
+    params.homed_length =
+        CalcCableKinematics(loop.path->robot(), params.p_WB, RotationFromEuler(params.euler)).length;
+  } catch (const RunError&) {  // the plant refuses such a start, and says why
+  }
   return params;
 }
 
 CableSignals CablesAtRest(const CdprPlantParams& start) {
-  const CableVector length =
-      CalcCableKinematics(start.robot, start.p_WB, RotationFromEuler(start.euler)).length;
+  const CableVector& length = start.homed_length;
   return {length, CableVector::Zero(length.size()), start.initial_tension,
           CalcRestLengths(start.robot.cable, length, start.initial_tension)};
 }

@@ -1,7 +1,7 @@
 #include <tenon/plants/cdpr/cable_statics.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/cdpr/swivel_pulley.h>
+#include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/systems/framework/errors.h>
 
 #include <cmath>

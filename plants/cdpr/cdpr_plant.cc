@@ -35,6 +35,10 @@ void CdprPlantParams::Validate() const {
     throw ParameterError(
         fmt::format("initial_tension has {} entries but the robot '{}' has {} cables; give one tension each",
                     initial_tension.size(), robot.name, robot.num_cables()));
+  if (homed_length.size() != 0 && !(homed_length.size() == robot.num_cables() && homed_length.allFinite()))
+    throw ParameterError(fmt::format(
+        "homed_length must have one finite length for each of the {} cables of robot '{}', or none at all",
+        robot.num_cables(), robot.name));
   for (int i = 0; i < robot.num_cables(); ++i) {
     if (!(std::isfinite(initial_tension[i]) && initial_tension[i] >= 0))
       throw ParameterError(fmt::format(
@@ -62,7 +66,8 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
     try {
       start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity);
       const CableStatics statics = CalcCableStatics(robot, i, span, start.rest_length[i], params.gravity);
-      start.length_offset[i] = statics.length - span.norm();
+      start.length_offset[i] =
+          statics.length - (params.homed_length.size() > 0 ? params.homed_length[i] : span.norm());
       if (robot.winch.drum) {
         const DrumTurn turn = DrumTurnAt(*robot.winch.drum, i, start.rest_length[i]);
         start.drum_angle.push_back(turn.angle);

@@ -20,6 +20,7 @@ struct CdprPlantParams {
   Vec<3> v_W = Vec<3>::Zero();    ///< velocity at the start [m/s]
   Vec<3> w_W = Vec<3>::Zero();    ///< angular velocity at the start [rad/s]
   CableVector initial_tension;    ///< one per cable [N]: gives rest lengths and motors at the start
+  CableVector homed_length{};     ///< told at the start [m]; empty: the distances from attachments to anchors
   double gravity = kGravity;      ///< [m/s^2]
   bool lock_winches = false;      ///< the drums do not turn: rest lengths stay what they are
 
@@ -64,7 +65,7 @@ struct CdprPlantParams {
 /// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u held to what
 /// a differential can give, see DifferentialProperties. What T_m and T make of l0 is in winch.h. On a drum
 /// with layers `cables.length` is what its turns would be on the radius of the start. At the start all
-/// lengths told are the distances between attachments and anchors, as after homing with the ideal model.
+/// lengths told are `homed_length`, as after homing with a model of the robot.
 ///
 /// **Faults.** The drum of a winch that sticks does not turn, dl0/dt = 0, so that T = max(0, k (l - l0) + c
 /// dl/dt); a broken cable has T = 0, whatever its length, and its drum stands, too. The motors go on. In

@@ -85,6 +85,26 @@ TEST_F(CdprCasesTest, D2) {
 }
 
 // With 6, 8 and 12 cables; with rotation, where the cables allow it.
+// Where the controllers know the pulleys, these cost next to nothing, and a load that swings stays a load.
+TEST_F(CdprCasesTest, PulleysThatAreKnown) {
+  for (const int seed : {1, 3}) {
+    const auto run = [&](const std::string& scenario, const std::string& robot) {
+      return Run(TENON_CDPR, scenario + " --set 'robot={file: cdpr_4" + robot +
+                                 "}' --set log_rate_hz=10 --seed " + std::to_string(seed));
+    };
+    const std::string pulleys = ", winch: {pulley_radius_m: 0.04}";
+    auto circle = run("D1 --controller mpc_equilibrium", pulleys);
+    EXPECT_TRUE(circle.finished());
+    EXPECT_LE(circle["tracking_error_rms_m"], 0.0015);
+    EXPECT_LE(run("D1 --controller pd", pulleys)["tracking_error_rms_m"], 0.008);
+    auto load = run("D2 --controller mpc_equilibrium", pulleys);
+    EXPECT_TRUE(load.finished());
+    EXPECT_LE(load["loaded_error_rms_m"], 0.01);
+    EXPECT_LE(load["tension_rate_rms_N_per_s"],
+              1.1 * run("D2 --controller mpc_equilibrium", "")["tension_rate_rms_N_per_s"]);
+  }
+}
+
 TEST_F(CdprCasesTest, CirclesAndTurns) {
   for (const char* scenario : {"circle_6", "circle_8", "circle_12", "turn_8", "turn_12"}) {
     for (const int seed : {1, 2}) {

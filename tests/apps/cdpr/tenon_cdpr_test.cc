@@ -148,7 +148,7 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
   fs::remove(robot);
 }
 
-// What the controllers do not know of cables and winches changes the flight, and costs none.
+// What is special about cables and winches changes the flight, and costs none.
 TEST_F(TenonCdprTest, FliesWithCablesAsTheyAre) {
   ASSERT_EQ(RunApp("D1 --duration 0.5" + Out()).exit_code, 0);
   const std::vector<double> ideal = test::Column(out, "loop.plant.cables.tension.0 [N]");
@@ -161,13 +161,16 @@ TEST_F(TenonCdprTest, FliesWithCablesAsTheyAre) {
     EXPECT_EQ(result.exit_code, 0) << result.text;
     EXPECT_NE(test::Column(out, "loop.plant.cables.tension.0 [N]"), ideal);
   }
-  const auto refuses = [&](const std::string& winch, const char* place, const char* what) {
-    const Result result = RunApp("D1 --set 'robot={file: cdpr_4, winch: {" + winch + "}}'" + Out());
+  const auto refuses = [&](const std::string& winch, const char* place, const char* what, bool known = true) {
+    const Result result = RunApp("D1 --set 'robot={file: cdpr_4, winch: {" + winch +
+                                 "}}' --set known_pulleys=" + (known ? "true" : "false") + Out());
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_THAT(result.text, AllOf(HasSubstr(place), HasSubstr(what)));
   };
   refuses("pulley_radius_m: -0.04", "robot", "the pulley's radius is -0.04 m but must not be negative");
-  refuses("pulley_radius_m: 4", "block 'plant'", "at the start cable 0 ends");
+  refuses("pulley_radius_m: 4", "path: The path leaves the workspace at t = 0 s",
+          "Cable 0 of 'cdpr_4' would end");
+  refuses("pulley_radius_m: 4", "block 'plant'", "at the start cable 0 ends", false);
   refuses("pulley_radius: 0.04", "robot", "pulley_radius_m");
   refuses("drum: {radius_m: 0.036}", "robot", "cable_diameter_m");
 }

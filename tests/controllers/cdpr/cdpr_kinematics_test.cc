@@ -25,6 +25,12 @@ Matrix3d Turn(const Vector3d& rotation) {
                              : Matrix3d(Matrix3d::Identity());
 }
 
+/// `robot` with pulleys so large that all that they change is far above the tolerances.
+CdprDescription WithPulleys(CdprDescription robot) {
+  robot.winch.pulley_radius = 0.15;
+  return robot;
+}
+
 TEST(Euler, IsYawThenPitchThenRoll) {
   const Matrix3d expected =
       (AngleAxisd(kEuler[2], Vector3d::UnitZ()) * AngleAxisd(kEuler[1], Vector3d::UnitY()) *
@@ -62,33 +68,63 @@ TEST(CdprKinematics, FirstCableAtTheCentreByHand) {
 }
 
 TEST(CdprKinematics, LengthRatesAreTheDerivativeOfTheLengths) {
-  const CdprDescription robot = test::EightCableRobot();
-  const Vector3d v_W(0.3, 0.8, -0.5), w_W(-0.6, 0.2, 0.9);
-  const Matrix3d R_WB = RotationFromEuler(kEuler);
-  constexpr double kStep = 1e-6;
-  const CableVector ahead =
-      CalcCableKinematics(robot, kPosition + kStep * v_W, Turn(kStep * w_W) * R_WB).length;
-  const CableVector behind =
-      CalcCableKinematics(robot, kPosition - kStep * v_W, Turn(-kStep * w_W) * R_WB).length;
-  const CableVector rates = CalcCableLengthRates(CalcCableKinematics(robot, kPosition, R_WB), v_W, w_W);
-  EXPECT_LT((rates - (ahead - behind) / (2 * kStep)).norm(), 1e-9);
+  for (const CdprDescription& robot : {test::EightCableRobot(), WithPulleys(test::EightCableRobot())}) {
+    const Vector3d v_W(0.3, 0.8, -0.5), w_W(-0.6, 0.2, 0.9);
+    const Matrix3d R_WB = RotationFromEuler(kEuler);
+    constexpr double kStep = 1e-6;
+    const CableVector ahead =
+        CalcCableKinematics(robot, kPosition + kStep * v_W, Turn(kStep * w_W) * R_WB).length;
+    const CableVector behind =
+        CalcCableKinematics(robot, kPosition - kStep * v_W, Turn(-kStep * w_W) * R_WB).length;
+    const CableVector rates = CalcCableLengthRates(CalcCableKinematics(robot, kPosition, R_WB), v_W, w_W);
+    EXPECT_LT((rates - (ahead - behind) / (2 * kStep)).norm(), 1e-9);
+  }
 }
 
 TEST(CdprKinematics, WrenchJacobianIsTheDerivativeOfTheWrench) {
-  const CdprDescription robot = test::FourCableRobot();
-  const Matrix3d R_WB = RotationFromEuler(kEuler);
-  CableVector tension(4);
-  tension << 120, 30, 80, 200;
-  const Matrix6d jacobian = CalcWrenchJacobian(CalcCableKinematics(robot, kPosition, R_WB), tension);
-  constexpr double kStep = 1e-6;
-  for (int j = 0; j < 6; ++j) {
-    const Vector6d x = kStep * Vector6d::Unit(j);
-    const auto wrench = [&](double sign) -> Vector6d {
-      return CalcCableKinematics(robot, kPosition + sign * x.head<3>(), Turn(sign * x.tail<3>()) * R_WB)
-                 .structure *
-             tension;
-    };
-    EXPECT_LT((jacobian.col(j) - (wrench(1) - wrench(-1)) / (2 * kStep)).norm(), 1e-7) << "column " << j;
+  for (const CdprDescription& robot : {test::FourCableRobot(), WithPulleys(test::FourCableRobot())}) {
+    const Matrix3d R_WB = RotationFromEuler(kEuler);
+    CableVector tension(4);
+    tension << 120, 30, 80, 200;
+    const Matrix6d jacobian = CalcWrenchJacobian(CalcCableKinematics(robot, kPosition, R_WB), tension);
+    constexpr double kStep = 1e-6;
+    for (int j = 0; j < 6; ++j) {
+      const Vector6d x = kStep * Vector6d::Unit(j);
+      const auto wrench = [&](double sign) -> Vector6d {
+        return CalcCableKinematics(robot, kPosition + sign * x.head<3>(), Turn(sign * x.tail<3>()) * R_WB)
+                   .structure *
+               tension;
+      };
+      EXPECT_LT((jacobian.col(j) - (wrench(1) - wrench(-1)) / (2 * kStep)).norm(), 1e-7) << "column " << j;
+    }
+  }
+}
+
+// By hand: with the attachment at the height of the pulley's top, the cable leaves it there, level.
+TEST(CdprKinematics, CableLeavesItsPulleyTangentially) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.winch.pulley_radius = 0.1;
+  const CableDescription& cable = robot.cables[0];
+  const Vector3d outwards = Vector3d(-3, -4, 0) / 5;
+  const Vector3d attachment = cable.anchor_W + (0.1 + 2) * outwards + Vector3d(0, 0, 0.1);
+  const CableLine line = CalcCableLine(robot, 0, attachment - cable.attachment_B, Matrix3d::Identity());
+  EXPECT_LT((line.exit_W - cable.anchor_W - 0.1 * outwards - Vector3d(0, 0, 0.1)).norm(), 1e-14);
+  EXPECT_LT((line.direction + outwards).norm(), 1e-14);
+  EXPECT_NEAR(line.free_length, 2, 1e-14);
+  EXPECT_NEAR(line.length, 2 + 0.1 * M_PI / 2, 1e-14);
+  EXPECT_NEAR(line.swivel.squaredNorm(), 1 / 2.0 - 1 / 2.1, 1e-13);
+}
+
+TEST(CdprKinematics, CableThatEndsOnItsPulleyIsRefused) {
+  const CdprDescription robot = WithPulleys(test::FourCableRobot());
+  const Vector3d position = robot.cables[1].anchor_W - robot.cables[1].attachment_B + Vector3d(0.1, 0, 0.05);
+  try {
+    CalcCableKinematics(robot, position, Matrix3d::Identity());
+    FAIL() << "nothing was thrown";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("Cable 1 of 'four' would end 0.1 m beside the swivel axis of its pulley "
+                          "and 0.07071 m away from the pulley's centre, whose radius is 0.15 m"));
   }
 }
 

@@ -78,6 +78,22 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   EXPECT_THAT(dx, IsNear(expected, 1e-13));
 }
 
+// With pulleys, at the pose that it was given.
+TYPED_TEST(KinoCentroidalModelTest, KnowsPulleys) {
+  const CentroidalState x = SomeState();
+  const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
+  CdprDescription robot = this->robot;
+  robot.winch.pulley_radius = 0.1;
+  typename TestFixture::Model model(robot);
+  model.SetPose(robot, x.segment<3>(6), R_WB);
+  const Vector6d wrench = CalcCableKinematics(robot, x.segment<3>(6), R_WB).structure * this->u;
+  CentroidalState dx;
+  model.Derivative(x, this->u, dx);
+  EXPECT_THAT(dx.head<6>(), IsNear((wrench + GravityWrench(robot)) / robot.mass, 1e-13));
+  this->model.Derivative(x, this->u, dx);
+  EXPECT_GT((dx.head<6>() - wrench / robot.mass).norm(), 0.1);
+}
+
 // With a payload it is the model of the one body that both make, and its Jacobians are those of differences.
 TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   using Model = typename TestFixture::Model;

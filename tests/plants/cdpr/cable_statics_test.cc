@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <tenon/plants/cdpr/swivel_pulley.h>
+#include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>

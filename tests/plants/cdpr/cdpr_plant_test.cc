@@ -489,6 +489,13 @@ TEST_P(CdprPlantOfRobots, DoesNotAllocate) {
   EXPECT_EQ(guard.count(), 0);
 }
 
+TEST(CdprPlantTest, LengthsAtTheStartAreThoseOfHoming) {
+  CdprPlantParams params = Hanging();
+  params.homed_length = Same(7);
+  Rig rig(params);
+  EXPECT_THAT(rig[rig.system().cables].length, IsNear(Same(7), 1e-14));
+}
+
 TEST(CdprPlantTest, RefusesParametersThatMakeNoSense) {
   const auto refuses = [](CdprPlantParams params, const auto&... parts) {
     return Throws<ParameterError>([&] { CdprPlant plant(params); }, parts...);
@@ -500,6 +507,10 @@ TEST(CdprPlantTest, RefusesParametersThatMakeNoSense) {
   params.initial_tension = Same(60);
   params.initial_tension[2] = -1;
   EXPECT_TRUE(refuses(params, "initial_tension of cable 2 is -1 N", "give 0 or more"));
+  params = Hanging();
+  params.homed_length = Same(5, 3);
+  EXPECT_TRUE(
+      refuses(params, "homed_length must have one finite length for each of the 4 cables of robot 'four'"));
   params = Hanging();
   params.p_WB[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses(params, "p_WB is (0, nan, 1.5)", "finite"));

@@ -1,4 +1,4 @@
-#include <tenon/plants/cdpr/swivel_pulley.h>
+#include <tenon/plants/model/swivel_pulley.h>
 
 #include <gtest/gtest.h>
 
