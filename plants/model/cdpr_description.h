@@ -92,8 +92,8 @@ struct DifferentialProperties {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The winch of a cable, reduced to the drum. What has a default is of the plant and not known to controllers,
-/// but for the pulley.
+/// The winch of a cable, reduced to the drum. What has a default is of the plant and not known to
+/// controllers, but for the pulley.
 struct WinchProperties {
   WinchMode mode = WinchMode::kTension;
   double time_constant = 0;  ///< first-order lag from the command to the motor [s]
