@@ -74,9 +74,10 @@ void CdprLimits::Row(std::span<const double> row) {
 
 double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB,
                             const Eigen::Matrix3d& R_WB) const {
-  const CableDescription &one = robot_.cables[a], &other = robot_.cables[b];
-  return SegmentDistance(one.anchor_W, p_WB + R_WB * one.attachment_B - one.anchor_W, other.anchor_W,
-                         p_WB + R_WB * other.attachment_B - other.anchor_W);
+  const CableLine one = CalcCableLine(robot_, static_cast<int>(a), p_WB, R_WB),
+                  other = CalcCableLine(robot_, static_cast<int>(b), p_WB, R_WB);
+  return SegmentDistance(one.exit_W, p_WB + one.arm_W - one.exit_W, other.exit_W,
+                         p_WB + other.arm_W - other.exit_W);
 }
 
 void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB,

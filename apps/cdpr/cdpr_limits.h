@@ -16,9 +16,9 @@ namespace tenon::apps {
 
 /// Whether cables, platform and floor could have done what they did in a run of a CdprLoop, gathered from a
 /// log of every tick of its controller:
-///  - two cables are no nearer than their diameter, as straight lines. Those that touch at the start are
-///  taken
-///    to be led past each other, as the crossed cables of cdpr_8 have to be: of them nothing is known;
+///  - two cables are no nearer than their diameter, as straight lines from anchors or pulleys. Those that
+///    touch at the start are taken to be led past each other, as the crossed cables of cdpr_8 have to be: of
+///    them nothing is known;
 ///  - no cable runs through the platform, see CableInterference. Where one does at the start, it is an open
 ///    frame, of which nothing is known either. Cables without tension, slack or broken, are not judged;
 ///  - platform, payload, hanging load and cables, as they sag, stay above the floor, z = 0;

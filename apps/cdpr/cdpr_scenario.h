@@ -250,7 +250,7 @@ struct CdprScenario {
   PdScenario pd;                                    ///< of the controllers pd...
   std::optional<MpcScenario> mpc;                   ///< needed for the controllers mpc_...
   LoadEstimateScenario load;
-  bool known_pulleys = true;                ///< the controllers and their estimators know the robot's
+  bool known_pulleys = true;  ///< the controllers and their estimators know the pulleys of the robot
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;

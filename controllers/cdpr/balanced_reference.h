@@ -40,7 +40,7 @@ class BalancedReference {
   /// From `at` and the shift found before, which becomes the new one (0 without load and with all cables).
   /// `broken` has a 1 for a cable that is, else 0; without entries none is. Without allocations from the
   /// second call on.
-  /// @throws RunError when a cable has no length there.
+  /// @throws RunError as CalcCableLine().
   void Calc(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
             ReferenceShift& shift);
 

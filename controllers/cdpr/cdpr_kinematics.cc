@@ -27,7 +27,7 @@ constexpr double kRankTolerance = 1e-9;
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
   const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
-  if (!(x > 0 && from_centre > radius)) {
+  if (x <= 0 || from_centre <= radius) {  // what is not finite goes on as such
     throw RunError(fmt::format(
         "Cable {} of '{}' would end {:.4g} m beside the swivel axis of its pulley and {:.4g} m away "
         "from the pulley's centre, whose radius is {} m: keep the platform off both, or give a smaller "

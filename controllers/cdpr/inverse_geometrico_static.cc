@@ -281,8 +281,9 @@ bool IsStable(const StaticEquilibrium& equilibrium) {
 }
 
 // The least-norm minimum that the grid of starts leads to; a stable one if there is one.
+// Where cables have no direction while the platform is level, `obstacle` says so.
 std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                                                 const StaticsProblem& problem) {
+                                                 const StaticsProblem& problem, std::string* obstacle) {
   std::optional<StaticEquilibrium> best;
   for (int start = 0; start < 27; ++start) {
     // Digits of `start` to base 3; start 0 is no turn at all.
@@ -292,7 +293,8 @@ std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, c
     try {
       x = problem.Search(problem.Start(euler));
       if (!problem.Polish(&x) || x.head<3>().cwiseAbs().maxCoeff() > kLargestAngle) continue;
-    } catch (const RunError&) {  // an attachment came to lie in its anchor
+    } catch (const RunError& error) {  // an attachment came to lie in its anchor, or on its pulley
+      if (start == 0) *obstacle = error.what();
       continue;
     }
     const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
@@ -324,8 +326,10 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
                       options.warm_start ? options.warm_start->tension.size() : 0, n));
 }
 
-StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                        const StaticsOptions& options) {
+}  // namespace
+
+StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
+                                               const StaticsOptions& options) {
   CheckRobot(robot, options);
   if (!p_WB.allFinite()) Refuse(robot, p_WB, "the position is not finite");
   const double lower = robot.cable.tension_min, upper = robot.cable.tension_max;
@@ -339,7 +343,12 @@ StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_W
 
   if (options.attitude) {
     const Eigen::Matrix3d R_WB = RotationFromEuler(*options.attitude);
-    const CableKinematics cables = CalcCableKinematics(robot, p_WB, R_WB);
+    CableKinematics cables;
+    try {
+      CalcCableKinematics(robot, p_WB, R_WB, &cables);
+    } catch (const RunError& error) {
+      Refuse(robot, p_WB, error.what());
+    }
     const TensionDistribution found =
         DistributeTension(cables.structure, -GravityWrench(robot), lower, upper, options.tension_aim);
     if (!found.feasible) {
@@ -359,12 +368,16 @@ StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_W
   if (options.warm_start) {
     VectorXd x(problem.num_unknowns());
     x << options.warm_start->euler, options.warm_start->tension / problem.weight();
-    if (problem.Polish(&x)) {
-      const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
-      if (IsStable(found)) return found;
+    try {
+      if (problem.Polish(&x)) {
+        const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
+        if (IsStable(found)) return found;
+      }
+    } catch (const RunError&) {  // as in the search
     }
   }
-  const std::optional<StaticEquilibrium> found = SearchAttitudes(robot, p_WB, problem);
+  std::string obstacle;
+  const std::optional<StaticEquilibrium> found = SearchAttitudes(robot, p_WB, problem, &obstacle);
   if (found && IsStable(*found)) return *found;
 
   refuse_if_above();
@@ -373,9 +386,10 @@ StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_W
         robot, p_WB,
         fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m", found->stiffness_min));
   }
+  if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
   // Which bound is in the way?
   const StaticsProblem unbounded(robot, p_WB, -kInfinity, kInfinity);
-  if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded)) {
+  if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded, &obstacle)) {
     int worst = 0;
     const double excess =
         (pushed->tension.array() - upper).max(lower - pushed->tension.array()).maxCoeff(&worst);
@@ -387,23 +401,13 @@ StaticEquilibrium Solve(const CdprDescription& robot, const Eigen::Vector3d& p_W
   }
   CdprDescription point_mass = robot;
   for (CableDescription& cable : point_mass.cables) cable.attachment_B.setZero();
+  point_mass.winch.pulley_radius = 0;
   const CableKinematics cables = CalcCableKinematics(point_mass, p_WB, Eigen::Matrix3d::Identity());
   const TensionDistribution held = DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
   if (!held.feasible) Refuse(robot, p_WB, "torques aside, " + held.reason);
   Refuse(robot, p_WB,
          fmt::format("there is no equilibrium with roll, pitch and yaw within {:.0f} deg",
                      kLargestAngle * 180 / std::numbers::pi));
-}
-
-}  // namespace
-
-StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                                               const StaticsOptions& options) {
-  try {
-    return Solve(robot, p_WB, options);
-  } catch (const RunError& error) {  // of a cable that has no direction there
-    Refuse(robot, p_WB, error.what());
-  }
 }
 
 }  // namespace tenon

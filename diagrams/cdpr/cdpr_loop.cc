@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace tenon {
 namespace {
@@ -21,7 +22,8 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
   try {
     params.homed_length =
         CalcCableKinematics(loop.path->robot(), params.p_WB, RotationFromEuler(params.euler)).length;
-  } catch (const RunError&) {  // the plant refuses such a start, and says why
+  } catch (const RunError& error) {
+    throw ParameterError(std::string("at the start: ") + error.what());
   }
   return params;
 }

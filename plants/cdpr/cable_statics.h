@@ -9,10 +9,9 @@ namespace tenon {
 ///
 ///     mass_kg_per_m   pulley_radius_m
 ///     0               0                 a straight spring, T = EA/l0 (l - l0) if longer than l0, else 0
-///     0               > 0               the same, l the length along pulley and cable, see
-///     plants/model/swivel_pulley.h > 0             0                 an elastic catenary, see
-///     elastic_catenary.h, taut or slack > 0             > 0               one that leaves the pulley
-///     tangentially
+///     0               > 0               the same, l the length along it, see swivel_pulley.h
+///     > 0             0                 an elastic catenary, see elastic_catenary.h, taut or slack
+///     > 0             > 0               one that leaves the pulley tangentially
 ///
 /// The pulley turns and swivels without friction or mass; what lies on it has strain and weight, too. In the
 /// last case the wrap and the catenary are found by turns; the error shrinks by about the pulley's radius

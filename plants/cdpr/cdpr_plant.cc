@@ -125,6 +125,7 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
     const Vec<3>& direction = statics.direction_W;
     const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
     signals.length[i] = statics.length - start.length_offset[i];
+    signals.rest_length[i] = rest - start.length_offset[i];
     signals.length_rate[i] = length_rate;
     DrumTurn turn;
     if (winch.drum) {
@@ -147,7 +148,9 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
     }
     if (winch.drum) {
       const double turned = start.drum_radius[index] * (start.drum_angle[index] - turn.angle);
-      signals.length[i] += turned - (rest - start.rest_length[i]);
+      const double told = turned - (rest - start.rest_length[i]);
+      signals.length[i] += told;
+      signals.rest_length[i] += told;
       signals.length_rate[i] += (1 / motion.reeling - 1) * PayOutRate(winch, motion, tension);
     }
   }

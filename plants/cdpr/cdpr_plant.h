@@ -64,8 +64,8 @@ struct CdprPlantParams {
 ///
 /// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u held to what
 /// a differential can give, see DifferentialProperties. What T_m and T make of l0 is in winch.h. On a drum
-/// with layers `cables.length` is what its turns would be on the radius of the start. At the start all
-/// lengths told are `homed_length`, as after homing with a model of the robot.
+/// with layers `cables.length` and `cables.rest_length` are what its turns would be on the radius of the
+/// start. There lengths are told to be `homed_length`, as after homing with a model of the robot.
 ///
 /// **Faults.** The drum of a winch that sticks does not turn, dl0/dt = 0, so that T = max(0, k (l - l0) + c
 /// dl/dt); a broken cable has T = 0, whatever its length, and its drum stands, too. The motors go on. In
@@ -96,7 +96,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   /// What the cables have at the start, and what homing there has put into the encoders.
   struct Start {
     Eigen::VectorXd rest_length;                  ///< [m]
-    Eigen::VectorXd length_offset;                ///< true length minus the one that is told [m]
+    Eigen::VectorXd length_offset;                ///< true length, and length paid out, minus those told [m]
     std::vector<double> drum_angle, drum_radius;  ///< of drums with layers [rad, m]
     std::vector<int> partner;                     ///< at a differential; -1: none
   };

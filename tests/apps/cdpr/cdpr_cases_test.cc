@@ -84,7 +84,6 @@ TEST_F(CdprCasesTest, D2) {
   }
 }
 
-// With 6, 8 and 12 cables; with rotation, where the cables allow it.
 // Where the controllers know the pulleys, these cost next to nothing, and a load that swings stays a load.
 TEST_F(CdprCasesTest, PulleysThatAreKnown) {
   for (const int seed : {1, 3}) {
@@ -105,6 +104,7 @@ TEST_F(CdprCasesTest, PulleysThatAreKnown) {
   }
 }
 
+// With 6, 8 and 12 cables; with rotation, where the cables allow it.
 TEST_F(CdprCasesTest, CirclesAndTurns) {
   for (const char* scenario : {"circle_6", "circle_8", "circle_12", "turn_8", "turn_12"}) {
     for (const int seed : {1, 2}) {

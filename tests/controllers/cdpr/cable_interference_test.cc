@@ -42,6 +42,14 @@ TEST(CableInterferenceTest, CablesThatCrossAreAsFarApartAsTheirPlanes) {
   EXPECT_GT(At(robot, {0, 0, 1}).cables, 0.1);
 }
 
+// Two cables that leave their pulleys level, one above the other, a pulley's radius above their anchors.
+TEST(CableInterferenceTest, CablesLeaveFromTheirPulleys) {
+  CdprDescription robot = Cube();
+  robot.winch.pulley_radius = 0.2;
+  robot.cables = {{{3, 0, 1.8}, {-0.2, 0, 0}}, {{0, 3, 2.1}, {0, -0.2, 0.3}}, {{-3, -3, 0}, {0, 0, -0.4}}};
+  EXPECT_NEAR(At(robot, {0, 0, 2}).cables, 0.3, 1e-12);
+}
+
 // A cable from a corner may go past any of the three faces there, but not below all of them.
 TEST(CableInterferenceTest, CablesLeaveThePlatformOnTheOutside) {
   const CdprDescription robot = Cube();

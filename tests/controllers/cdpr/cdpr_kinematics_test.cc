@@ -5,6 +5,7 @@
 #include <tenon/systems/framework/errors.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -113,6 +114,13 @@ TEST(CdprKinematics, CableLeavesItsPulleyTangentially) {
   EXPECT_NEAR(line.free_length, 2, 1e-14);
   EXPECT_NEAR(line.length, 2 + 0.1 * M_PI / 2, 1e-14);
   EXPECT_NEAR(line.swivel.squaredNorm(), 1 / 2.0 - 1 / 2.1, 1e-13);
+}
+
+TEST(CdprKinematics, WhatIsNoNumberStaysSo) {
+  for (const CdprDescription& robot : {test::FourCableRobot(), WithPulleys(test::FourCableRobot())}) {
+    const Vector3d nowhere(std::numeric_limits<double>::quiet_NaN(), 0, 1);
+    EXPECT_TRUE(std::isnan(CalcCableLine(robot, 0, nowhere, Matrix3d::Identity()).length));
+  }
 }
 
 TEST(CdprKinematics, CableThatEndsOnItsPulleyIsRefused) {

@@ -198,12 +198,16 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
 TEST(CdprMpc, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   for (const int n : {4, 12}) {
-    const CdprMpcParams params = Holding(test::RobotWithCables(n), {0, 0, 2});
-    TestRig<CdprMpc> rig(params);
-    rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
-    const AllocationGuard guard;
-    rig.RunTo(0.05);
-    EXPECT_EQ(guard.count(), 0) << n << " cables";
+    for (const double pulley_radius : {0.0, 0.04}) {
+      CdprDescription robot = test::RobotWithCables(n);
+      robot.winch.pulley_radius = pulley_radius;
+      const CdprMpcParams params = Holding(robot, {0, 0, 2});
+      TestRig<CdprMpc> rig(params);
+      rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
+      const AllocationGuard guard;
+      rig.RunTo(0.05);
+      EXPECT_EQ(guard.count(), 0) << n << " cables";
+    }
   }
 }
 

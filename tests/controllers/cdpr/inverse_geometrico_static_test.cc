@@ -242,6 +242,18 @@ TEST(InverseGeometricoStatic, RefusesAPlaceBesideTheAnchorsAndNamesTheCable) {
               HasSubstr("torques aside, no tensions within [0, 800] N balance the wrench: cable 2 of 4"));
 }
 
+TEST(InverseGeometricoStatic, RefusesPulleysThatReachThePlatform) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.winch.pulley_radius = 4;
+  EXPECT_THAT(
+      Refusal(robot, {0.5, 0, 2}),
+      ::testing::AllOf(HasSubstr("cannot rest with its CoM at (0.5, 0, 2) m: Cable 0 of 'four' would end"),
+                       HasSubstr("or give a smaller pulley_radius_m")));
+  robot = test::SixCableRobot();
+  robot.winch.pulley_radius = 4;
+  EXPECT_THAT(Refusal(robot, {0.5, 0, 2}, {.attitude = Vector3d::Zero()}), HasSubstr("would end"));
+}
+
 TEST(InverseGeometricoStatic, RefusesTensionsAboveTheMaximum) {
   CdprDescription robot = test::FourCableRobot();
   robot.cable.tension_max = 100;

@@ -135,6 +135,17 @@ TEST(PoseFeasibilityTest, DemandIsWeightLoadAccelerationAndForces) {
   EXPECT_TRUE(Throws<ParameterError>([&] { RequiredWrenches(robot, {.load = -1}); }, "load [kg]", "-1"));
 }
 
+TEST(PoseFeasibilityTest, PulleysCountAsPoints) {
+  CdprDescription robot = test::RobotWithCables(8);
+  const WrenchBox required = RequiredWrenches(robot, {});
+  const PoseBall ball{.p_WB = {0.3, -0.4, 1.7}, .distance = 0.05, .angle = 0.05};
+  PoseFeasibility points(robot, required);
+  robot.winch.pulley_radius = 0.2;
+  PoseFeasibility pulleys(robot, required);
+  EXPECT_EQ(pulleys.Over(ball), points.Over(ball));
+  EXPECT_EQ(pulleys.margins().tension, points.margins().tension);
+}
+
 // Where a cable has no length there is no margin, and nothing is proven of a ball that holds such a place.
 TEST(PoseFeasibilityTest, AtAnAnchor) {
   const CdprDescription robot = test::EightCableRobot();

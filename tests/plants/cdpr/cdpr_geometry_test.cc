@@ -71,7 +71,7 @@ TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
     }
     const double wrapped = (end - cable.anchor_W).norm();
     EXPECT_NEAR((end - pulley.p_W).norm(), 0.1, 1e-10);
-    EXPECT_LT(length + wrapped, rig[plant.cables].rest_length[i] * (1 + 60 / 27e3));
+    EXPECT_LT(length + wrapped, rig[plant.rest_length][i] * (1 + 60 / 27e3));
     EXPECT_GT(sag, 0.3);  // w l^2 / (8 T) = 9.81 * 6.1^2 / (8 * 60) and more
     const Vec<3> axle = RotationFromQuaternion(pulley.q_W).col(2);
     EXPECT_NEAR(axle.dot(chord), 0, 1e-12);

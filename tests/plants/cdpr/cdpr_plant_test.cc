@@ -493,7 +493,13 @@ TEST(CdprPlantTest, LengthsAtTheStartAreThoseOfHoming) {
   CdprPlantParams params = Hanging();
   params.homed_length = Same(7);
   Rig rig(params);
-  EXPECT_THAT(rig[rig.system().cables].length, IsNear(Same(7), 1e-14));
+  const CableSignals& cables = rig[rig.system().cables];
+  EXPECT_THAT(cables.length, IsNear(Same(7), 1e-14));
+  // They are told of what is paid out as well, or a taut cable would look slack.
+  Rig true_rig(Hanging());
+  const CableSignals& truth = true_rig[true_rig.system().cables];
+  EXPECT_THAT(CableVector(cables.length - cables.rest_length),
+              IsNear(truth.length - truth.rest_length, 1e-13));
 }
 
 TEST(CdprPlantTest, RefusesParametersThatMakeNoSense) {
