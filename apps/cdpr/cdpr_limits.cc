@@ -59,7 +59,8 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 void CdprLimits::Row(std::span<const double> row) {
   const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
-  CableRow(row, p_WB, R_WB);
+  CalcCableKinematics(robot_, p_WB, R_WB, &all_);
+  CableRow(row, p_WB);
   PlatformRow(row, p_WB, R_WB);
   FloorRow(row, p_WB, R_WB);
 
@@ -72,24 +73,21 @@ void CdprLimits::Row(std::span<const double> row) {
                   fmt::format("by {:.3g} rad from its reference, more than {:.3g} rad", turn, kQuarterTurn));
 }
 
-double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB,
-                            const Eigen::Matrix3d& R_WB) const {
-  const CableLine one = CalcCableLine(robot_, static_cast<int>(a), p_WB, R_WB),
-                  other = CalcCableLine(robot_, static_cast<int>(b), p_WB, R_WB);
-  return SegmentDistance(one.exit_W, p_WB + one.arm_W - one.exit_W, other.exit_W,
-                         p_WB + other.arm_W - other.exit_W);
+double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB) const {
+  const auto exit = [&](std::size_t i) { return all_.exit_W.col(static_cast<Eigen::Index>(i)); };
+  const auto arm = [&](std::size_t i) { return all_.arm_W.col(static_cast<Eigen::Index>(i)); };
+  return SegmentDistance(exit(a), p_WB + arm(a) - exit(a), exit(b), p_WB + arm(b) - exit(b));
 }
 
-void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
-                          const Eigen::Matrix3d& R_WB) {
+void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB) {
   if (!started_) {
     for (std::size_t a = 0; a < robot_.cables.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
-        if (Distance(a, b, p_WB, R_WB) >= std::max(cable_diameter_, kTogether)) pairs_.emplace_back(b, a);
+        if (Distance(a, b, p_WB) >= std::max(cable_diameter_, kTogether)) pairs_.emplace_back(b, a);
   }
   for (const auto& [a, b] : pairs_) {
     if (row[tension_[a]] <= 0 || row[tension_[b]] <= 0) continue;
-    const double distance = Distance(a, b, p_WB, R_WB);
+    const double distance = Distance(a, b, p_WB);
     distances_.Add(distance);
     if (distance < cable_diameter_)
       breaches_.Add(row[0], "two cables touched",
@@ -113,8 +111,9 @@ void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d&
     interference_ = CableInterference(pulling_);
   }
   if (pulling_.cables.empty()) return;
-  CalcCableKinematics(pulling_, p_WB, R_WB, &cables_);
-  const double sine = interference_.At(cables_, R_WB).platform;
+  const bool all_pull = pulling_.cables.size() == robot_.cables.size();
+  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_);
+  const double sine = interference_.At(all_pull ? all_ : cables_, R_WB).platform;
   if (!started_) open_frame_ = sine < 0;
   if (open_frame_) return;
   const double angle = std::asin(std::clamp(sine, -1.0, 1.0));

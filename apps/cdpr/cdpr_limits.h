@@ -39,9 +39,8 @@ class CdprLimits final : public LogSink {
   void AddTo(Summary& summary) const;
 
  private:
-  double Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB,
-                  const Eigen::Matrix3d& R_WB) const;
-  void CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
+  double Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB) const;
+  void CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB);
   void PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   void FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
@@ -50,7 +49,7 @@ class CdprLimits final : public LogSink {
   std::vector<bool> pull_;   // by cable
   CdprDescription pulling_;  // the robot with these cables alone
   CableInterference interference_;
-  CableKinematics cables_;
+  CableKinematics all_, cables_;  // of the row: of all, and of those
   bool started_ = false;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // of cables that may not touch
   bool open_frame_ = false;
