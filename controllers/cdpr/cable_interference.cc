@@ -43,7 +43,6 @@ std::vector<Eigen::Vector3d> FacesAt(const std::vector<Eigen::Vector3d>& points,
 CableInterference::CableInterference(const CdprDescription& robot) {
   std::vector<Eigen::Vector3d> hull{Eigen::Vector3d::Zero()};
   for (const CableDescription& cable : robot.cables) {
-    anchor_W_.push_back(cable.anchor_W);
     hull.push_back(cable.attachment_B);
   }
   for (int i = 0; i < robot.num_cables(); ++i) {
@@ -75,15 +74,16 @@ CableClearance CableInterference::At(const CableKinematics& cables, const Eigen:
 double CableInterference::LeastDistance(const CableKinematics& cables, double distance, double chord) const {
   double least = kInfinity;
   for (const auto& [i, j] : pairs_) {
-    const Eigen::Vector3d u = -cables.length[i] / kPieces * cables.direction.col(i);
-    const Eigen::Vector3d v = -cables.length[j] / kPieces * cables.direction.col(j);
+    const Eigen::Vector3d u = -cables.free_length[i] / kPieces * cables.direction.col(i);
+    const Eigen::Vector3d v = -cables.free_length[j] / kPieces * cables.direction.col(j);
     const double arm_i = cables.arm_W.col(i).norm(), arm_j = cables.arm_W.col(j).norm();
     for (int a = 0; a < kPieces; ++a) {
       for (int b = 0; b < kPieces; ++b) {
         const double apart = (std::abs(a - b) + 1.0) / kPieces * distance;
         const double turned = chord * ((a + 1) * arm_i + (b + 1) * arm_j) / kPieces;
-        least = std::min(least,
-                         SegmentDistance(anchor_W_[i] + a * u, u, anchor_W_[j] + b * v, v) - apart - turned);
+        least = std::min(
+            least, SegmentDistance(cables.exit_W.col(i) + a * u, u, cables.exit_W.col(j) + b * v, v) - apart -
+                       turned);
       }
     }
   }

@@ -37,7 +37,6 @@ class CableInterference {
   double LeastDistance(const CableKinematics& cables, double distance, double chord) const;
 
  private:
-  std::vector<Eigen::Vector3d> anchor_W_;
   std::vector<std::pair<int, int>> pairs_;           // of cables that could touch
   std::vector<std::vector<Eigen::Vector3d>> faces_;  // of each cable: outer normals in B at its attachment
 };

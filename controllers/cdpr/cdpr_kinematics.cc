@@ -34,15 +34,14 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
         "pulley_radius_m.",
         index, robot.name, x, from_centre, radius));
   }
-  const PulleyContact contact = LeaveStraight(radius, x, z);
-  const Eigen::Vector3d outwards(-span.x() / x, -span.y() / x, 0), up(0, 0, 1);
-  const double sine = std::sin(contact.wrap);
-  const Vec<2> exit = ExitPoint(radius, contact.wrap);
-  line.exit_W += exit[0] * outwards + exit[1] * up;
-  line.direction = -sine * outwards - std::cos(contact.wrap) * up;
-  line.free_length = contact.free_length;
-  line.length = radius * contact.wrap + contact.free_length;
-  line.swivel = std::sqrt(std::max(1 / contact.free_length - sine / x, 0.0)) * up.cross(outwards);
+  const StraightLead lead = LeadStraight(radius, span);
+  line.exit_W += lead.exit_W;
+  line.direction = lead.direction_W;
+  line.free_length = lead.contact.free_length;
+  line.length = lead.length;
+  const double sideways = 1 / lead.contact.free_length - std::sin(lead.contact.wrap) / x;
+  line.swivel =
+      std::sqrt(std::max(sideways, 0.0)) * Eigen::Vector3d(-lead.outwards_W.y(), lead.outwards_W.x(), 0);
 }
 
 }  // namespace

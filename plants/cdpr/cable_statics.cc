@@ -129,12 +129,10 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
   out.direction_W = span_W / chord;
   out.length = chord;
   if (lead.radius > 0) {
-    const PulleyContact contact = LeaveStraight(lead.radius, lead.x, lead.z);
-    const Vec<3> away = std::sin(contact.wrap) * out.plane_W + Vec<3>(0, 0, std::cos(contact.wrap));
-    const Vec<2> exit = ExitPoint(lead.radius, contact.wrap);
-    out.direction_W = -away;
-    out.length = lead.radius * contact.wrap + contact.free_length;
-    out.exit_W += exit[0] * out.plane_W + Vec<3>(0, 0, exit[1]);
+    const StraightLead straight = LeadStraight(lead.radius, span_W);
+    out.direction_W = straight.direction_W;
+    out.length = straight.length;
+    out.exit_W += straight.exit_W;
   }
   out.elastic_length = rest_length;
   if (out.length > rest_length) {

@@ -108,7 +108,6 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
                       each->size(), n));
   }
   CableSignals& signals = out->signals;
-  signals.rest_length = rest_length;
   out->wrench = {};
   out->energy = out->potential = 0;
 

@@ -19,4 +19,14 @@ Vec<2> ExitPoint(double radius, double wrap) {
   return {radius * (1 - std::cos(wrap)), radius * std::sin(wrap)};
 }
 
+StraightLead LeadStraight(double radius, const Vec<3>& span_W) {
+  const double x = std::hypot(span_W[0], span_W[1]);
+  const PulleyContact contact = LeaveStraight(radius, x, -span_W[2]);
+  const Vec<2> exit = ExitPoint(radius, contact.wrap);
+  const Vec<3> outwards = Vec<3>(-span_W[0], -span_W[1], 0) / x;
+  const Vec<3> away = std::sin(contact.wrap) * outwards + Vec<3>(0, 0, std::cos(contact.wrap));
+  return {contact, outwards, exit[0] * outwards + Vec<3>(0, 0, exit[1]), -away,
+          radius * contact.wrap + contact.free_length};
+}
+
 }  // namespace tenon

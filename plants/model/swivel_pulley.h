@@ -33,4 +33,16 @@ double WrapOf(double x, double z);
 
 Vec<2> ExitPoint(double radius, double wrap);  ///< [m]
 
+/// A straight cable over its pulley, in W.
+struct StraightLead {
+  PulleyContact contact;
+  Vec<3> outwards_W;   ///< x: horizontal unit vector from the axis towards the attachment
+  Vec<3> exit_W;       ///< from the anchor [m]
+  Vec<3> direction_W;  ///< unit vector from the attachment towards the exit
+  double length = 0;   ///< [m]
+};
+
+/// `span_W` goes from the attachment, which lies beside the axis and outside of the pulley, to the anchor.
+StraightLead LeadStraight(double radius, const Vec<3>& span_W);
+
 }  // namespace tenon

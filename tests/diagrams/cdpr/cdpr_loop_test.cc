@@ -7,6 +7,7 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::cdpr_loop_test {
@@ -53,6 +54,16 @@ TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
     EXPECT_THAT(log->column(std::string("loop.plant.cables.tension.") + cable),
                 ::testing::Each(::testing::Gt(0)));
   }
+}
+
+TEST(CdprLoopTest, RefusesAStartAtAnAnchor) {
+  CdprLoopParams params = Circle();
+  const CdprReference at = params.path->At(0);
+  const CableDescription& cable = params.robot.cables[1];
+  params.start_turn = -at.euler;
+  params.start_offset = cable.anchor_W - cable.attachment_B - at.position;
+  EXPECT_TRUE(Throws<ParameterError>([&] { CdprLoop loop(params); },
+                                     "at the start: Cable 1 of 'cdpr_4' has no length"));
 }
 
 // The solver's equilibrium is one of the plant's: with the winches locked nothing moves.
