@@ -9,6 +9,7 @@
 #include <limits>
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::cdpr_kinematics_test {
 namespace {
@@ -183,7 +184,7 @@ TEST(CdprKinematics, ElasticStiffnessIsTheHessianOfTheEnergy) {
   const Vector3d p(0.3, -0.2, 1.8);
   const CableKinematics cables = CalcCableKinematics(robot, p, Matrix3d::Identity());
   const Eigen::MatrixXd W = cables.structure;
-  const CableVector tension = W.partialPivLu().solve(-GravityWrench(robot));
+  const CableVector tension = test::Solve(W, -GravityWrench(robot));
   const CableVector rest = CalcRestLengths(robot.cable, cables.length, tension);
   const auto energy = [&](const Vector6d& x) {
     const Vector3d theta = x.tail<3>();
@@ -221,7 +222,7 @@ TEST(CdprKinematics, TranslationalStiffnessIsForceOverDisplacement) {
       Vector6d force = Vector6d::Zero();
       const double a = 2 * M_PI * i / 60, b = M_PI * j / 30;
       force.head<3>() << std::cos(a) * std::sin(b), std::sin(a) * std::sin(b), std::cos(b);
-      softest = std::min(softest, 1 / K.ldlt().solve(force).head<3>().norm());
+      softest = std::min(softest, 1 / test::Solve(K, force).topRows(3).norm());
     }
   }
   EXPECT_GE(softest, least * (1 - 1e-12));

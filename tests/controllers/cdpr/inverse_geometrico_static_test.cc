@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::inverse_geometrico_static_test {
 namespace {
@@ -53,7 +54,7 @@ bool SolveAtYaw(const CdprDescription& robot, const Vector3d& p_WB, double yaw, 
     const Matrix3d turn = EulerRateMatrix(euler);
     jacobian.leftCols<2>() = CalcWrenchJacobian(cables, u).rightCols<3>() * turn.leftCols<2>();
     jacobian.rightCols<4>() = cables.structure;
-    *x -= jacobian.partialPivLu().solve(residual);
+    *x -= test::Solve(jacobian, residual);
   }
   return false;
 }
@@ -74,7 +75,7 @@ double LockedStiffnessByDifferences(const CdprDescription& robot, const StaticEq
           CalcCableKinematics(robot, equilibrium.p_WB + x.head<3>(), turn * equilibrium.R_WB);
       const VectorXd stretch = moved.length - equilibrium.length;
       x += MatrixXd(cables.structure) *
-           MatrixXd(cables.structure.transpose() * cables.structure).partialPivLu().solve(stretch);
+           test::Solve(cables.structure.transpose() * cables.structure, stretch);
     }
     return x[2];
   };
@@ -91,7 +92,7 @@ double LockedStiffnessByDifferences(const CdprDescription& robot, const StaticEq
   Matrix6d mass = robot.mass * Matrix6d::Identity();
   mass.bottomRightCorner<3, 3>() = equilibrium.R_WB * robot.inertia_B * equilibrium.R_WB.transpose();
   const MatrixXd projected = N.transpose() * mass * N;
-  return robot.mass * (projected.inverse() * stiffness).eigenvalues().real().minCoeff();
+  return robot.mass * test::Eigenvalues(test::Solve(projected, stiffness)).real().minCoeff();
 }
 
 const std::vector<Vector3d> kPositions = {{0, 0, 2},     {0.5, 0, 2}, {1, -0.7, 1.5}, {-2, 1.5, 2.5},

@@ -6,11 +6,12 @@
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <limits>
 #include <vector>
 
@@ -71,9 +72,9 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   const CableKinematics cables = CalcCableKinematics(this->robot, x.segment<3>(6), R_WB);
   const Vector6d wrench = cables.structure * this->u + GravityWrench(this->robot);
   const Eigen::Vector3d w =
-      R_WB * this->robot.inertia_B.inverse() * R_WB.transpose() * x.segment<3>(3) * this->robot.mass;
+      R_WB * test::Solve(this->robot.inertia_B, R_WB.transpose() * x.segment<3>(3) * this->robot.mass);
   CentroidalState expected, dx;
-  expected << wrench / this->robot.mass, x.head<3>(), EulerRateMatrix(euler).inverse() * w;
+  expected << wrench / this->robot.mass, x.head<3>(), test::Solve(EulerRateMatrix(euler), w);
   this->model.Derivative(x, this->u, dx);
   EXPECT_THAT(dx, IsNear(expected, 1e-13));
 }
@@ -223,7 +224,7 @@ TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayl
     }
     return J;
   };
-  const Eigen::Matrix<double, 12, 12> expected = jacobian(alone) * jacobian(body).inverse();
+  const Eigen::Matrix<double, 12, 12> expected = jacobian(alone) * test::Inverse(jacobian(body));
   EXPECT_THAT(ErrorsOfPlatform(robot, body, rest.segment<3>(3)), IsNear(expected, 1e-8));
   EXPECT_THAT(ErrorsOfPlatform(robot, alone, rest.segment<3>(3)),
               IsNear(Eigen::Matrix<double, 12, 12>::Identity().eval(), 1e-12));

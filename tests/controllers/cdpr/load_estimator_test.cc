@@ -10,6 +10,7 @@
 #include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -51,7 +52,7 @@ struct Motion {
     const CableKinematics lines = CalcCableKinematics(robot, x.p_WB, R);
     const Matrix6d gram = lines.structure * lines.structure.transpose();
     cables = CableSignals::Zero(robot.num_cables());
-    cables.tension = lines.structure.transpose() * gram.inverse() * pull;
+    cables.tension = lines.structure.transpose() * test::Solve(gram, pull);
   }
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
@@ -9,6 +8,7 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/model/imu_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::test {
@@ -127,7 +127,7 @@ struct QuadrupedBench {
     right.tail<12>() += torque;
     for (int leg = 0; leg < kNumLegs; ++leg)
       right += ContactJacobian(dynamics, leg, robot.foot_radius).transpose() * feet[leg];
-    return Eigen::LLT<Eigen::Matrix<double, 18, 18>>(dynamics.M).solve(right);
+    return test::Solve(dynamics.M, right);
   }
 
  private:

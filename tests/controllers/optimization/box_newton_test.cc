@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <limits>
 #include <random>
 
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::box_newton_test {
@@ -101,7 +102,7 @@ TEST(BoxNewton, StartsFromAnywhere) {
 TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
   std::mt19937 generator(5);
   auto problem = RandomProblem<4>(generator, 4);
-  const Eigen::Vector4d best = -(problem.H.inverse() * problem.g);
+  const Eigen::Vector4d best = -test::Solve(problem.H, problem.g);
   BoxNewton<4> box;
   Eigen::Vector4d x = Eigen::Vector4d::Zero(), free = x;
   ASSERT_TRUE(box.SolveFree(problem.H, problem.g, free));

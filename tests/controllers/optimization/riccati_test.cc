@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -30,10 +30,10 @@ TEST(DiscreteRiccati, SolvesTheEquationAndStabilises) {
   const Eigen::Matrix4d Q = Eigen::Vector4d(10, 5, 1, 0).asDiagonal();
   const Eigen::Matrix2d R = Eigen::Vector2d(0.1, 0.2).asDiagonal();
   const Eigen::Matrix4d P = SolveDiscreteRiccati(A, B, Q, R);
-  const Eigen::Matrix<double, 2, 4> K = (R + B.transpose() * P * B).inverse() * B.transpose() * P * A;
+  const Eigen::Matrix<double, 2, 4> K = test::Solve(R + B.transpose() * P * B, B.transpose() * P * A);
   const Eigen::Matrix4d residual = Q + A.transpose() * P * A - A.transpose() * P * B * K - P;
   EXPECT_LT(residual.norm(), 1e-10 * P.norm());
-  EXPECT_LT((A - B * K).eigenvalues().cwiseAbs().maxCoeff(), 1);
+  EXPECT_LT(test::Eigenvalues(A - B * K).cwiseAbs().maxCoeff(), 1);
 }
 
 TEST(DiscreteRiccati, RefusesWhatCannotBeStabilised) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <limits>
 #include <nlopt.hpp>
 
@@ -12,6 +12,7 @@
 #include <tenon/tests/controllers/optimization/slq_test_problems.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -138,7 +139,7 @@ Textbook RiccatiOf(const LinearProblem<3, 2>& problem, const std::vector<double>
     const Eigen::MatrixXd R = h * problem.R;
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2, 4);
     S.col(3) = -h * problem.R * problem.u_des;
-    out.gains[k] = -(R + B.transpose() * P * B).inverse() * (B.transpose() * P * A + S);
+    out.gains[k] = -test::Solve(R + B.transpose() * P * B, B.transpose() * P * A + S);
     P = (h * augmented(problem.Q, problem.x_des) + A.transpose() * P * A +
          (B.transpose() * P * A + S).transpose() * out.gains[k])
             .eval();

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <memory>
 
@@ -19,6 +17,7 @@
 #include <tenon/plants/sensors/joint_encoders.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::disturbance_observer_test {
@@ -137,13 +136,13 @@ Vec<12> TorqueOfTheNonlinearObserver(const LeggedState& state, int leg, const Ve
   wrench << force, (foot - dynamics.base_W).cross(force);
   using Eigen::MatrixXd;
   const MatrixXd M = dynamics.M,
-                 give_way = M.topLeftCorner(6, 6).ldlt().solve(M.topRightCorner(6, 12)).transpose();
+                 give_way = test::Solve(M.topLeftCorner(6, 6), M.topRightCorner(6, 12)).transpose();
   Vec<12> F = -give_way * wrench;
   F.segment<3>(3 * leg) += dynamics.LegJacobian(leg, foot).transpose() * force;
   const MatrixXd M_q = M.bottomRightCorner(12, 12) - give_way * M.topRightCorner(6, 12);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(M_q);
-  const Vec<12> reached = 1 - (-x * time * modes.eigenvalues().array().inverse()).exp();
-  return modes.eigenvectors() * reached.asDiagonal() * modes.eigenvectors().transpose() * F;
+  const test::SymmetricModes modes(M_q);
+  const Vec<12> reached = 1 - (-x * time * modes.eigenvalues.array().inverse()).exp();
+  return modes.eigenvectors * reached.asDiagonal() * modes.eigenvectors.transpose() * F;
 }
 
 TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -12,6 +11,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -117,7 +117,7 @@ PlatformAcceleration NewtonEuler(const CdprDescription& robot, const PlatformSta
   const Eigen::Matrix3d J =
       R * robot.inertia_B * R.transpose() + steiner(robot.mass, c) + steiner(payload.mass, r - c);
   PlatformAcceleration out;
-  out.alpha_W = J.inverse() * (torque - x.w_W.cross(J * x.w_W));
+  out.alpha_W = test::Solve(J, torque - x.w_W.cross(J * x.w_W));
   out.a_W = force / total - out.alpha_W.cross(c) - x.w_W.cross(x.w_W.cross(c));
   return out;
 }

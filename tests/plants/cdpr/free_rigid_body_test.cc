@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -43,7 +43,7 @@ PlatformAcceleration NewtonEuler(const PlatformState& x, const PlatformWrench& w
   const Eigen::Matrix3d J = R * Inertia() * R.transpose() + steiner(kMass, c) + steiner(payload.mass, r - c);
   const Vec<3> torque = wrench.torque_W - c.cross(wrench.force_W);
   PlatformAcceleration out;
-  out.alpha_W = J.inverse() * (torque - x.w_W.cross(J * x.w_W));
+  out.alpha_W = test::Solve(J, torque - x.w_W.cross(J * x.w_W));
   const Vec<3> a_common = wrench.force_W / total - Vec<3>(0, 0, gravity);
   out.a_W = a_common - out.alpha_W.cross(c) - x.w_W.cross(x.w_W.cross(c));
   return out;

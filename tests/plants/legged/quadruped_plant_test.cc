@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
@@ -14,6 +13,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -85,7 +85,7 @@ Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const Vec<12>& 
     }
     add(leg, joints, origin + R * p, at.force_W);
   }
-  return dynamics.M.llt().solve(force);
+  return test::Solve(dynamics.M, force);
 }
 
 // What external forces add to M nu' is (force, torque about B, torques of the joints).

@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::quadruped_model_mujoco_test {
@@ -58,7 +59,7 @@ TEST(QuadrupedModelMuJoCoTest, SameDynamics) {
       model.Calc(x, &dynamics);
       Vec<18> force = -dynamics.bias();
       force.tail<12>() += tau;
-      const Vec<18> a = dynamics.M.llt().solve(force);
+      const Vec<18> a = test::Solve(dynamics.M, force);
       EXPECT_THAT(dynamics.M, IsNear(mujoco.M(), 1e-8));
       EXPECT_THAT(dynamics.bias(), IsNear(mujoco.Bias(), 1e-8));
       EXPECT_THAT(a, IsNear(mujoco.Acceleration(), 1e-8 * (1 + a.norm())));

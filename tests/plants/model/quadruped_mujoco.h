@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -11,6 +11,7 @@
 
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/model/quaternion.h>
+#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::test {
 
@@ -20,12 +21,12 @@ inline std::string Numbers(const Eigen::Vector3d& v) {
 
 /// By principal axes, since MuJoCo's own way to them from a full inertia is good to 1e-8 only.
 inline std::string Inertial(const RigidInertia& body) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
-  Eigen::Matrix3d axes = principal.eigenvectors();
+  const test::SymmetricModes principal(body.inertia);
+  Eigen::Matrix3d axes = principal.eigenvectors;
   if (axes.determinant() < 0) axes.col(0) *= -1;
   const Vec<4> q = QuaternionFromRotation(axes);
   return fmt::format(R"(<inertial pos="{}" quat="{} {} {} {}" mass="{}" diaginertia="{}"/>)",
-                     Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues()));
+                     Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues));
 }
 
 /// The robot in MuJoCo's language, with its settings for contact; its joints are in our order. With `ground`

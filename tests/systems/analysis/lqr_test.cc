@@ -2,13 +2,12 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/analysis/lqr.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -69,12 +68,12 @@ TEST(LqrTest, RiccatiEquationHoldsAndTheLoopIsStable) {
     const Problem p(12, 3, seed);
     const LqrDesign design = Lqr(p.A, p.B, p.Q, p.R, p.N);
     const MatrixXd& S = design.S;
-    const MatrixXd gain = p.R.llt().solve(p.B.transpose() * S + p.N.transpose());
+    const MatrixXd gain = test::Solve(p.R, p.B.transpose() * S + p.N.transpose());
     const MatrixXd residual = p.A.transpose() * S + S * p.A - (S * p.B + p.N) * gain + p.Q;
     EXPECT_LT(residual.norm(), 1e-9 * (2 * (S * p.A).norm() + p.Q.norm())) << seed;
     EXPECT_THAT(design.K, IsNear(gain, 1e-12 * gain.norm()));
     EXPECT_EQ(S, S.transpose());
-    EXPECT_LT((p.A - p.B * design.K).eigenvalues().real().maxCoeff(), 0);
+    EXPECT_LT(test::Eigenvalues(p.A - p.B * design.K).real().maxCoeff(), 0);
   }
 }
 
@@ -84,11 +83,11 @@ TEST(LqrTest, DiscreteRiccatiEquationHoldsAndTheLoopIsStable) {
     const LqrDesign design = DiscreteLqr(p.A, p.B, p.Q, p.R, p.N);
     const MatrixXd& S = design.S;
     const MatrixXd gain =
-        (p.R + p.B.transpose() * S * p.B).llt().solve(p.B.transpose() * S * p.A + p.N.transpose());
+        test::Solve(p.R + p.B.transpose() * S * p.B, p.B.transpose() * S * p.A + p.N.transpose());
     const MatrixXd residual = p.A.transpose() * S * p.A - (p.A.transpose() * S * p.B + p.N) * gain + p.Q - S;
     EXPECT_LT(residual.norm(), 1e-9 * (p.A.transpose() * S * p.A).norm()) << seed;
     EXPECT_THAT(design.K, IsNear(gain, 1e-12 * gain.norm()));
-    EXPECT_LT((p.A - p.B * design.K).eigenvalues().cwiseAbs().maxCoeff(), 1);
+    EXPECT_LT(test::Eigenvalues(p.A - p.B * design.K).cwiseAbs().maxCoeff(), 1);
   }
 }
 
@@ -96,7 +95,7 @@ TEST(LqrTest, IsWhereTheRiccatiDifferentialEquationEnds) {
   // -dS/dt = A'S + S A - (S B + N) R⁻¹ (B'S + N') + Q, backwards from S = 0.
   Problem p(4, 2, 5, 0);
   p.R += Matrix2d::Identity();  // forces that cost little would make it stiff
-  const MatrixXd inverse = p.R.inverse();
+  const MatrixXd inverse = test::Inverse(p.R);
   const auto rate = [&](const MatrixXd& S) -> MatrixXd {
     const MatrixXd cross = S * p.B + p.N;
     return p.A.transpose() * S + S * p.A - cross * inverse * cross.transpose() + p.Q;
@@ -116,7 +115,7 @@ TEST(LqrTest, IsWhereTheRiccatiDifferenceEquationEnds) {
   MatrixXd S = MatrixXd::Zero(4, 4);
   for (int i = 0; i < 2000; ++i) {
     const MatrixXd cross = p.A.transpose() * S * p.B + p.N;
-    S = p.A.transpose() * S * p.A - cross * (p.R + p.B.transpose() * S * p.B).inverse() * cross.transpose() +
+    S = p.A.transpose() * S * p.A - cross * test::Solve(p.R + p.B.transpose() * S * p.B, cross.transpose()) +
         p.Q;
     S = 0.5 * (S + S.transpose()).eval();
   }
@@ -180,12 +179,12 @@ TEST(LqrTest, KalmanEquationsHoldAndErrorsDecay) {
   const MatrixXd& P = design.P;
   EXPECT_LT((A * P + P * A.transpose() - design.L * p.R * design.L.transpose() + p.Q).norm(),
             1e-9 * (A * P).norm());
-  EXPECT_LT((A - design.L * C).eigenvalues().real().maxCoeff(), 0);
+  EXPECT_LT(test::Eigenvalues(A - design.L * C).real().maxCoeff(), 0);
 
   const KalmanDesign discrete = DiscreteKalman(A, C, p.Q, p.R);
   const MatrixXd after = (MatrixXd::Identity(8, 8) - discrete.L * C) * discrete.P;
   EXPECT_THAT(A * after * A.transpose() + p.Q, IsNear(discrete.P, 1e-9 * discrete.P.norm()));
-  EXPECT_LT((A - A * discrete.L * C).eigenvalues().cwiseAbs().maxCoeff(), 1);
+  EXPECT_LT(test::Eigenvalues(A - A * discrete.L * C).cwiseAbs().maxCoeff(), 1);
 }
 
 // ---- What is refused ----

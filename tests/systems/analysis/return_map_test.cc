@@ -2,11 +2,12 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/analysis/return_map.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -138,7 +139,7 @@ TEST(ReturnMapTest, MovingReference) {
   EXPECT_NEAR(result.map.x0[1], 0.5, 1e-9);
   const Eigen::Matrix2d A = SampledPd(30, 8, 20);
   EXPECT_THAT(result.map.A, IsNear(A, 1e-7));
-  const Eigen::VectorXcd multipliers = A.eigenvalues();  // a pair
+  const Eigen::VectorXcd multipliers = test::Eigenvalues(A);  // a pair
   EXPECT_NEAR(std::abs(result.multipliers[0]), std::abs(multipliers[0]), 1e-7);
   EXPECT_NEAR(std::abs(result.multipliers[0].imag()), std::abs(multipliers[0].imag()), 1e-7);
   EXPECT_DOUBLE_EQ(result.map.time, 10);

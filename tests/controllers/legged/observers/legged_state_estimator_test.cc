@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -86,7 +86,7 @@ class SwayingRobot {
       Vec<3> contact = dynamics.feet[static_cast<std::size_t>(leg)].p_W;
       contact[2] -= robot_.foot_radius;
       const Vec<3> carried = x.v_W + x.w_W.cross(contact - x.p_WB);
-      speeds.segment<3>(3 * leg) = -dynamics.LegJacobian(leg, contact).inverse() * carried;
+      speeds.segment<3>(3 * leg) = -test::Solve(dynamics.LegJacobian(leg, contact), carried);
     }
     return speeds;
   }

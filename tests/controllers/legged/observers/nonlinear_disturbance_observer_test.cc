@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -59,11 +59,11 @@ TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
       DecoupledDynamics decoupled;
       run.bench.model.Calc(run.bench.x, &dynamics);
       run.bench.model.CalcDecoupled(run.bench.x, dynamics, &decoupled);
-      const Matrix12 Lambda = x * decoupled.M_q.inverse();
-      implicit = (Matrix12::Identity() + h * Lambda).partialPivLu().solve(implicit).eval();
-      const Eigen::SelfAdjointEigenSolver<Matrix12> modes(decoupled.M_q);
-      const Vec<12> decay = (-x * h * modes.eigenvalues().cwiseInverse()).array().exp();
-      exact = (modes.eigenvectors() * decay.asDiagonal() * modes.eigenvectors().transpose() * exact).eval();
+      const Matrix12 Lambda = x * test::Inverse(decoupled.M_q);
+      implicit = test::Solve(Matrix12::Identity() + h * Lambda, implicit);
+      const test::SymmetricModes modes(decoupled.M_q);
+      const Vec<12> decay = (-x * h * modes.eigenvalues.cwiseInverse()).array().exp();
+      exact = (modes.eigenvectors * decay.asDiagonal() * modes.eigenvectors.transpose() * exact).eval();
       worst_implicit = std::max(worst_implicit, (error - implicit).norm());
       worst_exact = std::max(worst_exact, (error - exact).norm());
     }

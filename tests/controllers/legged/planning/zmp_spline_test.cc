@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,6 +13,7 @@
 #include <tenon/systems/framework/random_stream.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -187,7 +188,7 @@ TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   const Eigen::RowVectorXd last = row(segments - 1, 2, spline_.segments[segments - 1].duration);
   kkt.topLeftCorner(n, n) += params_.end_weight * last.transpose() * last;
   right.topRows(n) += params_.end_weight * last.transpose() * pace.end.acceleration.transpose();
-  const Eigen::MatrixXd solution = kkt.fullPivLu().solve(right);
+  const Eigen::MatrixXd solution = test::Solve(kkt, right);
 
   double t = 0;
   for (int k = 0; k < segments; ++k) {

@@ -3,15 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -86,7 +85,7 @@ Vec<18> StandingDynamics(const QuadrupedDynamics& dynamics, const ContactSchedul
     right.segment(row, 3) = -dynamics.feet[leg].bias;
     row += 3;
   }
-  return kkt.fullPivLu().solve(right).head(18);
+  return test::Solve(kkt, right).topRows(18);
 }
 
 TEST(WholeBodyController, StandsStill) {
@@ -132,7 +131,7 @@ TEST(WholeBodyController, ErrorsAreCorrectedAsTheGainsSay) {
   EXPECT_THAT(com(realised(body)), IsNear(body.com_acceleration_W, 5e-3));
 
   const auto spin = [&](const Vec<18>& a) {  // L' = I_com alpha wanted
-    return Vec<3>(inputs.dynamics.centroidal_inertia_W.llt().solve(inputs.dynamics.angular_map * a));
+    return Vec<3>(test::Solve(inputs.dynamics.centroidal_inertia_W, inputs.dynamics.angular_map * a));
   };
   body = inputs.body;
   body.q_WB = QuaternionProduct(QuaternionFromRotationVector({0.01, -0.02, 0.005}), inputs.body.q_WB);
@@ -173,7 +172,7 @@ TEST(WholeBodyController, ATurnedRobotKnowsWhichWayIsUp) {
   inputs.state.q_WB = QuaternionFromRotation((tilt * turn).toRotationMatrix());
   inputs.Follow();
   const WholeBodyTask task = TaskFor(inputs, BodyReference{.com_W = inputs.body.com_W}, {.turn_limit = 1e-9});
-  const Vec<3> alpha = inputs.dynamics.centroidal_inertia_W.llt().solve(task.wrench.tail<3>());
+  const Vec<3> alpha = test::Solve(inputs.dynamics.centroidal_inertia_W, task.wrench.tail<3>());
   EXPECT_THAT(alpha, IsNear(Vec<3>(-0.1 * 250 * Vec<3>(0.6, 0.8, 0)), 1e-6));
   EXPECT_NEAR(task.tilt, 0.1, 1e-12);
 }

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -10,6 +9,7 @@
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
@@ -60,7 +60,7 @@ Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Vec<12>& torque
   Vec<18> right = other - dynamics.bias();
   right.tail<12>() += torque;
   for (int leg = 0; leg < kNumLegs; ++leg) right += dynamics.FootJacobian(leg).transpose() * force[leg];
-  return dynamics.M.llt().solve(right);
+  return test::Solve(dynamics.M, right);
 }
 
 class WholeBodyQpTest : public ::testing::TestWithParam<std::array<bool, kNumLegs>> {
@@ -105,7 +105,7 @@ TEST_F(WholeBodyQpTest, StandsOnFourAndOnThreeFeetAsStaticsSays) {
     }
     const double weight = model_.mass() * 9.81;
     const Eigen::VectorXd expected =
-        balance.transpose() * (balance * balance.transpose()).inverse() * Eigen::Vector3d(weight, 0, 0);
+        balance.transpose() * test::Solve(balance * balance.transpose(), Eigen::Vector3d(weight, 0, 0));
     ASSERT_GT(expected.minCoeff(), 1);
 
     WholeBodyTask task;
@@ -400,7 +400,7 @@ TEST_P(WholeBodyQpTest, SwingFootAccelerationIsThatOfTheProjector) {
   Eigen::MatrixXd P = Eigen::MatrixXd::Identity(18, 18);
   if (J_st.rows() > 0) P -= J_st.completeOrthogonalDecomposition().pseudoInverse() * J_st;
   const Eigen::MatrixXd M_c = P * dynamics_.M + Eigen::MatrixXd::Identity(18, 18) - P;
-  const Eigen::VectorXd acceleration = M_c.fullPivLu().solve(P * push);
+  const Eigen::VectorXd acceleration = test::Solve(M_c, P * push);
   const auto pushed = SwingFootAcceleration(dynamics_, stance, force);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const Vec<3> expected =

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+
+// Eigen's decompositions for tests, compiled once and for any size: each of them, of each size and of each expression,
+// would cost the test that calls it seconds of compiling.
+
+namespace tenon::test {
+
+/// Of a regular matrix, by LU with partial pivoting.
+Eigen::MatrixXd Inverse(const Eigen::MatrixXd& A);
+
+/// X of A X = B, A square and regular, by LU with partial pivoting.
+Eigen::MatrixXd Solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
+Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A);
+
+/// Of a symmetric matrix: A = V diag(eigenvalues) V', the eigenvalues in ascending order.
+struct SymmetricModes {
+  explicit SymmetricModes(const Eigen::MatrixXd& A);
+
+  Eigen::VectorXd eigenvalues;
+  Eigen::MatrixXd eigenvectors;  ///< V
+};
+
+}  // namespace tenon::test
