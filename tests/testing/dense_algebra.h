@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-// Eigen's decompositions for tests, compiled once and for any size: each of them, of each size and of each expression,
-// would cost the test that calls it seconds of compiling.
+// Eigen's decompositions for tests, compiled once and for any size: each of them, of each size and of each
+// expression, would cost the test that calls it seconds of compiling.
 
 namespace tenon::test {
 

@@ -74,8 +74,7 @@ double LockedStiffnessByDifferences(const CdprDescription& robot, const StaticEq
       const CableKinematics moved =
           CalcCableKinematics(robot, equilibrium.p_WB + x.head<3>(), turn * equilibrium.R_WB);
       const VectorXd stretch = moved.length - equilibrium.length;
-      x += MatrixXd(cables.structure) *
-           test::Solve(cables.structure.transpose() * cables.structure, stretch);
+      x += MatrixXd(cables.structure) * test::Solve(cables.structure.transpose() * cables.structure, stretch);
     }
     return x[2];
   };
