@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Core>
+#include <Eigen/LU>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
