@@ -47,8 +47,8 @@ echo CgroupPlugin=cgroup/v1 > "$work/cgroup.conf"  # the other ones want to see 
 export SLURM_CONF=$work/slurm.conf
 slurmctld -D > "$work/ctld.out" 2>&1 &
 slurmd -D -N "$host" > "$work/d.out" 2>&1 &
-until_true() {
-  for _ in $(seq 300); do
+until_true() {  # minutes under the sanitizers
+  for _ in $(seq 6000); do
     if "$@"; then return 0; fi
     sleep 0.1
   done
