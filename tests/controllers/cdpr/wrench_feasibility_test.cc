@@ -4,7 +4,7 @@
 #include <tenon/plants/model/euler.h>
 #include <tenon/systems/framework/errors.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +14,7 @@
 
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::wrench_feasibility_test {
@@ -49,7 +50,7 @@ TEST(WrenchFeasibilityTest, TwoCablesInAPlane) {
   int feasible = 0;
   for (int k = 0; k < 1000; ++k) {
     const MatrixXd W = Directions({{-3, 4}, {3, 4}}, {Uniform(-4, 4), Uniform(0, 3.9)});
-    const Vector2d weight(0, 100), u = W.inverse() * weight;
+    const Vector2d weight(0, 100), u = test::Solve(W, weight);
     feasibility.SetStructure(W);
     const WrenchMargins margins = feasibility.Margins(Point(weight), 10, 200);
     EXPECT_NEAR(margins.tension, std::min({u[0] - 10, u[1] - 10, 200 - u[0], 200 - u[1]}), 1e-9 * u.norm());

@@ -127,7 +127,7 @@ struct QuadrupedBench {
     right.tail<12>() += torque;
     for (int leg = 0; leg < kNumLegs; ++leg)
       right += ContactJacobian(dynamics, leg, robot.foot_radius).transpose() * feet[leg];
-    return test::Solve(dynamics.M, right);
+    return Solve(dynamics.M, right);
   }
 
  private:

@@ -21,7 +21,7 @@ inline std::string Numbers(const Eigen::Vector3d& v) {
 
 /// By principal axes, since MuJoCo's own way to them from a full inertia is good to 1e-8 only.
 inline std::string Inertial(const RigidInertia& body) {
-  const test::SymmetricModes principal(body.inertia);
+  const SymmetricModes principal(body.inertia);
   Eigen::Matrix3d axes = principal.eigenvectors;
   if (axes.determinant() < 0) axes.col(0) *= -1;
   const Vec<4> q = QuaternionFromRotation(axes);

@@ -245,7 +245,7 @@ TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
     const Sway end(kPeriod * kTicks);
     const Eigen::AngleAxisd turn(end.R * filter.mean.R_WB().transpose());
     const auto weigh = [](const Eigen::VectorXd& error, const Eigen::MatrixXd& P) {
-      return error.dot(Eigen::VectorXd(test::Solve(P, error))) / kRuns;
+      return error.dot(test::Solve(P, error).col(0)) / kRuns;
     };
     velocity += weigh(Vec<3>(end.v - filter.mean.v_WI), filter.VelocityCovariance());
     tilt += weigh(Vec<2>((turn.angle() * turn.axis()).head<2>()),
