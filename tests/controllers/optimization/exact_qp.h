@@ -2,6 +2,10 @@
 
 // CGAL's solver of quadratic programmes, which computes in exact rational numbers. Link gmp and mpfr.
 
+// CGAL's checks of itself, which take hours of the walk's programmes where nothing is optimised, are off.
+#ifndef CGAL_NDEBUG
+#define CGAL_NDEBUG
+#endif
 #include <CGAL/Gmpzf.h>
 #include <CGAL/QP_functions.h>
 #include <CGAL/QP_models.h>
