@@ -216,11 +216,11 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
     const std::string_view parent = dotted_key.substr(0, begin == 0 ? 0 : begin - 1);
     begin = end + 1;
     if (key.empty()) internal::FailAt(place, "a key is empty; write the path as in a.b or a.2");
-    if (node->kind == YamlTree::Kind::kNull) node->kind = YamlTree::Kind::kMap;
-    if (internal::IsName(*node)) {
-      YamlTree name = *node;
+    if (node->kind == YamlTree::Kind::kNull || internal::IsName(*node)) {  // it is a map from here on
+      YamlTree was = *node;
       node->kind = YamlTree::Kind::kMap;
-      SayFile(*node, std::move(name));
+      if (node != &root) node->place = place;
+      if (internal::IsName(was)) SayFile(*node, std::move(was));
     }
     if (node->kind == YamlTree::Kind::kMap) {
       auto it = YamlTree::FindKey(*node, key);

@@ -355,6 +355,9 @@ TEST(YamlSetTest, ErrorsNameTheOverride) {
               StartsWith("--set stops=2: stops: unknown key; the nearest"));
   EXPECT_THAT(SetError("steps: 1", "tail.hip_m", "[1, 2, 3]"),
               StartsWith("--set tail.hip_m=[1, 2, 3]: tail: required but missing: mass_kg"));
+  for (const char* text : {"name: a", "name:"})
+    EXPECT_THAT(SetError(text, "name.first", "b"),
+                StartsWith("--set name.first=b: name: expected text, found a map"));
   EXPECT_THAT(SetError("steps: 1", "knots", "[1"), StartsWith("--set knots=[1: not valid YAML"));
   EXPECT_THAT(SetError("steps: 1", "tail", "{mass_kg: 1, mass_kg: 2}"), HasSubstr("is given twice"));
 }
