@@ -42,8 +42,8 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
     ++diagnostics.fallbacks_in_a_row;
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  diagnostics.solve_time = elapsed.count();
   *plan = warm_start;
+  plan->diagnostics.solve_time = elapsed.count();  // alone: what carries on is the same in every run
 }
 
 void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,

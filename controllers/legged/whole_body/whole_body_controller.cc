@@ -168,8 +168,8 @@ void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const Legg
   diagnostics.iterations = report.iterations;
   diagnostics.status = report.status;
   diagnostics.constraint = report.constraint;
-  diagnostics.solve_time = elapsed.count();
   *plan = last;
+  plan->diagnostics.solve_time = elapsed.count();  // alone: what carries on is the same in every run
 }
 
 Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const {
