@@ -63,15 +63,12 @@ TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
   }
 }
 
-// A foot that meets the side of a block is held there by the friction of its own push: with seed 2, with seed
-// 5, or with both, as the compiler rounds, the robot falls, unless the step reflex frees it.
+// A foot that meets the side of a block is held there by the friction of its own push: with seed 2 the robot
+// falls, unless the step reflex frees it. With seed 5 it falls or not as the compiler rounds.
 TEST_F(GuideDogCasesTest, TheStepReflexBringsC3OverBlocks) {
-  int falls = 0;
-  for (const std::string scenario : {"C3-blocks --seed 2", "C3-blocks --seed 5"}) {
+  for (const char* scenario : {"C3-blocks --seed 2", "C3-blocks --seed 5"})
     EXPECT_TRUE(Run(TENON_GUIDE_DOG, scenario).finished()) << scenario;
-    falls += !Run(TENON_GUIDE_DOG, scenario + " --set walk.step.reflex.enabled=false").finished();
-  }
-  EXPECT_GT(falls, 0);
+  EXPECT_FALSE(Run(TENON_GUIDE_DOG, "C3-blocks --seed 2 --set walk.step.reflex.enabled=false").finished());
 }
 
 // 150 N more from 10 s to 10.3 s: some centimetres, which are made good within a second.
