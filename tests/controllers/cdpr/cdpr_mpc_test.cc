@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include <tenon/plants/model/euler.h>
+#include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
@@ -193,6 +194,19 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   EXPECT_NEAR(status.time, 0.04, 1e-9);
   EXPECT_THAT(status.reason,
               ::testing::HasSubstr("no better policy 4 times in a row (4 of 5 solves failed)"));
+}
+
+// No clock is in it: what a solve leaves behind for the next is the same, to the last bit.
+TEST(CdprMpc, CarriesOnTheSameInEveryRun) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.num_steps = 3;
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig.system().estimate, At(params, 0, {0.1, 0, 0})).Tick();
+  const DiscreteLinearModel first = LinearizeDiscrete(rig.context(), {}, {});
+  const DiscreteLinearModel again = LinearizeDiscrete(rig.context(), {}, {});
+  ASSERT_GT(first.A.size(), 0);
+  EXPECT_EQ(first.A, again.A);
+  EXPECT_EQ(first.x1, again.x1);
 }
 
 TEST(CdprMpc, DoesNotAllocate) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
@@ -445,6 +446,19 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
     const Vec<12> expected = computed ? JointTorque(inputs.dynamics, after, Vec<12>::Zero()) : torque;
     EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-12)) << times[i];
   }
+}
+
+// No clock is in it: the map of one period is the same, to the last bit, each time that it is made.
+TEST(WholeBodyController, CarriesOnTheSameInEveryRun) {
+  Inputs inputs(Params().robot);
+  TestRig<WholeBodyController> rig(Params());
+  inputs.Give(rig);
+  rig.Tick();
+  const DiscreteLinearModel first = LinearizeDiscrete(rig.context(), {}, {});
+  const DiscreteLinearModel again = LinearizeDiscrete(rig.context(), {}, {});
+  ASSERT_GT(first.A.size(), 0);
+  EXPECT_EQ(first.A, again.A);
+  EXPECT_EQ(first.x1, again.x1);
 }
 
 TEST(WholeBodyController, DoesNotAllocate) {
