@@ -382,6 +382,9 @@ TEST(YamlPlaceTest, IsThatOfTheValueOrWhereItWouldBe) {
   EXPECT_EQ(document.PlaceOf("gait"), "robot.yaml:1:1: gait");
   document.Set("steps", "4");
   EXPECT_EQ(document.PlaceOf("steps"), "--set steps=4: steps");
+  auto empty = YamlDocument::Parse("", "robot.yaml");
+  empty.Set("steps", "4");
+  EXPECT_EQ(empty.PlaceOf("gait"), "robot.yaml:1:1: gait");
 }
 
 TEST(YamlSetTest, PathsThatLeadNowhere) {
