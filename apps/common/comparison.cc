@@ -3,7 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include <tenon/systems/framework/errors.h>
@@ -11,14 +14,14 @@
 namespace tenon::apps {
 
 void CheckVariantNames(const std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string& name = names[i];
+  std::set<std::string_view> seen;
+  for (const std::string& name : names) {
     if (name.empty() || name.front() == '.' || name.find_first_of(std::string_view("/\0", 2)) != name.npos) {
       throw ParameterError(fmt::format(
           "the variant '{}' is to be a directory below --out: name it without '/' and not with a '.' first",
           name));
     }
-    if (std::count(names.begin(), names.end(), name) > 1) {
+    if (!seen.insert(name).second) {
       throw ParameterError(
           fmt::format("two variants are called '{}': give each a name of its own, or take one out", name));
     }
@@ -34,16 +37,27 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
+  ProgressLine line;
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point due = Clock::now();  // when the figures are written again
   for (const Variant& variant : variants) {
     RunOptions each = options;
     each.out = out.path() / variant.name;
+    each.name = fmt::format("run {} of {}", runs.size() + 1, variants.size());
     RunResult result = variant.run(each);
     worst = std::max(worst, result.summary.exit_code());
     runs.emplace_back(variant.name, std::move(result.summary));
     if (result.report && reports.size() < kReported) reports.push_back(std::move(*result.report));
-    // After each: nothing is lost if the next is killed.
-    worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, out.path() / "summary.json"); }));
+    // After each, so that nothing is lost if the next is killed, but of many short ones no more than a tenth
+    // of the time.
+    const Clock::time_point now = Clock::now();
+    if (now >= due || worst >= kOutputFailed || runs.size() == variants.size()) {
+      worst =
+          std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, out.path() / "summary.json"); }));
+      due = now + 10 * (Clock::now() - now);
+    }
     if (worst >= kOutputFailed) break;
+    if (!line.terminal() && line.due()) line.Show({}, each.name);
   }
   for (std::size_t i = 0; i < reports.size(); ++i) report.Add(runs[i].first, reports[i]);
   worst = std::max(worst, TryToWrite([&] { report.Write(out.path() / "report.html"); }));

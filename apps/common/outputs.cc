@@ -296,8 +296,11 @@ void WriteResults(const fs::path& directory, Summary& summary, Report& report) {
 }
 
 void Summary::WriteComparison(const Named& runs, const fs::path& file) {
-  nlohmann::ordered_json all;
-  for (const auto& [name, summary] : runs) all[name] = summary.json_->values;
+  using Object = nlohmann::ordered_json::object_t;
+  nlohmann::ordered_json all = Object();
+  // As into the vector that it is: an ordered object would look through all names for each.
+  Object::Container& entries = all.get_ref<Object&>();
+  for (const auto& [name, summary] : runs) entries.emplace_back(name, summary.json_->values);
   WriteJson(all, file);
 }
 

@@ -184,7 +184,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   WriteGraph(simulator.context().diagram(), options.graph);
   const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
   std::vector<std::shared_ptr<LogSink>> sinks{InBackground(csv)};
-  if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration));
+  if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration, options.name));
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, sinks);
   Summary summary = advance();
   WriteResults(out.path(), summary, report);

@@ -66,10 +66,12 @@ std::string ProgressSink::Text() const {
   const double wall = line_.elapsed();
   const double rate = wall > 0 ? time_ / wall : 0;
   const double left = rate > 0 ? (duration_ - time_) / rate : 0;
-  return fmt::format(
-      fmt::runtime(line_.terminal() ? "{:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left"
-                                    : "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left"),
-      time_, duration_, rate, left);
+  return prefix_ +
+         fmt::format(
+             fmt::runtime(line_.terminal()
+                              ? "{:.1f}/{:.1f} s  {:.1f}x real time  {:.0f} s left"
+                              : "{:.1f} of {:.1f} s simulated, {:.1f} times real time, {:.0f} s left"),
+             time_, duration_, rate, left);
 }
 
 namespace {

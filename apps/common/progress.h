@@ -34,11 +34,13 @@ class ProgressLine {
   Clock::time_point shown_ = begin_;
 };
 
-/// Shows how far a run is: simulated time, real-time factor, time left. It is a sink: add it to one of the
-/// run's logs.
+/// Shows how far a run is: its name, simulated time, real-time factor, time left. It is a sink: add it to one
+/// of the run's logs.
 class ProgressSink final : public LogSink {
  public:
-  explicit ProgressSink(double duration) : duration_(duration) {}  ///< [s]
+  /// `duration` [s]; `name` of one of several runs: "run 3 of 64".
+  explicit ProgressSink(double duration, const std::string& name = {})
+      : prefix_(name.empty() ? "" : name + ": "), duration_(duration) {}
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override;
   void Flush() override;
@@ -47,6 +49,7 @@ class ProgressSink final : public LogSink {
   double share() const { return time_ / duration_; }
   std::string Text() const;
 
+  std::string prefix_;
   double duration_;
   double time_ = 0;
   ProgressLine line_;

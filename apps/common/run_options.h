@@ -22,6 +22,7 @@ class LiveSession;
 /// What a run leaves, and how long it may take.
 struct RunOptions {
   std::filesystem::path out;              ///< directory; empty: no file and no progress, figures alone
+  std::string name = {};                  ///< where its progress is told: "run 3 of 64"; empty: none
   std::string graph = {};                 ///< file; empty: none
   std::optional<double> wall_limit = {};  ///< [s] on the clock
   /// If there is one: the run is steered by browsers, or by the recording of such a run.

@@ -172,10 +172,11 @@ void LeggedIntegratorScenario::Validate() const {
 }
 
 void SweepScenario::Validate() const {
-  constexpr int kMost = 1000;  // of either
-  Demand(phases <= kMost && directions <= kMost,
-         fmt::format("a sweep over {} phases and {} directions: {} of either are the most", phases,
-                     directions, kMost));
+  constexpr int kMost = 10000;  // runs
+  Demand(phases <= kMost && directions <= kMost && static_cast<long>(phases) * directions <= kMost,
+         fmt::format("a sweep over {} phases and {} directions: {} runs are the most; more are for "
+                     "tenon-campaign",
+                     phases, directions, kMost));
   Demand(phases > 0 && directions > 0 && period_s > 0,
          fmt::format("a sweep over {} phases of {} s and {} directions: all must be positive", phases,
                      period_s, directions));

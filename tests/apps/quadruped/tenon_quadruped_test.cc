@@ -67,6 +67,13 @@ TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
   EXPECT_TRUE(fs::exists(out / "report.html"));
 }
 
+TEST_F(TenonQuadrupedTest, ATerminalIsToldWhichOfSeveralRunsGoes) {
+  const std::string command = std::string(TENON_QUADRUPED) + " A2 --compare --duration 0.05" + Out();
+  const Result result = RunCommand("script -qec '" + command + "' /dev/null");  // a terminal
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(result.text, HasSubstr("run 2 of 4: 0.1/0.1 s"));
+}
+
 TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
   EXPECT_EQ(RunApp("flat --gait pace --speed 0.1 --observer none --duration 0.1" + Out()).exit_code, 0);
   EXPECT_THAT(Read(out / "scenario.yaml"),
@@ -326,7 +333,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "position_m = [0, -1e+308, 0] must be within 100 m"},
         BadUsage{"flat --set walk.friction=0", "friction = 0"},
         BadUsage{"flat --set walk.mass_error_ratio=-1", "the robot would have no mass"},
-        BadUsage{"A3-sweep --set sweep.phases=100000", "1000 of either are the most"},
+        BadUsage{"A3-sweep --set sweep.phases=100000", "10000 runs are the most"},
+        BadUsage{"A3-sweep --set sweep.phases=101 --set sweep.directions=100", "10000 runs are the most"},
         BadUsage{"stand --set 'forces=[{duration_s: 1, frequency_rad_per_s: -3}]'",
                  "frequency_rad_per_s = -3"},
         BadUsage{"estimated --set walk.state=guessed", "estimated"},
