@@ -149,7 +149,11 @@ void MpcScenario::Validate() const {
 }
 
 void PayloadScenario::Validate() const {
+  constexpr double kFar = 100;
   DemandNotNegative("mass_kg", mass_kg);
+  Demand(position_m.allFinite() && position_m.cwiseAbs().maxCoeff() <= kFar,
+         fmt::format("position_m = [{}, {}, {}] must be within {} m", position_m[0], position_m[1],
+                     position_m[2], kFar));
   Demand(release_s >= attach_s, fmt::format("release_s = {} lies before attach_s = {}", release_s, attach_s));
 }
 
@@ -176,7 +180,7 @@ void NoiseScenario::Validate() const {
 void IntegratorScenario::Validate() const {
   DemandBetween("order", order, 2, 5);
   DemandBetween("rtol", rtol, 1e-14, 0.1);
-  DemandPositive("atol", atol);
+  DemandBetween("atol", atol, 1e-300, 0.1);
 }
 
 void CdprScenario::Validate() const {

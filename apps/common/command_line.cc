@@ -4,8 +4,11 @@
 
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <iostream>
 #include <new>
+#include <sstream>
 #include <system_error>
 
 #include <tenon/apps/common/live_session.h>
@@ -104,6 +107,7 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
 }
 
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is one that cannot be written, and said so
   app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
   // `--live 8081` as `--live=8081`; any other word behind --live is the scenario.
   std::vector<std::string> words;
@@ -118,10 +122,13 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kRan : kBadUsage;
+    std::ostringstream refusal;
+    const int code = app.exit(error, std::cout, refusal);
+    Say(internal::Printable(refusal.str()));
+    return code == 0 ? kRan : kBadUsage;
   }
   const auto fail = [&](const char* what, ExitCode code) {
-    Say(fmt::format("{}: {}\n", app.get_name(), what));
+    Say(fmt::format("{}: {}\n", app.get_name(), internal::Printable(what)));
     return code;
   };
   try {

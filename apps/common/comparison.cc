@@ -37,6 +37,7 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
+  const SignalGuard guard;
   ProgressLine line;
   using Clock = std::chrono::steady_clock;
   Clock::time_point due = Clock::now();  // when the figures are written again
@@ -50,6 +51,7 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
     if (result.report && reports.size() < kReported) reports.push_back(std::move(*result.report));
     // After each, so that nothing is lost if the next is killed, but of many short ones no more than a tenth
     // of the time.
+    if (SignalGuard::caught() != 0) worst = std::max(worst, 128 + SignalGuard::caught());
     const Clock::time_point now = Clock::now();
     if (now >= due || worst >= kOutputFailed || runs.size() == variants.size()) {
       worst =

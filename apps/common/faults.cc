@@ -65,6 +65,14 @@ std::vector<int> Fault::Indices(const char* what, const std::vector<Element>& th
   return indices;
 }
 
+void FaultInserter::CheckCount(std::size_t count) {
+  constexpr std::size_t kMost = 100;
+  if (count > kMost)
+    throw KeyError("faults", fmt::format("{} faults are too many, {} the most: elements of one place may "
+                                         "share a fault",
+                                         count, kMost));
+}
+
 void FaultInserter::WithKey(std::size_t index, const char* place, const std::function<void()>& insert) {
   try {
     insert();

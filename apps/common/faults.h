@@ -63,14 +63,17 @@ class FaultInserter {
   std::vector<const Source*>
       signals;  ///< of all faults, for logs: whether they act, and the signals that they change
 
-  /// Calls insert(fault, name) for each. What it throws is told with the key of the fault, see KeyError.
+  /// Calls insert(fault, name) for each; throws KeyError for more than a robot may have. What it throws is
+  /// told with the key of the fault, see KeyError.
   template <NamedEnum Place>
   void InsertAll(const std::vector<FaultScenario<Place>>& faults, const auto& insert) {
+    CheckCount(faults.size());
     for (std::size_t i = 0; i < faults.size(); ++i)
       WithKey(i, EnumName(faults[i].at), [&] { insert(faults[i], "fault_" + std::to_string(i)); });
   }
 
  private:
+  static void CheckCount(std::size_t count);
   static void WithKey(std::size_t index, const char* place, const std::function<void()>& insert);
 };
 

@@ -285,6 +285,9 @@ int TryToWrite(const std::function<void()>& write) {
   } catch (const OutputError& error) {
     Say(fmt::format("{}\n", error.what()));
     return kOutputFailed;
+  } catch (const std::bad_alloc&) {
+    Say("out of memory while the results are written: log less often, see log_rate_hz\n");
+    return kNumericalFailure;
   }
 }
 

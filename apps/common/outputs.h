@@ -178,8 +178,10 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
 
   Report report = ScenarioReport(scenario, description, limits);
   Blame("report", [&] { report.Log(simulator, signals, shapes); });
+  const SignalGuard guard;              // what is written is whole, whenever a signal comes
   const ScenarioFiles files(scenario);  // read before an earlier run's go, which may be these
   const OutputDirectory out(options.out);
+  if (!options.live) std::filesystem::remove(out.path() / "live.jsonl");  // else it may be what is replayed
   files.Write(out.path());
   WriteGraph(simulator.context().diagram(), options.graph);
   const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");

@@ -35,6 +35,7 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
 
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options) {
   const double duration = Duration(scenario);
+  if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
 
   DiagramBuilder builder;
   auto& loop =
@@ -81,8 +82,12 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 ScenarioApp GuideDogApp() {
   ScenarioApp app = MakeScenarioApp(
       "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
-      [](const YamlDocument& document) { return document.Read<GuideDogScenario>(); }, MakeGuideDogParams,
-      RunGuideDog);
+      [](const YamlDocument& document) {
+        auto scenario = document.Read<GuideDogScenario>();
+        CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
+        return scenario;
+      },
+      MakeGuideDogParams, RunGuideDog);
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
       const auto scenario = document.Read<GuideDogScenario>();

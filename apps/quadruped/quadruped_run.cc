@@ -76,6 +76,7 @@ ScenarioApp QuadrupedApp() {
       throw KeyError("sweep",
                      "a sweep is a campaign of its own: set it to null, and vary forces.0.start_s and "
                      "forces.0.turn_rad");
+    if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
   const auto prepare = [](const QuadrupedScenario& scenario) {

@@ -166,9 +166,9 @@ void TrunkLoadScenario::Validate() const {
 void LeggedIntegratorScenario::Validate() const {
   DemandBetween("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
   DemandBetween("rtol", rtol, 1e-14, 0.1);
-  DemandPositive("atol_position", atol_position);
-  DemandPositive("atol_velocity", atol_velocity);
-  DemandPositive("atol_bristles", atol_bristles);
+  DemandBetween("atol_position", atol_position, 1e-300, 0.1);
+  DemandBetween("atol_velocity", atol_velocity, 1e-300, 0.1);
+  DemandBetween("atol_bristles", atol_bristles, 1e-300, 0.1);
 }
 
 void SweepScenario::Validate() const {

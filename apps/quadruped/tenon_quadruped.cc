@@ -8,6 +8,7 @@
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/model/resources.h>
 
 namespace tenon::apps {
@@ -68,21 +69,13 @@ YamlDocument LoadWalk(const CommonArguments& arguments, const WalkArguments& wal
   return document;
 }
 
-/// Refuses a walk of which nothing would be judged; says it, if it is --duration that cuts it short.
-void CheckJudged(const CommonArguments& arguments, const QuadrupedScenario& scenario) {
-  if (!scenario.walk || scenario.walk->judged_from_s < Duration(scenario)) return;
-  const std::string what = fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s",
-                                       Duration(scenario), scenario.walk->judged_from_s);
-  if (!arguments.duration) throw KeyError("walk.judged_from_s", what + ": lower that, or lengthen the walk");
-  Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
-}
-
 int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const RunOptions& options) {
   const YamlDocument document = LoadWalk(arguments, walk);
   auto scenario = document.Read<QuadrupedScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
-    if (!options.live) CheckJudged(arguments, scenario);
+    if (!options.live && scenario.walk)
+      CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
     if (options.live && (walk.compare || scenario.sweep))
       throw ParameterError("--live and --replay run one scenario: leave --compare away, set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))

@@ -1,13 +1,25 @@
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/controllers/legged/evaluation/tracking_error.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
+
+void CheckJudged(double from, double end, bool cut) {
+  if (from <= end) return;
+  const std::string what =
+      fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s", end, from);
+  if (!cut) throw KeyError("walk.judged_from_s", what + ": lower that, or lengthen the walk");
+  Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
+}
 
 std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
   std::vector<const Source*> signals{&loop.world.plant.state,
@@ -81,7 +93,7 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
   }
   if (!stance) {
     figures.waiting.clear();
-    figures.errors.Add(row[foot_[leg]]);
+    if (row[contact_[leg]] == static_cast<double>(ContactState::kSwing)) figures.errors.Add(row[foot_[leg]]);
   }
   figures.stance = stance;
   if (!stance || row[0] < figures.touchdown + kEdge) return;

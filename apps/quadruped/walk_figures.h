@@ -13,6 +13,10 @@
 
 namespace tenon::apps {
 
+/// Throws KeyError if a run that ends at `end` [s] has nothing to judge from `from` [s] on: its figures would
+/// be null. If it is `cut` short of that by --duration this is a warning instead.
+void CheckJudged(double from, double end, bool cut = false);
+
 /// The figures of a walking robot, gathered while it runs from a log of every control tick.
 ///
 /// Errors are those of QuadrupedWalk::errors. The ground force's error is the mean over all stance phases but

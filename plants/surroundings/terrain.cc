@@ -131,9 +131,10 @@ std::vector<TerrainBox> BoxField::Boxes() const {
 }
 
 void TerrainParams::Validate() const {
-  if (!grade.allFinite())
-    throw ParameterError(
-        fmt::format("grade is ({}, {}); give two finite slopes dz/dx, dz/dy", grade[0], grade[1]));
+  constexpr double kSteepest = 1000;  // of a wall
+  if (!(grade.cwiseAbs().array() <= kSteepest).all())
+    throw ParameterError(fmt::format("grade is ({}, {}); give two finite slopes dz/dx, dz/dy, up to {}",
+                                     grade[0], grade[1], kSteepest));
   CheckFriction(friction);
   for (const TerrainBox& box : boxes) box.Validate();
   if (field) field->Validate();

@@ -19,8 +19,9 @@
 namespace tenon::internal {
 namespace {
 
-constexpr std::size_t kMaxBytes = 16 << 20;
-constexpr std::size_t kMaxDepth = 32;  // a URDF has five or six
+constexpr std::size_t kMaxDepth = 32;       // a URDF has five or six
+constexpr std::size_t kMaxAttributes = 32;  // of an element; it has four or five
+constexpr std::size_t kMaxLinks = 1000;
 
 /// The attributes that hold numbers, how many, and how large they may be: beyond it there is no robot.
 struct Numbers {
@@ -33,7 +34,9 @@ constexpr Numbers kNumbers[] = {
     {"inertia", "ixz", 1, 1e9}, {"inertia", "iyy", 1, 1e9}, {"inertia", "iyz", 1, 1e9},
     {"inertia", "izz", 1, 1e9}, {"origin", "xyz", 3, 100},  {"origin", "rpy", 3, 1e3},
     {"axis", "xyz", 3, 1e3},    {"limit", "lower", 1},      {"limit", "upper", 1},
-    {"limit", "effort", 1},     {"limit", "velocity", 1},
+    {"limit", "effort", 1},     {"limit", "velocity", 1},   {"sphere", "radius", 1},
+    {"cylinder", "radius", 1},  {"cylinder", "length", 1},  {"box", "size", 3},
+    {"mesh", "scale", 3},       {"color", "rgba", 4},
 };
 
 /// The finite numbers of a text, between blanks; none if it holds anything else.
@@ -56,10 +59,10 @@ std::optional<std::vector<double>> ReadNumbers(std::string_view text) {
 class Check {
  public:
   Check(const std::string& text, const std::string& file) : file_(file) {
-    if (text.size() > kMaxBytes)
+    if (text.size() > kMaxUrdfBytes)
       throw ParameterError(
-          fmt::format("{}: the file has {} bytes, a robot needs no more than {}; name another", file,
-                      text.size(), kMaxBytes));
+          fmt::format("{}: the file is larger than a robot's, which has no more than {} bytes; name another",
+                      file, kMaxUrdfBytes));
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &OnStart, &OnEnd);
     const bool parsed =
@@ -91,23 +94,30 @@ class Check {
 
   // Nothing may be thrown through the parser, which is C.
   static void OnStart(void* self, const char* name, const char** attributes) {
-    auto* check = static_cast<Check*>(self);
-    if (check->failure_) return;
-    try {
-      check->Start(name, attributes);
-    } catch (...) {
-      check->failure_ = std::current_exception();
-      XML_StopParser(check->parser_.get(), XML_FALSE);
-    }
+    Try(self, [=](Check& check) { check.Start(name, attributes); });
   }
   static void OnEnd(void* self, const char*) {
-    auto* check = static_cast<Check*>(self);
-    if (check->failure_) return;  // it is called once more after a failure
-    check->open_.pop_back();
-    if (check->open_.size() == 1) check->EndOfOwner();
+    Try(self, [](Check& check) { check.End(); });
+  }
+  static void Try(void* self, const auto& handle) {
+    auto& check = *static_cast<Check*>(self);
+    if (check.failure_) return;  // it is called once more after a failure
+    try {
+      handle(check);
+    } catch (...) {
+      check.failure_ = std::current_exception();
+      XML_StopParser(check.parser_.get(), XML_FALSE);
+    }
   }
 
   std::size_t Byte() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())); }
+
+  void End() {
+    if (open_.size() == 3 && open_.back() == "inertial" && !has_mass_)
+      Fail(Line(), "{}: its <inertial> has no mass; write <mass value=\"...\"/>, in kg", owner_);
+    open_.pop_back();
+    if (open_.size() == 1) EndOfOwner();
+  }
 
   void EndOfOwner() {
     if (!in_joint_ || joints_.back().has_limit) return;
@@ -129,7 +139,15 @@ class Check {
       Fail(Line(),
            "this is a xacro file, whose macros stand for the robot; expand it first: xacro {} > {}.urdf",
            file_, StemOf(file_));
+    std::size_t count = 0;
+    for (const char** at = attributes; *at != nullptr; at += 2) ++count;
+    if (count > kMaxAttributes)
+      Fail(Line(), "an element has {} attributes; a robot's have no more than {}", count, kMaxAttributes);
+    if (element == "inertial") has_mass_ = false;
+    if (element == "mass" && !attribute("value").empty()) has_mass_ = true;
     if (open_.size() == 1) {
+      if (element == "link" && ++links_ > kMaxLinks)
+        Fail(Line(), "there are more than {} links; a robot needs fewer", kMaxLinks);
       in_joint_ = element == "joint";
       owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
       if (element == "link" || element == "joint")
@@ -157,7 +175,9 @@ class Check {
       if (!found || static_cast<int>(found->size()) != numbers.count)
         Fail(Line(), "{}: <{} {}=\"{}\">: write {}, without a unit and with a decimal point", owner_, element,
              attribute, Excerpt(text),
-             numbers.count == 1 ? "one number" : "three numbers with blanks between");
+             numbers.count == 1
+                 ? "one number"
+                 : fmt::format("{} numbers with blanks between", numbers.count == 3 ? "three" : "four"));
       for (const double number : *found) {
         if (!(std::abs(number) <= numbers.largest))
           Fail(Line(), "{}: <{} {}=\"{}\">: no robot is so large, {} is the most; is the unit an SI unit?",
@@ -209,6 +229,8 @@ class Check {
   std::vector<std::string> open_;  ///< elements
   std::string owner_;              ///< the link or joint that these are in
   bool in_joint_ = false;          ///< that is one
+  bool has_mass_ = false;          ///< the inertial that is open
+  std::size_t links_ = 0;
   std::vector<Joint> joints_;
   std::vector<std::pair<std::size_t, std::string>> missing_;  ///< what urdfdom must find, by the byte before
   UrdfLines lines_;

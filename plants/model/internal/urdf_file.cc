@@ -9,7 +9,6 @@
 #include <fstream>
 #include <mutex>
 #include <regex>
-#include <sstream>
 
 namespace tenon::internal {
 namespace {
@@ -48,9 +47,11 @@ UrdfFile ParseUrdf(const std::filesystem::path& path) {
   UrdfFile file{path.string(), {}, {}};
   std::ifstream in(path);
   if (!in) file.Fail("the file cannot be read; name a URDF file beside the robot's YAML file");
-  std::stringstream text;
-  text << in.rdbuf();
-  CheckedUrdf checked = CheckUrdf(text.str(), file.name);
+  std::string text;
+  for (char part[1 << 16]; text.size() <= kMaxUrdfBytes && in;
+       text.append(part, static_cast<std::size_t>(in.gcount())))
+    in.read(part, sizeof(part));  // a device may have no end
+  CheckedUrdf checked = CheckUrdf(text, file.name);
   file.lines = std::move(checked.lines);
   static std::mutex mutex;  // the parser's log is the process's
   const std::lock_guard lock(mutex);

@@ -9,4 +9,8 @@ namespace tenon::internal {
 /// characters as \n or \x1b, so that they reach no terminal. Takes UTF-8 and cuts between its characters.
 std::string Excerpt(std::string_view text);
 
+/// A message as it may reach a terminal: its control characters, but for the ends of lines, as \x1b; at most
+/// 4000 characters.
+std::string Printable(std::string_view message);
+
 }  // namespace tenon::internal

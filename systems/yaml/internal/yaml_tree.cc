@@ -164,7 +164,8 @@ class TreeBuilder final : public YAML::EventHandler {
 }  // namespace
 
 void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of) {
-  const auto bad = utf8::find_invalid(text.begin(), text.end());
+  // The encoding has the byte 0, but no text: it is in those of UTF-16.
+  const auto bad = std::min(utf8::find_invalid(text.begin(), text.end()), std::ranges::find(text, '\0'));
   if (bad == text.end()) return;
   const std::string_view before(text.begin(), bad);
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;

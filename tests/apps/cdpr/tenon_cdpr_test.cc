@@ -293,6 +293,9 @@ INSTANTIATE_TEST_SUITE_P(
             "D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
             "plot 'speed': there is no signal 'loop.plant.platform.v_B'; did you mean 'loop.plant.platform"},
         BadUsage{"D1 --set 'report.plots=[{title: speed}]'", "signals"},
+        BadUsage{"D1 --set 'payload={mass_kg: 1, position_m: [1e6, 0, 0]}'",
+                 "position_m = [1000000, 0, 0] must be within 100 m"},
+        BadUsage{"D1 --set integrator.atol=1e308", "atol = 1e+308 must be from 1e-300 to 0.1"},
         BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {

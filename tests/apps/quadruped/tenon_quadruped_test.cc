@@ -96,9 +96,25 @@ TEST_F(TenonQuadrupedTest, FiguresOfNothingAreNull) {
   for (const char* key : {"com_error_max_m", "com_error_rms_m", "grf_error_mean_N",
                           "force_estimate_error_rms_N", "qp_time_median_us", "qp_failures", "distance_m"})
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"" + std::string(key) + "\": null"));
+  const Result air =
+      RunApp("flat --duration 0.2 --set start_height_m=2" + Out());  // feet search, none swings
+  EXPECT_EQ(air.exit_code, 0) << air.text;
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"foot_error_max_m\": {\n    \"front_left\": null"));
   const Result late = RunApp("A1 --set walk.judged_from_s=1000" + Out());
   EXPECT_EQ(late.exit_code, 2);
   EXPECT_THAT(late.text, HasSubstr("before walk.judged_from_s = 1000 s: lower that, or lengthen the walk"));
+}
+
+TEST_F(TenonQuadrupedTest, RefusesMoreFaultsThanARobotMayHave) {
+  fs::create_directories(out);
+  std::ofstream file(out / "faults.yaml");
+  file << "extends: stand\nfaults:\n";
+  for (int i = 0; i < 101; ++i) file << "  - {at: torque, kind: offset, size: 0}\n";
+  file.close();
+  const Result result = RunApp((out / "faults.yaml").string() + Out());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("faults.yaml:3:3: faults: 101 faults are too many, 100 the most")));
 }
 
 TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
@@ -333,6 +349,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "position_m = [0, -1e+308, 0] must be within 100 m"},
         BadUsage{"flat --set walk.friction=0", "friction = 0"},
         BadUsage{"flat --set walk.mass_error_ratio=-1", "the robot would have no mass"},
+        BadUsage{"stand --set integrator.atol_position=1e308", "atol_position = 1e+308 must be from"},
+        BadUsage{"stand --set 'report.plots=[{title: \"\\e[31m\", signals: [b]}]'",
+                 "report: plot '\\x1b[31m'"},
+        BadUsage{"stand --frobnicate$(printf '\\033')", "--frobnicate\\x1b"},
         BadUsage{"A3-sweep --set sweep.phases=100000", "10000 runs are the most"},
         BadUsage{"A3-sweep --set sweep.phases=101 --set sweep.directions=100", "10000 runs are the most"},
         BadUsage{"stand --set 'forces=[{duration_s: 1, frequency_rad_per_s: -3}]'",

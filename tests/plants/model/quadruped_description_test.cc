@@ -1,5 +1,6 @@
 #include <tenon/plants/model/quadruped_description.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -392,6 +393,27 @@ TEST(QuadrupedDescriptionTest, RefusesNumbersThatAreNone) {
   EXPECT_TRUE(Refused(axis, "joint 'FL_hip_joint': <axis xyz=\"1 0\">", "three numbers"));
 }
 
+TEST(QuadrupedDescriptionTest, RefusesInertiasWithoutAMass) {
+  for (const char* mass : {"<mass/>", "<mass valu=\"0.151\"/>", "<mas value=\"0.151\"/>"}) {
+    RobotFiles files("a1");
+    files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", mass);
+    EXPECT_TRUE(Refused(files, "a1.urdf:", "link 'FL_calf'", "<inertial> has no mass")) << mass;
+  }
+}
+
+TEST(QuadrupedDescriptionTest, RefusesShapesThatAreNoNumbers) {
+  for (const char* shape : {"<sphere radius=\"2cm\"/>", "<cylinder radius=\"0,02\" length=\"1\"/>",
+                            "<box size=\"1 2\"/>", "<mesh filename=\"a.stl\" scale=\"1\"/>"}) {
+    RobotFiles files("a1");
+    files.Change(
+        &RobotFiles::urdf, "</robot>",
+        fmt::format("<link name=\"q\"><collision><geometry>{}</geometry></collision></link></robot>", shape));
+    EXPECT_TRUE(Refused(files, "a1.urdf:", "link 'q'", "numbers with blanks") ||
+                Refused(files, "a1.urdf:", "link 'q'", "write one number"))
+        << shape;
+  }
+}
+
 TEST(QuadrupedDescriptionTest, RefusesLinksThatFormNoTree) {
   RobotFiles ring("a1");  // beside the robot
   ring.Change(&RobotFiles::urdf, "</robot>",
@@ -415,6 +437,16 @@ TEST(QuadrupedDescriptionTest, RefusesWhatIsTooDeepOrTooLarge) {
   RobotFiles large("a1");
   large.urdf.append(17 << 20, ' ');
   EXPECT_TRUE(Refused(large, "a1.urdf", "bytes", "no more than"));
+  RobotFiles many("a1");
+  std::string links;
+  for (int i = 0; i < 1000; ++i) links += fmt::format("<link name=\"link_{}\"/>", i);
+  many.Change(&RobotFiles::urdf, "</robot>", links + "</robot>");
+  EXPECT_TRUE(Refused(many, "a1.urdf:", "more than 1000 links"));
+  RobotFiles wide("a1");
+  std::string attributes;
+  for (int i = 0; i < 40; ++i) attributes += fmt::format(" a{}=\"1\"", i);
+  wide.Change(&RobotFiles::urdf, "</robot>", "<link" + attributes + "/></robot>");
+  EXPECT_TRUE(Refused(wide, "a1.urdf:", "40 attributes", "no more than 32"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesWhatIsNoRobotsSize) {

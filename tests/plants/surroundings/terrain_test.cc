@@ -190,6 +190,7 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
     return Throws<ParameterError>([&] { Terrain terrain(params); }, parts...);
   };
   EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = NAN; }, "grade is (nan", "finite slopes"));
+  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = 1e155; }, "grade is (1e+155", "up to 1000"));
   EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction is -0.1", "must be from 0 to 10"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m is 0 m", "must be positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m is (0.4, 0) m", "must be positive"));

@@ -476,6 +476,14 @@ TEST(YamlReadTest, RefusesWhatIsNotUtf8) {
                 HasSubstr("robot.yaml:2:7: byte 0x"))
         << bad;
   }
+  // The byte 0 is in texts of UTF-16.
+  EXPECT_THAT(ErrorOf([] {
+                YamlDocument::Parse(std::string("a\0: \0"
+                                                "1\0",
+                                                7),
+                                    "robot.yaml");
+              }),
+              HasSubstr("robot.yaml:1:2: byte 0x00 is not UTF-8"));
 }
 
 // Size. What is refused here would take hours or all memory.
