@@ -23,7 +23,7 @@ namespace tenon::apps {
 
 namespace fs = std::filesystem;
 
-OutputDirectory::OutputDirectory(fs::path path) : path_(std::move(path)) {
+OutputLock::OutputLock(fs::path path) : path_(std::move(path)) {
   std::error_code error;
   fs::create_directories(path_, error);
   lock_ = error ? -1 : ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -37,18 +37,44 @@ OutputDirectory::OutputDirectory(fs::path path) : path_(std::move(path)) {
         fmt::format("another run writes into the output directory '{}': wait for it, or choose another --out",
                     path_.string()));
   }
+}
+
+OutputLock::~OutputLock() {
+  ::close(lock_);
+}
+
+namespace {
+
+/// The names of the variants that a run of several left in a directory.
+std::vector<std::string> VariantsIn(const fs::path& directory) {
+  std::ifstream in(directory / "summary.json");
+  const auto summary = nlohmann::json::parse(in, nullptr, false);
+  std::vector<std::string> names;
+  if (!summary.is_object()) return names;
+  for (const auto& [name, figures] : summary.items())
+    if (figures.is_object() && figures.contains("end_reason") && fs::path(name).filename() == name)
+      names.push_back(name);
+  return names;
+}
+
+}  // namespace
+
+OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
+  std::error_code error;
+  for (const std::string& variant : VariantsIn(this->path())) {
+    const fs::path directory = this->path() / variant;
+    if (!fs::is_directory(directory, error)) continue;
+    OutputDirectory{directory};
+    fs::remove(directory, error);  // unless there is more in it
+  }
   for (const std::string name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"}) {
-    fs::remove(path_ / name, error);
+    fs::remove(this->path() / name, error);
     for (const auto& entry :
-         fs::directory_iterator(path_, error)) {  // what a killed run did not come to rename
+         fs::directory_iterator(this->path(), error)) {  // what a killed run did not come to rename
       const std::string file = entry.path().filename().string();
       if (file.starts_with("." + name + ".") && file.ends_with(".part")) fs::remove(entry.path(), error);
     }
   }
-}
-
-OutputDirectory::~OutputDirectory() {
-  ::close(lock_);
 }
 
 namespace {

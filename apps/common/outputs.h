@@ -20,20 +20,28 @@
 
 namespace tenon::apps {
 
-/// The directory that a run writes into; made if it is not there. It belongs to this process as long as the
-/// object lives, and what an earlier run left in it is gone: files of two runs never stand beside each other.
-class OutputDirectory {
+/// A directory that something is written into; made if it is not there. It belongs to this process as long as
+/// the object lives.
+class OutputLock {
  public:
   /// Throws OutputError if the directory cannot be made, and ParameterError if another run writes into it.
-  explicit OutputDirectory(std::filesystem::path path);
-  ~OutputDirectory();
-  OutputDirectory(const OutputDirectory&) = delete;
-  OutputDirectory& operator=(const OutputDirectory&) = delete;
+  explicit OutputLock(std::filesystem::path path);
+  ~OutputLock();
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
   int lock_;  ///< a descriptor; the system gives it up with the process
+};
+
+/// That of a run. What an earlier run left in it is gone, and what its variants left in theirs: files of two
+/// runs never stand beside each other.
+class OutputDirectory : public OutputLock {
+ public:
+  /// Throws as OutputLock does.
+  explicit OutputDirectory(std::filesystem::path path);
 };
 
 /// Writes the diagram to a file, unless its name is empty: as SVG through Graphviz, or as .dot. Throws

@@ -58,12 +58,7 @@ int Run(const std::vector<std::string>& directories, const fs::path& out) {
                  .description = fmt::format("{}", fmt::join(titles.size() == 1 ? names : titles, "; ")),
                  .plots = plots});
   for (std::size_t i = 0; i < runs.size(); ++i) report.Add(names[i], runs[i]);
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) {
-    throw OutputError(fmt::format("cannot make the output directory '{}' ({}): choose another --out",
-                                  out.string(), error.message()));
-  }
+  const OutputLock lock(out);
   report.Write(out / "report.html");
   fmt::print("{}\n", (out / "report.html").string());
   return kRan;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <string>
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
@@ -50,14 +51,24 @@ Summary Try(const char* scenario, const fs::path& yaml, double duration, const f
   return QuadrupedApp().run(document, duration, {.out = out}).summary;
 }
 
+/// What a trial says of the robot: nothing, if it was stopped or its files could not be written.
+std::string Shown(const Summary& trial, const char* name) {
+  const int code = trial.exit_code();
+  if (code == kRan) return "yes";
+  if (code >= kOutputFailed)
+    return fmt::format("not known: the trial {}",
+                       code == kOutputFailed ? "could not be written" : "was stopped");
+  return fmt::format("no, see {}/report.html", name);
+}
+
 int Run(const RobotArguments& arguments) {
   const fs::path urdf = arguments.urdf;
   const std::string name = urdf.stem().string();
   const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
   const QuadrupedProposal proposal = ProposeQuadruped(urdf, LockedJoints(arguments.locks));
 
+  const OutputLock lock(out);
   std::error_code error;
-  fs::create_directories(out, error);
   const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
   if (!fs::equivalent(urdf, beside, error)) {
     std::ifstream in(urdf, std::ios::binary);
@@ -76,11 +87,11 @@ int Run(const RobotArguments& arguments) {
   std::fflush(stdout);
 
   const Summary stand = Try("stand", yaml, kStand, out / "stand");
-  fmt::print("{:<28} {}\n", "stands", stand.exit_code() == kRan ? "yes" : "no, see stand/report.html");
+  fmt::print("{:<28} {}\n", "stands", Shown(stand, "stand"));
   std::fflush(stdout);
   if (stand.exit_code() >= kOutputFailed) return stand.exit_code();
   const Summary trot = Try("flat", yaml, kTrot, out / "trot");
-  fmt::print("{:<28} {}\n", "trots", trot.exit_code() == kRan ? "yes" : "no, see trot/report.html");
+  fmt::print("{:<28} {}\n", "trots", Shown(trot, "trot"));
   for (const auto& [key, value] : trot.Flat())
     if (key == "end_reason" || key == "com_error_max_m" || key == "foot_error_max_m.front_left")
       fmt::print("{:<28} {}\n", key, value);

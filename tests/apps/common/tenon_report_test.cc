@@ -83,6 +83,12 @@ TEST_F(TenonReportTest, SaysWhatIsMissingWhere) {
   refused(nine, "9 runs: a page shows at most 8");
   fs::remove(out / "hang" / "signals.csv");
   refused(Directory("circle") + " " + Directory("hang"), "'" + Directory("hang") + "' has no signals.csv");
+  fs::create_directories(out / "taken");
+  const std::string taken = (out / "taken").string();
+  const Result locked =
+      RunCommand("flock " + taken + " " TENON_REPORT " " + Directory("circle") + " --out " + taken);
+  EXPECT_EQ(locked.exit_code, 2);
+  EXPECT_THAT(locked.text, HasSubstr("another run writes into the output directory"));
   const Result full = RunApp(Directory("circle") + " --out /proc/none");
   EXPECT_EQ(full.exit_code, 5);
   EXPECT_THAT(full.text, HasSubstr("cannot make the output directory '/proc/none'"));

@@ -64,6 +64,7 @@ TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
   EXPECT_EQ(RunApp("A3-sweep --duration 0.1 --set sweep.phases=2 --set sweep.directions=1" + Out()).exit_code,
             0);
   EXPECT_THAT(Read(out / "phase_1_direction_0" / "scenario.yaml"), HasSubstr("start_s: 3.885"));
+  EXPECT_FALSE(fs::exists(out / "focchi")) << "of the run before";
   EXPECT_TRUE(fs::exists(out / "report.html"));
 }
 

@@ -57,8 +57,18 @@ TEST_F(TenonRobotTest, EndsWithATrialThatCannotBeWritten) {
   const Result run =
       RunCommand("sh -c 'ulimit -f 100; " TENON_ROBOT " " TENON_ROBOTS_DIR "/a1.urdf" + Out() + "'");
   EXPECT_EQ(run.exit_code, 5) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("not known: the trial could not be written"));
   EXPECT_TRUE(fs::exists(out / "stand"));
   EXPECT_FALSE(fs::exists(out / "trot"));
+}
+
+TEST_F(TenonRobotTest, WritesIntoNoDirectoryOfAnother) {
+  fs::create_directories(out);
+  const Result run =
+      RunCommand("flock " + out.string() + " " TENON_ROBOT " " TENON_ROBOTS_DIR "/a1.urdf" + Out());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.text, HasSubstr("another run writes into the output directory"));
+  EXPECT_FALSE(fs::exists(out / "a1.yaml"));
 }
 
 TEST_F(TenonRobotTest, SaysWhatIsWrong) {
