@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 
 namespace tenon::apps {
 
@@ -19,11 +20,15 @@ void CheckVariantNames(const std::vector<std::string>& names) {
     if (name.empty() || name.front() == '.' || name.find_first_of(std::string_view("/\0", 2)) != name.npos) {
       throw ParameterError(fmt::format(
           "the variant '{}' is to be a directory below --out: name it without '/' and not with a '.' first",
-          name));
+          internal::Excerpt(name)));
     }
+    if (name == "summary.json" || name == "report.html")
+      throw ParameterError(
+          fmt::format("the variant '{}' is called as a file of the whole: give it another name", name));
     if (!seen.insert(name).second) {
       throw ParameterError(
-          fmt::format("two variants are called '{}': give each a name of its own, or take one out", name));
+          fmt::format("two variants are called '{}': give each a name of its own, or take one out",
+                      internal::Excerpt(name)));
     }
   }
 }

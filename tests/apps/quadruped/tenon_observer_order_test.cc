@@ -75,6 +75,15 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{"A0 --set 'variants=[{name: a, gains_per_s: [1], butterworth: {order: 1, "
                                "bandwidth_rad_per_s: 1}}]'",
                                "'a' has gains_per_s and butterworth"},
+                      BadUsage{"A0 --set 'variants=[{name: a/b, gains_per_s: [1]}]'",
+                               "'a/b' is to be a directory below --out"},
+                      BadUsage{"A0 --set 'variants=[{name: \"a\\0b\", gains_per_s: [1]}]'",
+                               "'a\\x00b' is to be a directory below --out"},
+                      BadUsage{"A0 --set 'variants=[{name: summary.json, gains_per_s: [1]}]'",
+                               "'summary.json' is called as a file of the whole"},
+                      BadUsage{
+                          "A0 --set 'variants=[{name: a, gains_per_s: [1]}, {name: a, gains_per_s: [2]}]'",
+                          "two variants are called 'a'"},
                       BadUsage{"A0 --set robot=dogbt", "did you mean 'dogbot'"}));
 
 TEST(TenonObserverOrderListTest, ListsScenariosWithTheirDescriptions) {
