@@ -149,11 +149,8 @@ void MpcScenario::Validate() const {
 }
 
 void PayloadScenario::Validate() const {
-  constexpr double kFar = 100;
   DemandNotNegative("mass_kg", mass_kg);
-  Demand(position_m.allFinite() && position_m.cwiseAbs().maxCoeff() <= kFar,
-         fmt::format("position_m = [{}, {}, {}] must be within {} m", position_m[0], position_m[1],
-                     position_m[2], kFar));
+  DemandNear("position_m", position_m);
   Demand(release_s >= attach_s, fmt::format("release_s = {} lies before attach_s = {}", release_s, attach_s));
 }
 

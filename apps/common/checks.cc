@@ -19,6 +19,13 @@ void DemandNotNegative(const char* key, double value) {
   throw ParameterError(fmt::format("{} = {} must be finite and not negative", key, value));
 }
 
+void DemandNear(const char* key, const Eigen::Vector3d& place_m) {
+  constexpr double kFar = 100;
+  if (place_m.allFinite() && place_m.cwiseAbs().maxCoeff() <= kFar) return;
+  throw ParameterError(
+      fmt::format("{} = [{}, {}, {}] must be within {} m", key, place_m[0], place_m[1], place_m[2], kFar));
+}
+
 void DemandRate(const char* key, double hz) {
   constexpr double kMost = 1e5;
   if (hz > kMost)

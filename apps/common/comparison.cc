@@ -17,7 +17,7 @@ namespace tenon::apps {
 void CheckVariantNames(const std::vector<std::string>& names) {
   std::set<std::string_view> seen;
   for (const std::string& name : names) {
-    if (name.empty() || name.front() == '.' || name.find_first_of(std::string_view("/\0", 2)) != name.npos) {
+    if (!IsVariantName(name)) {
       throw ParameterError(fmt::format(
           "the variant '{}' is to be a directory below --out: name it without '/' and not with a '.' first",
           internal::Excerpt(name)));
@@ -54,9 +54,9 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
     worst = std::max(worst, result.summary.exit_code());
     runs.emplace_back(variant.name, std::move(result.summary));
     if (result.report && reports.size() < kReported) reports.push_back(std::move(*result.report));
+    if (SignalGuard::caught() != 0) worst = std::max(worst, 128 + SignalGuard::caught());
     // After each, so that nothing is lost if the next is killed, but of many short ones no more than a tenth
     // of the time.
-    if (SignalGuard::caught() != 0) worst = std::max(worst, 128 + SignalGuard::caught());
     const Clock::time_point now = Clock::now();
     if (now >= due || worst >= kOutputFailed || runs.size() == variants.size()) {
       worst =

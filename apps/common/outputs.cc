@@ -52,12 +52,15 @@ std::vector<std::string> VariantsIn(const fs::path& directory) {
   std::vector<std::string> names;
   if (!summary.is_object()) return names;
   for (const auto& [name, figures] : summary.items())
-    if (figures.is_object() && figures.contains("end_reason") && fs::path(name).filename() == name)
-      names.push_back(name);
+    if (figures.is_object() && figures.contains("end_reason") && IsVariantName(name)) names.push_back(name);
   return names;
 }
 
 }  // namespace
+
+bool IsVariantName(std::string_view name) {
+  return !name.empty() && name.front() != '.' && name.find_first_of(std::string_view("/\0", 2)) == name.npos;
+}
 
 OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
   std::error_code error;

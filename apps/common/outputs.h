@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,9 @@ class OutputLock {
   std::filesystem::path path_;
   int lock_;  ///< a descriptor; the system gives it up with the process
 };
+
+/// Whether a directory right below that of several runs may be called so: it has no '/' and no '.' first.
+bool IsVariantName(std::string_view name);
 
 /// That of a run. What an earlier run left in it is gone, and what its variants left in theirs: files of two
 /// runs never stand beside each other.

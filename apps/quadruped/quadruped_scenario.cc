@@ -154,10 +154,8 @@ void SlideScenario::Validate() const {
 
 void TrunkLoadScenario::Validate() const {
   DemandBetween("mass_kg", mass_kg, 0, 1e6);
+  DemandNear("position_m", position_m);
   constexpr double kFar = 100;  // m: beyond that it lies on no robot
-  Demand(position_m.allFinite() && position_m.cwiseAbs().maxCoeff() <= kFar,
-         fmt::format("position_m = [{}, {}, {}] must be within {} m", position_m[0], position_m[1],
-                     position_m[2], kFar));
   Demand(edges_m.allFinite() && edges_m.minCoeff() >= 0 && edges_m.maxCoeff() <= kFar,
          fmt::format("edges_m = [{}, {}, {}] must not be negative, and within {} m", edges_m[0], edges_m[1],
                      edges_m[2], kFar));

@@ -69,6 +69,14 @@ TEST_F(TenonStoppedRunTest, WhatIsKilledLeavesWholeRowsAndNothingOld) {
   EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("case: flat"));
 }
 
+TEST_F(TenonStoppedRunTest, NothingOutsideOfItsDirectoryGoes) {
+  fs::create_directories(out / "run");
+  std::ofstream(out / "report.html") << "of somebody else";
+  std::ofstream(out / "run" / "summary.json") << R"({"..": {"end_reason": ""}})";
+  EXPECT_EQ(RunCommand(kApp + " stand --duration 0.1 --out " + (out / "run").string()).exit_code, 0);
+  EXPECT_EQ(Read(out / "report.html"), "of somebody else");
+}
+
 TEST_F(TenonStoppedRunTest, ADirectoryBelongsToOneRunAtATime) {
   const Result result =
       WhileRunning(kApp + " stand --duration 0.1" + Out() + "; echo second $?; kill -KILL $run; wait $run; " +
