@@ -48,8 +48,8 @@ void Variation::Validate() const {
   if (linspace) {
     const double count = (*linspace)[2];
     if (count != std::floor(count) || count < 2 || count > 1e6)
-      throw ParameterError(
-          fmt::format("linspace: [from, to, count] has a count of {}: give an integer from 2 on", count));
+      throw ParameterError(fmt::format(
+          "linspace: [from, to, count] has a count of {:.6g}: give an integer from 2 to 1000000", count));
   }
   for (const auto& range : {sobol, latin_hypercube})
     if (range && (*range)[0] > (*range)[1])

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <map>
 #include <set>
+#include <system_error>
 
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/random_stream.h>
 
 namespace tenon::apps {
@@ -28,6 +31,19 @@ std::vector<std::pair<std::string, double>> Targets(const std::string& name,
 
 std::string Text(double value) {
   return fmt::format("{}", value);
+}
+
+/// Throws ParameterError if a value stands in a list twice, be it as 1 and 1.0.
+void DemandNoneTwice(const std::vector<std::string>& labels) {
+  std::set<std::string> seen;
+  for (const std::string& label : labels) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(label.data(), label.data() + label.size(), number);
+    const bool is_number = error == std::errc() && end == label.data() + label.size();
+    if (!seen.insert(is_number ? Text(number) : label).second)
+      throw ParameterError(fmt::format("{} stands there twice: its runs would be the same, take one out",
+                                       internal::Excerpt(label)));
+  }
 }
 
 /// Throws ParameterError if runs.csv has a column of that name anyway.
@@ -77,6 +93,7 @@ void CampaignPlan::AddAxis(const std::string& name, const Variation& how,
     std::vector<Setting>& settings = axis.settings.emplace_back();
     for (const auto& [key, value] : how.choices.at(label)) settings.push_back({key, value.text});
   }
+  DemandNoneTwice(axis.labels);
   points_ *= axis.labels.size();
   axes_.push_back(std::move(axis));
 }

@@ -25,10 +25,19 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
   const std::size_t stride = (plan.num_points() + kMostChecks - 1) / kMostChecks;
   for (std::size_t point = 0; point < plan.num_points(); point += stride) {
     ++num_checked_;
+    YamlDocument scenario = Prepare(plan.RunOf(point, 0, 0)).scenario;
     try {
-      app_.check(Prepare(plan.RunOf(point, 0, 0)).scenario);
+      app_.check(scenario);
     } catch (const Error& error) {
       if (num_refused_++ == 0) refusal_ = error.what();
+      continue;
+    }
+    if (!plan.file().duration_s || !cut_short_.empty()) continue;
+    scenario.Set("duration_s", fmt::format("{}", *plan.file().duration_s));
+    try {
+      app_.check(scenario);
+    } catch (const Error& error) {
+      cut_short_ = error.what();
     }
   }
   if (num_refused_ < num_checked_) return;

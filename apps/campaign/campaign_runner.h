@@ -37,6 +37,9 @@ class CampaignRunner {
   std::size_t num_checked() const { return num_checked_; }
   std::size_t num_refused() const { return num_refused_; }
   const std::string& refusal() const { return refusal_; }
+  /// Why the scenario of the first point that can run would not take `duration_s` for its own time, as of one
+  /// that ends before its figures begin; empty if it would.
+  const std::string& cut_short() const { return cut_short_; }
   /// All scenarios as they are read, for comparing.
   std::string ScenarioTexts() const;
 
@@ -52,7 +55,7 @@ class CampaignRunner {
   ScenarioApp app_;
   std::map<std::string, YamlDocument> scenarios_;
   std::size_t num_checked_ = 0, num_refused_ = 0;
-  std::string refusal_;
+  std::string refusal_, cut_short_;
 };
 
 }  // namespace tenon::apps

@@ -183,7 +183,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
     DemandSameInputs(directory, Inputs(file, runner),
                      "choose another --out, where the run alone is repeated");
   const fs::path place = ReplayDirectory(directory, run);
-  fs::create_directories(directory);
+  const OutputLock lock(directory);
   const CampaignResult again = runner.Replay(run, place);
   for (const auto& [column, text] : again.row) fmt::print("{:<28} {}\n", column, text);
   fmt::print("{:<28} {}\n", "report", (place / "report.html").string());
@@ -276,6 +276,9 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   if (runner.num_refused() > 0)
     Say(fmt::format("warning: at {} of {} points the scenario is refused, their runs will fail: {}\n",
                     runner.num_refused(), runner.num_checked(), runner.refusal()));
+  if (!runner.cut_short().empty())
+    Say(fmt::format("warning: duration_s is what the scenario itself would refuse: {}\n",
+                    runner.cut_short()));
 
   CampaignDesk desk(schedule, table, before);
   if (mpi != nullptr) {

@@ -127,6 +127,12 @@ PlatformPath MakePath(const PathScenario& path) {
 
 PlatformPath PathScenario::Make() const {
   PlatformPath path = MakePath(*this);
+  constexpr double kLongest = 3600;  // s
+  const double begin = path.position.start_time(), end = path.position.end_time();
+  Demand(
+      path.position.is_periodic() || end - begin <= kLongest,
+      fmt::format("{}: the way takes {:.10g} s and is planned as a whole before the run: {} s are the most",
+                  times_s.empty() ? "waypoints" : "times_s", end - begin, kLongest));
   Demand(!path.attitude || !attitude_rad,
          "the path says the attitude by place and attitude_rad all along: leave one of them away");
   Demand(
@@ -146,6 +152,9 @@ void MpcScenario::Validate() const {
   DemandRate("rate_hz", rate_hz);
   DemandRate("command_rate_hz", command_rate_hz);
   DemandNotNegative("max_fallbacks_in_a_row", max_fallbacks_in_a_row);
+  Demand(mass_error > -1 && mass_error <= 100,
+         fmt::format("mass_error = {:.4g} must be above -1, or the model would have no mass, and at most 100",
+                     mass_error));
 }
 
 void PayloadScenario::Validate() const {
@@ -185,9 +194,8 @@ void CdprScenario::Validate() const {
   Demand(
       !IsMpc(controller) || mpc.has_value(),
       fmt::format("controller is '{}' but there is no section mpc: give its weights", EnumName(controller)));
-  Demand(!mpc || mpc->mass_error > -1, "mpc.mass_error must be above -1: the model would have no mass");
   DemandRate("log_rate_hz", log_rate_hz);
-  Demand(max_tension_ratio >= 1, fmt::format("max_tension_ratio = {} must be at least 1", max_tension_ratio));
+  DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
   DemandNotNegative("cable_diameter_m", cable_diameter_m);
 }
 
@@ -223,15 +231,28 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
     believed.mass *= 1 + scenario.mpc->mass_error;
     believed.inertia_B *= 1 + scenario.mpc->mass_error;
   }
-  params.path = Blame("path", [&] {
-    const PlatformPath path = scenario.path.Make();
+  const PlatformPath path = Blame("path", [&] { return scenario.path.Make(); });
+  const auto equilibria = [&](const CdprDescription& robot) {
     return std::make_shared<EquilibriumPath>(
-        believed, path.position,
+        robot, path.position,
         StaticsOptions{.attitude = scenario.path.attitude_rad, .tension_aim = scenario.path.tension_aim_N},
         path.attitude);
+  };
+  params.path = Blame("path", [&] {
+    try {
+      return equilibria(believed);
+    } catch (const ParameterError& error) {
+      if (believed.mass == params.robot.mass) throw;
+      equilibria(params.robot);  // or it is the path's fault
+      throw KeyError("mpc.mass_error", error.what());
+    }
   });
   if (IsMpc(scenario.controller))
-    params.mpc = Blame("mpc", [&] { return MakeMpcParams(scenario, params.path); });
+    params.mpc = Blame("mpc", [&] {
+      CdprMpcParams mpc = MakeMpcParams(scenario, params.path);
+      mpc.Validate();
+      return mpc;
+    });
   params.feedforward = scenario.controller == CdprController::kPdFeedforward;
   params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
                        (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc->offset_free);

@@ -1,12 +1,20 @@
 #include <tenon/apps/common/blame.h>
 
-#include <fmt/core.h>
+#include <string_view>
+
+#include <tenon/plants/model/resources.h>
 
 namespace tenon::apps {
 
+/// A message without the place in a map of what differs from a file: the map is one of the scenario.
+static std::string_view WithoutPlaceInMap(std::string_view message) {
+  if (!message.starts_with(kWhatDiffers)) return message;
+  const std::size_t end = message.find(": ");
+  return end == message.npos ? message : message.substr(end + 2);
+}
+
 void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error) {
-  const std::string place = error.key().empty() ? scenario.name() : scenario.PlaceOf(error.key());
-  throw ParameterError(fmt::format("{}: {}", place, error.what()));
+  throw ParameterError(scenario.Placed(error.key(), WithoutPlaceInMap(error.what())));
 }
 
 }  // namespace tenon::apps

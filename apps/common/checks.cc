@@ -11,26 +11,27 @@ namespace tenon::apps {
 
 void DemandPositive(const char* key, double value) {
   if (std::isfinite(value) && value > 0) return;
-  throw ParameterError(fmt::format("{} = {} must be positive and finite", key, value));
+  throw ParameterError(fmt::format("{} = {:.10g} must be positive and finite", key, value));
 }
 
 void DemandNotNegative(const char* key, double value) {
   if (std::isfinite(value) && value >= 0) return;
-  throw ParameterError(fmt::format("{} = {} must be finite and not negative", key, value));
+  throw ParameterError(fmt::format("{} = {:.10g} must be finite and not negative", key, value));
 }
 
 void DemandNear(const char* key, const Eigen::Vector3d& place_m) {
   constexpr double kFar = 100;
   if (place_m.allFinite() && place_m.cwiseAbs().maxCoeff() <= kFar) return;
-  throw ParameterError(
-      fmt::format("{} = [{}, {}, {}] must be within {} m", key, place_m[0], place_m[1], place_m[2], kFar));
+  throw ParameterError(fmt::format("{} = [{:.10g}, {:.10g}, {:.10g}] must be within {} m", key, place_m[0],
+                                   place_m[1], place_m[2], kFar));
 }
 
+static constexpr double kFastest = 1e5;  // Hz
+
 void DemandRate(const char* key, double hz) {
-  constexpr double kMost = 1e5;
-  if (hz > kMost)
-    throw ParameterError(
-        fmt::format("{} = {} must be at most {}: nothing on a robot is sampled faster", key, hz, kMost));
+  if (hz > kFastest)
+    throw ParameterError(fmt::format("{} = {:.10g} must be at most {}: nothing on a robot is sampled faster",
+                                     key, hz, kFastest));
   try {
     Hz(hz);
   } catch (const ParameterError& error) {
@@ -38,9 +39,20 @@ void DemandRate(const char* key, double hz) {
   }
 }
 
+void DemandSamplePeriod(const char* key, double s) {
+  if (!(s >= 1 / kFastest))
+    throw ParameterError(fmt::format("{} = {:.4g} must be at least {}: nothing on a robot is sampled faster",
+                                     key, s, 1 / kFastest));
+  try {
+    Seconds(s);
+  } catch (const ParameterError& error) {
+    throw ParameterError(fmt::format("{}: {}", key, error.what()));
+  }
+}
+
 void DemandBetween(const char* key, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  throw ParameterError(fmt::format("{} = {} must be from {} to {}", key, value, low, high));
+  throw ParameterError(fmt::format("{} = {:.10g} must be from {} to {}", key, value, low, high));
 }
 
 }  // namespace tenon::apps

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <sstream>
 #include <system_error>
 
 #include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/errors.h>
@@ -106,7 +108,11 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
           .graph = arguments.graph};
 }
 
+static constexpr const char* kNoMemory =
+    "out of memory before the run began: is a robot, a list or a horizon of the scenario huge?";
+
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  const MemoryReserve reserve;
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is one that cannot be written, and said so
   app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
   // `--live 8081` as `--live=8081`; any other word behind --live is the scenario.
@@ -124,14 +130,16 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   } catch (const CLI::ParseError& error) {
     std::ostringstream refusal;
     const int code = app.exit(error, std::cout, refusal);
-    Say(internal::Printable(refusal.str()));
+    Say(refusal.str());
     return code == 0 ? kRan : kBadUsage;
   }
   const auto fail = [&](const char* what, ExitCode code) {
-    Say(fmt::format("{}: {}\n", app.get_name(), internal::Printable(what)));
+    Say(fmt::format("{}: {}\n", app.get_name(), what));
     return code;
   };
   try {
+    const std::string here = std::filesystem::current_path().string();
+    CheckUtf8(here, fmt::format("the working directory '{}'", internal::Excerpt(here)));
     for (int i = 1; i < argc; ++i) CheckUtf8(argv[i], fmt::format("argument {} of the command line", i));
     const int code = body();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -142,9 +150,9 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   } catch (const RunError& error) {
     return fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
-    return fail("out of memory before the run began: is a robot, a list or a horizon of the scenario huge?",
-                kNumericalFailure);
+    return fail(kNoMemory, kNumericalFailure);
   } catch (const std::system_error& error) {
+    if (error.code() == std::errc::not_enough_memory) return fail(kNoMemory, kNumericalFailure);
     return fail(error.what(), kOutputFailed);
   } catch (const std::exception& error) {
     return fail(error.what(), kBadUsage);

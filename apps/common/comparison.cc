@@ -19,7 +19,8 @@ void CheckVariantNames(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (!IsVariantName(name)) {
       throw ParameterError(fmt::format(
-          "the variant '{}' is to be a directory below --out: name it without '/' and not with a '.' first",
+          "the variant '{}' is to be a directory below --out: name it without '/', not with a '.' "
+          "first, in 200 bytes",
           internal::Excerpt(name)));
     }
     if (name == "summary.json" || name == "report.html")

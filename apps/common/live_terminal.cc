@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <tenon/apps/common/progress.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 
 namespace tenon::apps {
 namespace {
@@ -44,7 +45,7 @@ void LiveTerminal::Poll(LiveServer& server) {
   const auto now = std::chrono::steady_clock::now();
   if (now - shown_ < std::chrono::milliseconds(200)) return;
   shown_ = now;
-  Say(fmt::format("\r{}\033[K", Line(server.status())));
+  Draw(fmt::format("\r{}\033[K", internal::Printable(Line(server.status()))));
 }
 
 void LiveTerminal::Send(LiveServer& server, const std::string& command) {

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/simulation/background_log.h>
@@ -59,7 +60,9 @@ std::vector<std::string> VariantsIn(const fs::path& directory) {
 }  // namespace
 
 bool IsVariantName(std::string_view name) {
-  return !name.empty() && name.front() != '.' && name.find_first_of(std::string_view("/\0", 2)) == name.npos;
+  constexpr std::size_t kLongest = 200;  // bytes; file systems take 255
+  return !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+         name.find_first_of(std::string_view("/\0", 2)) == name.npos;
 }
 
 OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
@@ -70,29 +73,29 @@ OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
     OutputDirectory{directory};
     fs::remove(directory, error);  // unless there is more in it
   }
-  for (const std::string name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"}) {
-    fs::remove(this->path() / name, error);
-    for (const auto& entry :
-         fs::directory_iterator(this->path(), error)) {  // what a killed run did not come to rename
-      const std::string file = entry.path().filename().string();
-      if (file.starts_with("." + name + ".") && file.ends_with(".part")) fs::remove(entry.path(), error);
-    }
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(this->path(), error)) {
+    const std::string file = entry.path().filename().string();
+    for (const std::string name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
+      if (file == name || (file.starts_with("." + name + ".") && file.ends_with(".part")))  // of a killed run
+        left.push_back(entry.path());
   }
+  for (const fs::path& file : left) fs::remove(file, error);
 }
 
 namespace {
 
-/// Runs Graphviz's dot, without a shell. Returns whether it ran and was content.
-bool RunDot(const fs::path& text, const fs::path& svg) {
+/// Runs Graphviz's dot, without a shell. Returns its exit code; nothing if there is none.
+std::optional<int> RunDot(const fs::path& text, const fs::path& svg) {
   std::string arguments[] = {"dot", "-Tsvg", "-o", svg.string(), text.string()};
   char* list[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(),
                   arguments[3].data(), arguments[4].data(), nullptr};
   ::pid_t process = 0;
-  if (::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ) != 0) return false;
+  if (::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ) != 0) return {};
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace
@@ -103,17 +106,45 @@ void WriteGraph(const Diagram& diagram, const fs::path& file) {
   if (file.extension() != ".svg") {
     throw ParameterError(fmt::format("--graph {}: name a file that ends in .svg or .dot", file.string()));
   }
-  WriteFile(file, "");  // says so at once if the place cannot be written
   const fs::path svg = fs::absolute(file);
-  const fs::path text = fs::path(svg).replace_extension(".dot.part");
-  WriteFile(text, diagram.Graphviz());
-  const bool drawn = RunDot(text, svg);
-  std::error_code ignored;
+  const auto part = [&](const char* ending) {
+    return fs::path(svg).replace_filename(
+        fmt::format(".{}.{}{}.part", svg.filename().string(), ::getpid(), ending));
+  };
+  const fs::path text = part(".dot"), drawn = part("");
+  try {
+    WriteFile(text, diagram.Graphviz());
+  } catch (const OutputError& failure) {
+    throw OutputError(fmt::format("--graph {}: {}", file.string(), failure.what()));
+  }
+  const std::optional<int> code = RunDot(text, drawn);
+  std::error_code error, ignored;
   fs::remove(text, ignored);
-  if (drawn) return;
-  fs::remove(svg, ignored);
-  throw ParameterError(fmt::format(
-      "--graph {}: Graphviz's `dot` failed; apt-get install graphviz, or write a .dot file", file.string()));
+  if (code == 0) fs::rename(drawn, svg, error);
+  if (code != 0 || error) fs::remove(drawn, ignored);
+  if (!code)
+    throw ParameterError(fmt::format(
+        "--graph {}: there is no `dot`; apt-get install graphviz, or write a .dot file", file.string()));
+  if (*code != 0)
+    throw OutputError(fmt::format(
+        "cannot write '{}': Graphviz's `dot` ended with {}; is the disk full? A .dot file takes less",
+        file.string(), *code));
+  if (error) throw OutputError(fmt::format("cannot write '{}': {}", file.string(), error.message()));
+}
+
+void ReportScenario::Validate() const {
+  static constexpr std::size_t kMost = 1000;  // a page of more can neither be read nor shown
+  const auto demand = [](std::size_t count, const std::string& what) {
+    if (count > kMost)
+      throw ParameterError(fmt::format("{} has {} entries: {} are the most", what, count, kMost));
+  };
+  demand(plots.size(), "plots");
+  demand(events.size(), "events");
+  demand(bands.size(), "bands");
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    demand(plots[i].signals.size(), fmt::format("plots.{}.signals", i));
+    demand(plots[i].references.size(), fmt::format("plots.{}.references", i));
+  }
 }
 
 /// What a Monitor is called that knows when a robot has fallen.
@@ -308,6 +339,7 @@ std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink) {
 }
 
 int TryToWrite(const std::function<void()>& write) {
+  MemoryReserve::Refill();  // a run may have ended because there was no more
   try {
     write();
     return kRan;

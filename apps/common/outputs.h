@@ -63,6 +63,7 @@ struct ReportScenario {
             {"events", &ReportScenario::events},
             {"bands", &ReportScenario::bands}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// summary.json: the figures of a run, SI units in the keys. Starts with those that all apps have.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -13,12 +14,23 @@
 #include <new>
 #include <utility>
 
+#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/run_options.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
 
 void Say(const std::string& text) noexcept {
+  try {
+    Draw(internal::Printable(text));
+  } catch (const std::bad_alloc&) {
+    for (const char c : text)
+      std::fputc(std::iscntrl(static_cast<unsigned char>(c)) != 0 && c != '\n' ? '?' : c, stderr);
+  }
+}
+
+void Draw(const std::string& text) noexcept {
   std::fputs(text.c_str(), stderr);
 }
 
@@ -36,7 +48,7 @@ void ProgressLine::Show(std::optional<double> share, const std::string& text) {
     constexpr int kWidth = 30;
     const auto filled = static_cast<std::size_t>(kWidth * std::clamp(share.value_or(0), 0.0, 1.0));
     const std::string bar = share ? fmt::format("[{:<{}}] ", std::string(filled, '#'), kWidth) : "";
-    Say(fmt::format("\r{}{}   ", bar, text));
+    Draw(fmt::format("\r{}{}   ", bar, internal::Printable(text)));
   } else {
     Say(text + "\n");
   }
@@ -85,6 +97,10 @@ std::mutex guard_mutex;
 int guards = 0;  ///< that live
 std::array<struct sigaction, kSignals.size()> actions_before{};
 
+std::string OutOfMemoryAt(const Context& context) {
+  return fmt::format("out of memory in the run at t = {} s", context.time());
+}
+
 }  // namespace
 
 SignalGuard::SignalGuard() {
@@ -112,8 +128,10 @@ int SignalGuard::caught() {
 }
 
 void StopOnSignal(Simulator& simulator) {
-  simulator.AddMonitor(
-      [](Context&) { return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted); });
+  simulator.AddMonitor([](Context& context) {
+    if (MemoryReserve::given()) throw RunError(OutOfMemoryAt(context));
+    return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted);
+  });
 }
 
 RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance) {
@@ -134,7 +152,7 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   } catch (const RunError& error) {
     fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
-    fail(fmt::format("out of memory in the run at t = {} s", simulator.context().time()), kNumericalFailure);
+    fail(OutOfMemoryAt(simulator.context()), kNumericalFailure);
   }
   // Also if it came with the last tick: who stops one run of several means all.
   if (const int caught = SignalGuard::caught(); caught != 0 && outcome.exit_code != kOutputFailed) {

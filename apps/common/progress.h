@@ -9,8 +9,10 @@
 
 namespace tenon::apps {
 
-/// On stderr; what cannot be told there is lost, and nothing else with it.
+/// On stderr, control characters escaped; what cannot be told there is lost, and nothing else with it.
 void Say(const std::string& text) noexcept;
+/// On a terminal, control characters and all: for lines that are written over.
+void Draw(const std::string& text) noexcept;
 
 /// How far something is, on stderr: a line that is written over with a bar if stderr is a terminal, else a
 /// line every 5 s.
@@ -79,7 +81,7 @@ class SignalGuard {
 /// the caller can still write what there is. A monitor that ends it has broken a limit; the reason
 /// "interrupted" counts as SIGINT.
 RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance);
-/// Lets SIGINT and SIGTERM end what the simulator advances, see SignalGuard.
+/// Lets SIGINT and SIGTERM end what the simulator advances, see SignalGuard, and memory that is all but out.
 void StopOnSignal(Simulator& simulator);
 
 /// Advances to `duration` [s], or until SIGINT or SIGTERM comes, see SignalGuard, or `wall_limit` [s] on the

@@ -63,7 +63,7 @@ void LimitFigures::DriveRow(std::span<const double> row) {
 void LimitFigures::FootRow(std::span<const double> row) {
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const double depth = row[depth_[leg]];
-    depths_.Add(depth);
+    if (depth > 0) depths_.Add(depth);
     if (depth > foot_limit_)
       breaches_.Add(row[0], "a foot went into the ground",
                     fmt::format("{} by {:.3g} mm, more than {:.3g} mm", kLegNames[leg], 1e3 * depth,

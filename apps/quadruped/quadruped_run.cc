@@ -66,7 +66,8 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
                                    std::nullopt, std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   return RunLoop<QuadrupedWalk>(options, scenario, params, params.observer.kind,
-                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s));
+                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s,
+                                                              params.observer.kind != ObserverKind::kNone));
 }
 
 ScenarioApp QuadrupedApp() {

@@ -74,7 +74,11 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   plant.limit_speed = scenario.limit_speed;
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
   const Vec<2> slope = -ground.normal_W.head<2>() / ground.normal_W[2];
-  plant.initial = StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
+  Blame("robot",
+        [&] { StandingOn(robot, {}); });  // on the flat: what it cannot do there is not the terrain's
+  plant.initial = Blame("terrain", [&] {
+    return StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
+  });
   plant.initial.p_WB[2] += scenario.start_height_m;
 
   SetHardware(hardware, rate, params);
@@ -100,6 +104,15 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   params.min_height = scenario.fall.min_height_ratio * robot.StanceHeight();
   params.max_tilt = scenario.fall.max_tilt_rad;
   params.max_height = scenario.fall.max_height_m;
+  if (params.max_height <= params.min_height)
+    throw KeyError("fall.max_height_m", fmt::format("{} must be above {:.3g}, where it has fallen",
+                                                    params.max_height, params.min_height));
+  const double lowest = payload.position_m.z() - payload.edges_m.z() / 2;
+  if (payload.mass_kg > 0 && lowest < -robot.StanceHeight())
+    throw KeyError("payload.position_m",
+                   fmt::format("the load reaches down to {:.3g} m below the trunk, which "
+                               "stands {:.3g} m above the ground: lift it",
+                               -lowest, robot.StanceHeight()));
   return params;
 }
 
@@ -181,7 +194,7 @@ void SweepScenario::Validate() const {
 }
 
 void RandomForceScenario::Validate() const {
-  DemandPositive("period_s", period_s);
+  DemandSamplePeriod("period_s", period_s);
   DemandNotNegative("lower_N", lower_N);
   Demand(std::isfinite(upper_N) && upper_N >= lower_N,
          fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
@@ -206,6 +219,11 @@ void QuadrupedScenario::Validate() const {
          fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
                      start_height_m));
   DemandRate("log_rate_hz", log_rate_hz);
+  const std::size_t num_forces = forces.size() + random_forces.size();
+  Demand(num_forces <= std::size_t{kMaxExternalForces},
+         fmt::format("{} has {} entries, with what else pushes {}: a robot takes {} at most",
+                     forces.empty() ? "random_forces" : "forces",
+                     forces.empty() ? random_forces.size() : forces.size(), num_forces, kMaxExternalForces));
 }
 
 JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {

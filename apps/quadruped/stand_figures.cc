@@ -27,8 +27,10 @@ void StandFigures::Row(std::span<const double> row) {
   drift_ = std::hypot(row[position_[0]] - start_[0], row[position_[1]] - start_[1]);
   const double x = row[attitude_[1]], y = row[attitude_[2]];
   tilt_.Add(std::acos(std::clamp(1 - 2 * (x * x + y * y), -1.0, 1.0)));
-  for (std::size_t i = 0; i < force_.size(); i += 3)
-    load_.Add(std::hypot(row[force_[i]], row[force_[i + 1]], row[force_[i + 2]]));
+  for (std::size_t i = 0; i < force_.size(); i += 3) {
+    const double force = std::hypot(row[force_[i]], row[force_[i + 1]], row[force_[i + 2]]);
+    if (force > 0) load_.Add(force);
+  }
 }
 
 void StandFigures::AddTo(Summary& summary) const {

@@ -110,14 +110,35 @@ Result Refused(const ObserverOrderScenario& scenario, const VariantScenario& var
   return result;
 }
 
+LegMomentumObserverParams ObserverOf(const QuadrupedDescription& robot, const VariantScenario& variant) {
+  LegMomentumObserverParams params;
+  params.robot = robot;
+  params.gains.gains = variant.gains_per_s;
+  params.Validate();
+  return params;
+}
+
+/// Throws KeyError if the gains of all are refused.
+void DemandOneToRun(const ObserverOrderScenario& scenario) {
+  const QuadrupedDescription robot = MakeWorld(scenario).plant.robot;
+  std::string why;
+  for (const VariantScenario& variant : scenario.variants) {
+    try {
+      ObserverOf(robot, variant);
+      return;
+    } catch (const ParameterError& error) {
+      if (why.empty()) why = error.what();
+    }
+  }
+  throw KeyError("variants", fmt::format("0: {}", why));
+}
+
 Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenario,
                   const VariantScenario& variant) {
   const QuadrupedWorldParams world_params = MakeWorld(scenario);
   LegMomentumObserverParams observer_params;
-  observer_params.robot = world_params.plant.robot;
-  observer_params.gains.gains = variant.gains_per_s;
   try {
-    observer_params.Validate();
+    observer_params = ObserverOf(world_params.plant.robot, variant);
   } catch (const ParameterError& error) {
     return Refused(scenario, variant, error.what());
   }
@@ -165,6 +186,7 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   std::vector<std::string> names;
   for (const VariantScenario& variant : scenario.variants) names.push_back(variant.name);
   CheckVariantNames(names);
+  DemandOneToRun(scenario);
   const ScenarioFiles files(scenario);
   const OutputDirectory out(OptionsOf(arguments).out);
   const std::filesystem::path& base = out.path();
@@ -186,26 +208,26 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   for (std::size_t i = 0; i < results.size(); ++i) {
     Result& result = results[i];
     const VariantScenario& variant = scenario.variants[i];
+    int code = kRan;
     if (result.report) {
       const bool front = std::none_of(results.begin(), results.end(),
                                       [&](const Result& other) { return result.cost.WorseThan(other.cost); });
       result.summary.Set("on_front", std::string(front ? "yes" : "no"));
-      result.summary.AddTo(*result.report);
+      WriteResults(base / variant.name, result.summary, *result.report);
       comparison.Add(variant.name, *result.report);
-      result.report->Write(base / variant.name / "report.html");
-      worst = std::max<int>(worst, result.summary.exit_code());
+      code = result.summary.exit_code();
       fmt::print("{:<20} {:>6} {:>12.1f} {:>9.1f}% {:>9.2f} {:>8.1f} {:>9}\n", variant.name,
                  variant.gains_per_s.size(), 1000 * result.cost.settling, 100 * result.overshoot,
                  result.cost.noise, 1000 * result.lag, front ? "yes" : "no");
     } else {
       fmt::print("{:<20} {:>6} refused: unstable\n", variant.name, variant.gains_per_s.size());
+      code = TryToWrite([&] { result.summary.Write(base / variant.name / "summary.json"); });
     }
-    result.summary.Write(base / variant.name / "summary.json");
+    worst = std::max(worst, code);
     runs.emplace_back(variant.name, std::move(result.summary));
   }
-  Summary::WriteComparison(runs, base / "summary.json");
-  comparison.Write(base / "report.html");
-  return worst;
+  worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, base / "summary.json"); }));
+  return std::max(worst, TryToWrite([&] { comparison.Write(base / "report.html"); }));
 }
 
 int Run(const CommonArguments& arguments) {
@@ -219,8 +241,11 @@ int Run(const CommonArguments& arguments) {
   auto scenario = document.Read<ObserverOrderScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   scenario.Validate();
-  for (VariantScenario& variant : scenario.variants) variant.Resolve();
-  return RunBlaming(document, [&] { return RunAll(arguments, scenario); });
+  return RunBlaming(document, [&] {
+    for (std::size_t i = 0; i < scenario.variants.size(); ++i)
+      Blame(fmt::format("variants.{}", i), [&] { scenario.variants[i].Resolve(); });
+    return RunAll(arguments, scenario);
+  });
 }
 
 }  // namespace

@@ -42,8 +42,9 @@ class WalkFigures final : public LogSink {
   /// Both.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
-  /// What comes before `from` [s] does not count.
-  explicit WalkFigures(double from = 0) : from_(from) {}
+  /// What comes before `from` [s] does not count. Where nothing is estimated, `observes` is false, there are
+  /// no figures of an estimate.
+  explicit WalkFigures(double from, bool observes = true) : from_(from), observes_(observes) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.
@@ -64,6 +65,7 @@ class WalkFigures final : public LogSink {
   void LegRow(std::span<const double> row, std::size_t leg);
 
   double from_;
+  bool observes_;
   std::vector<std::size_t> external_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_;
   std::array<std::size_t, kNumLegs> contact_{};

@@ -108,8 +108,14 @@ void CdprMpcParams::Validate() const {
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));
   for (const CdprMpcWeights& w : {weights, terminal_weights}) {
-    Demand(std::min({w.position, w.velocity, w.attitude, w.angular_velocity}) >= 0,
-           "a weight is negative: the optimal control problem would have no minimum");
+    for (const auto& [name, weight] : {std::pair{"position", w.position},
+                                       {"velocity", w.velocity},
+                                       {"attitude", w.attitude},
+                                       {"angular_velocity", w.angular_velocity}})
+      Demand(weight >= 0,
+             fmt::format("weights.{} = {} is negative: the optimal control problem would have no "
+                         "minimum",
+                         name, weight));
   }
   Demand(max_fallbacks_in_a_row >= 0,
          fmt::format("max_fallbacks_in_a_row = {} must not be negative: every solve would end the run",

@@ -6,6 +6,9 @@
 
 namespace tenon {
 
+/// What errors call a ResourceMap, in place of a file: "what differs:1:20: mass_kg: …".
+inline constexpr const char* kWhatDiffers = "what differs";
+
 struct CdprDescription;
 struct QuadrupedDescription;
 class YamlDocument;

@@ -33,12 +33,12 @@ RigidInertia operator+(const RigidInertia& a, const RigidInertia& b) {
 void CheckInertia(const Eigen::Matrix3d& inertia) {
   const double tolerance = kInertiaTolerance * inertia.cwiseAbs().maxCoeff();
   if (!inertia.allFinite())
-    throw ParameterError("the inertia has entries that are not finite; give all in kg m^2");
+    throw ParameterError("inertia has entries that are not finite; give all in kg m^2");
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < r; ++c)
       if (std::abs(inertia(r, c) - inertia(c, r)) > tolerance)
         throw ParameterError(fmt::format(
-            "the inertia is not symmetric: row {} column {} is {} kg m^2, row {} column {} is {} kg m^2; "
+            "inertia is not symmetric: row {} column {} is {} kg m^2, row {} column {} is {} kg m^2; "
             "give both the same value, the negative of the product of inertia",
             c, r, inertia(c, r), r, c, inertia(r, c)));
 
@@ -48,7 +48,7 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
       fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", principal[0], principal[1], principal[2]);
   if (principal[0] <= 0)
     throw ParameterError(
-        fmt::format("the inertia is not positive definite: its principal moments are {}; "
+        fmt::format("inertia is not positive definite: its principal moments are {}; "
                     "all must be positive, check signs and units",
                     moments));
   if (principal[0] + principal[1] < principal[2] - tolerance)

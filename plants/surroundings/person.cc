@@ -15,39 +15,37 @@ constexpr double kArrival = 1;  // time in which a person slows down [s]
 enum Index { kBody, kHead, kPath };
 
 void CheckPhase(std::size_t i, const PersonPhase& phase) {
-  Demand(phase.duration > 0,
-         fmt::format("phase {} of the person lasts {} s: it must be positive", i, phase.duration));
-  Demand(
-      std::isfinite(phase.speed) && phase.speed >= std::abs(phase.speed_amplitude),
-      fmt::format("phase {} of the person has a speed of {} +- {} m/s, which must not become negative: give "
-                  "another direction_rad to walk backwards",
-                  i, phase.speed, phase.speed_amplitude));
+  Demand(phase.duration > 0, fmt::format("phases.{} lasts {} s: it must be positive", i, phase.duration));
+  Demand(std::isfinite(phase.speed) && phase.speed >= std::abs(phase.speed_amplitude),
+         fmt::format("phases.{} has a speed of {} +- {} m/s, which must not become negative: give "
+                     "another direction_rad to walk backwards",
+                     i, phase.speed, phase.speed_amplitude));
   Demand(std::isfinite(phase.angular_frequency) && std::isfinite(phase.direction),
-         fmt::format("phase {} of the person: angular_frequency and direction must be finite", i));
+         fmt::format("phases.{}: angular_frequency and direction must be finite", i));
   Demand(std::isfinite(phase.force) && phase.force >= 0,
-         fmt::format("phase {} of the person pulls with {} N, which must not be negative: give another "
+         fmt::format("phases.{} pulls with {} N, which must not be negative: give another "
                      "direction_rad",
                      i, phase.force));
   const bool pulls = phase.activity == Activity::kPull;
   Demand(!pulls || phase.speed == 0,
-         fmt::format("phase {} of the person pulls and has a speed: give its force_N alone", i));
+         fmt::format("phases.{} pulls and has a speed: give its force_N alone", i));
   Demand(pulls || phase.force == 0,
-         fmt::format("phase {} of the person walks and has a force: give its speed_m_per_s alone", i));
+         fmt::format("phases.{} walks and has a force: give its speed_m_per_s alone", i));
 }
 
 }  // namespace
 
 void PersonParams::Validate() const {
-  Demand(mass > 0 && std::isfinite(mass), fmt::format("the person's mass of {} kg must be positive", mass));
+  Demand(mass > 0 && std::isfinite(mass), fmt::format("mass_kg = {} must be positive", mass));
   Demand(damping > 0 && std::isfinite(damping),
-         fmt::format("the person's damping of {} N s/m must be positive", damping));
+         fmt::format("damping_N_s_per_m = {} must be positive", damping));
   Demand(stiffness >= 0 && std::isfinite(stiffness),
-         fmt::format("the person's stiffness of {} N/m must not be negative", stiffness));
+         fmt::format("stiffness_N_per_m = {} must not be negative", stiffness));
   Demand(felt_tension > 0 && std::isfinite(felt_tension),
-         fmt::format("the person's felt_tension of {} N must be positive", felt_tension));
+         fmt::format("felt_tension_N = {} must be positive", felt_tension));
   Demand(hand_height >= 0 && std::isfinite(hand_height),
-         fmt::format("the person's hand_height of {} m must not be below the ground", hand_height));
-  Demand(start.allFinite(), "the person's start must be finite: give metres");
+         fmt::format("hand_height_m = {} must not be below the ground", hand_height));
+  Demand(start.allFinite(), "start_m must be finite: give metres");
   for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
 }
 

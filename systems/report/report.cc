@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <new>
 
 #include <tenon/systems/framework/internal/nearest_name.h>
 #include <tenon/systems/report/internal/page.h>
@@ -113,8 +115,21 @@ void Report::Add(const std::string& variant, const Report& other) {
   variants_.push_back({variant, other.variants_.front().run});
 }
 
+namespace {
+
+/// Throws std::bad_alloc if there is not that much memory: later it may be the destructor of a JSON value
+/// that finds none, and nobody can catch that.
+void DemandMemory(std::size_t bytes) {
+  ::operator delete(::operator new(bytes));
+}
+
+}  // namespace
+
 void Report::Write(const std::filesystem::path& file) const {
   if (variants_.empty()) throw RunError("the report is empty: Log a run, or Add one");
+  std::size_t bytes = 1 << 20;  // of the template, about
+  for (const auto& [name, run] : variants_) bytes += run->JsonBytes();
+  DemandMemory(4 * bytes);  // as values, as text, and twice as a page
   std::vector<Plot> plots = params_.plots;
   if (plots.empty()) {  // what the runs have, once
     for (const auto& [name, run] : variants_) {

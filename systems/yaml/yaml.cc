@@ -83,15 +83,6 @@ void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
 
 namespace {
 
-/// The index that a key is in a list; none if it is no number, or too large.
-std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-  const bool is_index = error == std::errc() && end == key.data() + key.size();
-  if (list.kind != YamlTree::Kind::kList || !is_index || index >= list.children.size()) return {};
-  return index;
-}
-
 /// The value under a key, and true; or what of the path to it there is. A key with dots of its own, as
 /// campaigns have them, is found as a whole.
 std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dotted_key) {
@@ -100,7 +91,7 @@ std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dot
        end = dotted_key.rfind('.', end - 1)) {
     const std::string_view key = dotted_key.substr(0, end);
     const std::string_view rest = dotted_key.substr(std::min(end + 1, dotted_key.size()));
-    if (const auto index = IndexIn(tree, key)) return Find(tree.children[*index], rest);
+    if (const auto index = internal::IndexIn(tree, key)) return Find(tree.children[*index], rest);
     const auto found = YamlTree::FindKey(tree, key);
     if (found != tree.children.end()) return Find(*found, rest);
   }
@@ -111,6 +102,14 @@ std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dot
 
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
   return fmt::format("{}: {}", Find(*tree_, dotted_key).first->place, dotted_key);
+}
+
+std::string YamlDocument::Placed(std::string_view dotted_key, std::string_view message) const {
+  const auto [found, whole] = Find(*tree_, dotted_key);
+  std::string path(dotted_key);
+  const YamlTree& blamed = whole ? internal::BlamedBy(*found, &path, &message) : *found;
+  return path.empty() ? fmt::format("{}: {}", name_, message)
+                      : fmt::format("{}: {}: {}", blamed.place, path, message);
 }
 
 void YamlDocument::RefuseRenamed(const std::vector<RenamedKey>& renamed) const {
@@ -233,7 +232,7 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
       }
       node = &*it;
     } else if (node->kind == YamlTree::Kind::kList) {
-      const auto index = IndexIn(*node, key);
+      const auto index = internal::IndexIn(*node, key);
       if (!index)
         internal::FailAt(
             place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", internal::Excerpt(parent),

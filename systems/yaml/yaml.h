@@ -51,7 +51,8 @@ struct RenamedKey {
 ///         return {{"speed_m_per_s", &WalkParams::speed_m_per_s},
 ///                           Required("goal_m", &WalkParams::goal_m)};
 ///       }
-///       void Validate() const;  // optional, called after reading; throws ParameterError
+///       void Validate() const;  // optional, called after reading; throws ParameterError, best with a
+///                               // message that begins with the key, which is looked up in the file then
 ///     };
 ///     auto document = YamlDocument::Load("walk.yaml");
 ///     document.Set("speed_m_per_s", "0.3");
@@ -97,6 +98,10 @@ class YamlDocument {
   /// Where the value of a key stands, as errors begin: "walk.yaml:12:5: path.points". For what is found wrong
   /// after reading. Of a key that is not there, where it would be.
   std::string PlaceOf(std::string_view dotted_key) const;
+  /// A message as errors begin and go on, "walk.yaml:12:5: path.points: no three of them may…", of what is
+  /// wrong with the value of a key, or with that below it with whose key the message begins, with or without
+  /// its unit: "num_steps = 1 must be…". Begins with the name of the document if neither says a key.
+  std::string Placed(std::string_view dotted_key, std::string_view message) const;
 
   /// The text of a scalar at top level; empty if there is none of that key.
   std::string Text(std::string_view key) const;

@@ -72,11 +72,11 @@ void BeginStep(Gait gait, const GaitTable& gaits, FootScheduler::Memory* memory)
 }  // namespace
 
 void GaitProperties::Validate() const {
-  Demand(stance >= 0, fmt::format("a stance of {} s: it must not be negative", stance));
-  Demand(swing > 0, fmt::format("a swing of {} s: it must be positive", swing));
+  Demand(stance >= 0, fmt::format("stance_s = {} must not be negative", stance));
+  Demand(swing > 0, fmt::format("swing_s = {} must be positive", swing));
   std::array<int, kNumLegs> count{};
   for (const std::vector<Leg>& group : swing_groups) {
-    Demand(!group.empty(), "a group of swing_groups is empty: leave it out");
+    Demand(!group.empty(), "swing_groups has an empty group: leave it out");
     for (const Leg leg : group) ++count[leg];
   }
   Demand(swing_groups.size() >= 2, "swing_groups must be two at least, or all feet are in the air at once");

@@ -16,23 +16,22 @@ void StepReflex::Validate() const {
 }
 
 void StepProperties::Validate() const {
-  Demand(height > 0, fmt::format("steps of height {} m: it must be positive", height));
+  Demand(height > 0, fmt::format("height_m = {} must be positive", height));
   Demand(touchdown_speed > 0,
-         fmt::format("a touchdown at {} m/s: it must be positive, or a late foot never finds the ground",
+         fmt::format("touchdown_speed_m_per_s = {} must be positive, or a late foot never finds the ground",
                      touchdown_speed));
-  Demand(search_depth > 0, fmt::format("a search depth of {} m: it must be positive", search_depth));
+  Demand(search_depth > 0, fmt::format("search_depth_m = {} must be positive", search_depth));
   Demand(velocity_feedback >= 0,
-         fmt::format("a velocity feedback of {} s: it must not be negative", velocity_feedback));
+         fmt::format("velocity_feedback_s = {} must not be negative", velocity_feedback));
   Demand(retarget_phase >= 0 && retarget_phase < 1,
-         fmt::format("a retarget phase of {}: it must be at least 0 and less than 1, where the swing ends",
+         fmt::format("retarget_phase = {} must be at least 0 and less than 1, where the swing ends",
                      retarget_phase));
-  Demand(
-      shift_bandwidth > 0,
-      fmt::format("a bandwidth of {} rad/s of the footholds' shift: it must be positive", shift_bandwidth));
-  Demand(free_shift >= 0, fmt::format("a free shift of {} m: it must not be negative", free_shift));
-  Demand(free_offset >= 0, fmt::format("a free offset of {} m: it must not be negative", free_offset));
-  Demand(free_turn >= 0, fmt::format("a free turn of {} rad: it must not be negative", free_turn));
-  Demand(largest_shift >= 0, fmt::format("a largest shift of {} m: it must not be negative", largest_shift));
+  Demand(shift_bandwidth > 0,
+         fmt::format("shift_bandwidth_rad_per_s = {} must be positive", shift_bandwidth));
+  Demand(free_shift >= 0, fmt::format("free_shift_m = {} must not be negative", free_shift));
+  Demand(free_offset >= 0, fmt::format("free_offset_m = {} must not be negative", free_offset));
+  Demand(free_turn >= 0, fmt::format("free_turn_rad = {} must not be negative", free_turn));
+  Demand(largest_shift >= 0, fmt::format("largest_shift_m = {} must not be negative", largest_shift));
   reflex.Validate();
 }
 

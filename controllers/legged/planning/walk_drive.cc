@@ -13,11 +13,11 @@ constexpr double kSameHeight = 1e-6;  // the plan's, when the wheel was given ba
 }  // namespace
 
 void WalkDriveParams::Validate() const {
-  Demand(acceleration > 0, fmt::format("an acceleration of {} m/s^2: it must be positive", acceleration));
+  Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
   Demand(yaw_acceleration > 0,
-         fmt::format("a yaw acceleration of {} rad/s^2: it must be positive", yaw_acceleration));
+         fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));
   Demand(height_bandwidth > 0 && height_bandwidth * rate.period() < 0.5,
-         fmt::format("a height bandwidth of {} rad/s: it must be positive, and below {} rad/s at this rate",
+         fmt::format("height_bandwidth_rad_per_s = {} must be positive, and below {} rad/s at this rate",
                      height_bandwidth, 0.5 / rate.period()));
 }
 

@@ -35,24 +35,23 @@ Vec<3> Squat(double amplitude, double w, double t, double end) {
 }  // namespace
 
 void WalkScheduleParams::Validate() const {
-  Demand(!segments.empty(), "a walk without segments: give one at least");
-  Demand(acceleration > 0, fmt::format("an acceleration of {} m/s^2: it must be positive", acceleration));
+  Demand(!segments.empty(), "segments is empty: give one at least");
+  Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
   Demand(yaw_acceleration > 0,
-         fmt::format("a yaw acceleration of {} rad/s^2: it must be positive", yaw_acceleration));
+         fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const WalkSegment& s = segments[i];
     Demand(s.duration.has_value() != s.length.has_value(),
-           fmt::format("segment {} of the walk needs either duration_s or length_m, not {}", i,
+           fmt::format("segments.{} needs either duration_s or length_m, not {}", i,
                        s.duration ? "both" : "neither"));
     Demand(s.duration.value_or(1) > 0 && s.length.value_or(1) > 0,
-           fmt::format("segment {} of the walk: duration and length must be positive", i));
+           fmt::format("segments.{}: duration and length must be positive", i));
     Demand(s.gait != Gait::kStand || (s.forward == 0 && s.left == 0 && s.yaw_rate == 0),
-           fmt::format("segment {} of the walk moves while it stands: give it another gait", i));
+           fmt::format("segments.{} moves while it stands: give it another gait", i));
     Demand(s.squat_frequency > 0,
-           fmt::format("segment {} of the walk: squat_frequency_hz = {} must be positive", i,
-                       s.squat_frequency));
+           fmt::format("segments.{}: squat_frequency_hz = {} must be positive", i, s.squat_frequency));
     Demand(!s.length || s.forward != 0 || s.left != 0,
-           fmt::format("segment {} of the walk has a length but no speed: give its duration_s", i));
+           fmt::format("segments.{} has a length but no speed: give its duration_s", i));
   }
 }
 
@@ -71,14 +70,13 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
     // Simpson's rule for the way on the ramp: exact as long as the direction stays.
     const double way = ramp / 6 * (Speed(from) + 4 * Speed(Between(from, to, 0.5)) + Speed(to));
     const double duration = s.duration ? *s.duration : ramp + (*s.length - way) / Speed(to);
+    Demand(duration >= ramp,
+           fmt::format("segments.{} is too short to reach its velocities, which takes {:.3g} s and "
+                       "{:.3g} m: make it longer or the accelerations larger",
+                       i, ramp, way));
     Demand(
-        duration >= ramp,
-        fmt::format("segment {} of the walk is too short to reach its velocities, which takes {:.3g} s and "
-                    "{:.3g} m: make it longer or the accelerations larger",
-                    i, ramp, way));
-    Demand(s.squat_amplitude == 0 || duration * s.squat_frequency >= 2,
-           fmt::format("segment {} of the walk is too short for its squats: two take {:.3g} s", i,
-                       2 / s.squat_frequency));
+        s.squat_amplitude == 0 || duration * s.squat_frequency >= 2,
+        fmt::format("segments.{} is too short for its squats: two take {:.3g} s", i, 2 / s.squat_frequency));
     pieces.push_back({begin, ramp, begin + duration, from, to, s.squat_amplitude,
                       2 * std::numbers::pi * s.squat_frequency});
     begin += duration;

@@ -3,8 +3,11 @@
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -84,6 +87,16 @@ struct RelativeProfile {
             {"ground.roughness_m", "roughness_l, its value over l,"},
             {"ground.level_walk_m", "level_walk_l, its value over l,"},
             {"ground.start_roughness_m", "start_roughness_l, its value over l,"}};
+  }
+  void Validate() const {
+    Demand(
+        std::isfinite(sway_limit) && sway_limit >= 0,
+        fmt::format("sway_limit_rad_per_s2 = {} must not be negative; 0 keeps the trunk level", sway_limit));
+    try {
+      Hz(qp_rate_hz);
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("qp_rate_hz: {}", error.what()));
+    }
   }
 };
 

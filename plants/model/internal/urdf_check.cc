@@ -22,6 +22,7 @@ namespace {
 constexpr std::size_t kMaxDepth = 32;       // a URDF has five or six
 constexpr std::size_t kMaxAttributes = 32;  // of an element; it has four or five
 constexpr std::size_t kMaxLinks = 1000;
+constexpr std::size_t kMaxName = 80;  // bytes
 
 /// The attributes that hold numbers, how many, and how large they may be: beyond it there is no robot.
 struct Numbers {
@@ -143,6 +144,9 @@ class Check {
     for (const char** at = attributes; *at != nullptr; at += 2) ++count;
     if (count > kMaxAttributes)
       Fail(Line(), "an element has {} attributes; a robot's have no more than {}", count, kMaxAttributes);
+    for (const char* name : {"name", "link", "type"})
+      if (const std::size_t bytes = attribute(name).size(); bytes > kMaxName)
+        Fail(Line(), "the {} of an element has {} bytes; {} are the most", name, bytes, kMaxName);
     if (element == "inertial") has_mass_ = false;
     if (element == "mass" && !attribute("value").empty()) has_mass_ = true;
     if (open_.size() == 1) {

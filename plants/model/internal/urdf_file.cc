@@ -18,8 +18,7 @@ class ParserLog : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
     if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
-    if (!text_.empty()) text_ += "; ";
-    text_ += text;
+    if (text_.empty()) text_ = text;  // what follows from the first is no news
   }
   const std::string& text() const { return text_; }
 

@@ -222,6 +222,15 @@ Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) c
   return json;
 }
 
+std::size_t Report::Run::JsonBytes() const {
+  std::size_t bytes = 1 << 16;
+  if (signals == nullptr) return bytes;
+  bytes += std::min(signals->rows() * signals->columns() * 6, kPlotSamples * 4 + kRestSamples * 6);
+  bytes += std::min(frames->rows() * frames->columns() * 4, kFrameBytes);
+  bytes += signals->columns() * 512;  // names, and what lists take
+  return bytes * 4 / 3;               // as base64
+}
+
 Report::Run Report::Run::FromJson(const Json& json) {
   Run run;
   run.verdict = json.at("verdict");

@@ -35,6 +35,8 @@ struct Report::Run {
   std::vector<Plot> DefaultPlots() const;
   /// As a page holds it, beside `num_runs - 1` others. What `plots` show is kept finer than the rest.
   Json ToJson(const std::vector<Plot>& plots, std::size_t num_runs) const;
+  /// About what that takes [bytes], at most.
+  std::size_t JsonBytes() const;
   /// What ToJson made, without the signals.
   static Run FromJson(const Json& json);
 

@@ -74,9 +74,12 @@ void YamlNode::Fail(std::string_view what) const {
 void YamlNode::FailValidation(std::string_view what) const {
   std::vector<std::string> overrides;
   if (!tree_->overridden) ListOverrides(*tree_, overrides);
+  std::string path = path_;
+  const YamlTree& blamed = BlamedBy(*tree_, &path, &what);
   std::string text(what);
-  for (const std::string& place : overrides) text += fmt::format(" (with {})", place);
-  Fail(text);
+  for (const std::string& place : overrides)
+    if (place != blamed.place) text += fmt::format(" (with {})", place);
+  YamlNode(blamed, path).Fail(text);
 }
 
 void YamlNode::Read(const TypeInfo& type, void* value) const {

@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
 
 namespace tenon::internal {
 namespace {
@@ -192,6 +194,58 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
            fmt::format("not valid YAML: {}; mend the text here or just before", Excerpt(error.msg)));
   }
   return builder.Take();
+}
+
+std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
+  const bool is_index = error == std::errc() && end == key.data() + key.size();
+  if (list.kind != YamlTree::Kind::kList || !is_index || index >= list.children.size()) return {};
+  return index;
+}
+
+namespace {
+
+/// The child of a map or a list that a word means; null for none.
+const YamlTree* ChildCalled(std::string_view word, const YamlTree& tree) {
+  if (const auto index = IndexIn(tree, word)) return &tree.children[*index];
+  if (tree.kind != YamlTree::Kind::kMap) return nullptr;
+  const auto is_called = [&](const YamlTree& child) {
+    return child.key == word || SplitUnit(child.key).first == word;
+  };
+  const auto child = std::ranges::find_if(tree.children, is_called);
+  if (child != tree.children.end()) return &*child;
+  // With a unit that only the file knows, as in stiffness_mg_per_l.
+  const auto begins = [&](const YamlTree& child) { return child.key.starts_with(std::string(word) + "_"); };
+  const auto only = std::ranges::find_if(tree.children, begins);
+  return !word.empty() && std::ranges::count_if(tree.children, begins) == 1 ? &*only : nullptr;
+}
+
+bool IsInWord(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+}  // namespace
+
+const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_view* message) {
+  const YamlTree* blamed = &tree;
+  for (std::string_view rest = *message;;) {
+    const auto end = std::ranges::find_if_not(rest, IsInWord);
+    const YamlTree* const child = ChildCalled({rest.begin(), end}, *blamed);
+    if (child == nullptr) return *blamed;
+    blamed = child;
+    const std::string key = child->key.empty() ? std::string(rest.begin(), end) : child->key;  // of a list
+    *path += (path->empty() ? "" : ".") + key;
+    rest = {end, rest.end()};
+    if (rest.starts_with(": ")) {
+      rest.remove_prefix(2);
+      *message = rest;
+    } else if (rest.starts_with('.')) {
+      rest.remove_prefix(1);
+    } else {
+      return *blamed;
+    }
+  }
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,14 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
 
 /// The value on one line, as YAML in flow style.
 std::string FlowText(const YamlTree& tree);
+
+/// The index that a key is in a list; none if it is no number, or too large.
+std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key);
+
+/// What a message is about that begins with a key below `tree`, with or without its unit: "mass = -1 must be
+/// positive" with mass_kg, "legs.2.mass: it is negative" with legs.2.mass_kg. Appends that to the path, and
+/// takes it out of the message if a colon comes behind it. The tree itself if it begins with none.
+const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_view* message);
 
 /// Whether a value is a path: it ends in .yaml, .urdf or .csv.
 bool IsPath(const YamlTree& tree);

@@ -132,6 +132,11 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   EXPECT_TRUE(
       refused("vary: {a: {normal: [2, -1]}}", "c.yaml:3:", "the second number is the standard deviation"));
   EXPECT_TRUE(refused("vary: {a: {linspace: [0, 1, 1.5]}}", "c.yaml:3:", "a count of 1.5"));
+  EXPECT_TRUE(
+      refused("vary: {a: {linspace: [0, 1, 1e10]}}", "c.yaml:3:", "give an integer from 2 to 1000000"));
+  EXPECT_TRUE(refused("vary: {a: {linspace: [1, 1, 2]}}", "c.yaml:3:11: vary.a: ", "1 stands there twice"));
+  EXPECT_TRUE(refused("vary: {a: {grid: [0.05, 1, 0.05]}}", "c.yaml:3:", "0.05 stands there twice"));
+  EXPECT_TRUE(refused("vary: {a: {list: [1, 1.0]}}", "c.yaml:3:", "1.0 stands there twice"));
   EXPECT_TRUE(refused("vary: {a: {list: [x], sets: {b: 1}}}", "c.yaml:3:", "factors are for numbers"));
   EXPECT_TRUE(refused("vary: {a: {grid: [1], sets: {b: 0}}}", "c.yaml:3:", "the factor of b is 0"));
   EXPECT_TRUE(refused("seeds: {count: 0}", "c.yaml:3:", "count = 0 must be from 1"));

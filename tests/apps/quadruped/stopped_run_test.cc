@@ -126,7 +126,7 @@ TEST_F(TenonStoppedRunTest, PlacesThatCannotBeWrittenAreExitCode5) {
   EXPECT_EQ(silent.exit_code, 0) << "nobody need see the progress";
   const Result graph = RunCommand(kApp + " stand --duration 0.1" + Out() + " --graph /nonexistent/a.svg");
   EXPECT_EQ(graph.exit_code, 5);
-  EXPECT_THAT(graph.text, HasSubstr("cannot write '/nonexistent/a.svg'"));
+  EXPECT_THAT(graph.text, HasSubstr("--graph /nonexistent/a.svg: cannot write"));
 }
 
 TEST_F(TenonStoppedRunTest, TheGraphIsDrawnWithoutAShell) {
@@ -147,6 +147,22 @@ TEST_F(TenonStoppedRunTest, TheGraphIsDrawnWithoutAShell) {
   }
 }
 
+TEST_F(TenonStoppedRunTest, AGraphThatCannotBeWrittenLeavesTheOneBefore) {
+  fs::create_directories(out / "bin");
+  std::ofstream(out / "bin" / "dot") << "#!/bin/sh\nexit 1\n";  // as at the end of a disk
+  fs::permissions(out / "bin" / "dot", fs::perms::owner_all);
+  std::ofstream(out / "graph.svg") << "of before";
+  const Result result =
+      RunCommand("PATH=" + (out / "bin").string() + ":$PATH " + kApp + " stand --duration 0.1" + Out() +
+                 " --graph " + (out / "graph.svg").string());
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("graph.svg': Graphviz's `dot` ended with 1"), HasSubstr("disk full")));
+  EXPECT_EQ(Read(out / "graph.svg"), "of before");
+  for (const auto& entry : fs::directory_iterator(out))
+    EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));
+}
+
 TEST_F(TenonStoppedRunTest, TextThatIsNotUtf8IsRefusedWhenRead) {
   fs::create_directories(out);
   std::ofstream(out / "own.yaml") << "extends: flat\ncase: caf\xe9\n";
@@ -156,6 +172,10 @@ TEST_F(TenonStoppedRunTest, TextThatIsNotUtf8IsRefusedWhenRead) {
   const Result argument = RunCommand(kApp + " flat --out '" + (out / "caf\xe9").string() + "'");
   EXPECT_EQ(argument.exit_code, 2);
   EXPECT_THAT(argument.text, HasSubstr("argument 3 of the command line"));
+  fs::create_directories(out / "caf\xe9");
+  const Result place = RunCommand("cd '" + (out / "caf\xe9").string() + "' && " + kApp + " flat");
+  EXPECT_EQ(place.exit_code, 2);
+  EXPECT_THAT(place.text, AllOf(HasSubstr("the working directory"), HasSubstr("caf\\xe9")));
 }
 
 }  // namespace

@@ -84,6 +84,10 @@ INSTANTIATE_TEST_SUITE_P(
                       BadUsage{
                           "A0 --set 'variants=[{name: a, gains_per_s: [1]}, {name: a, gains_per_s: [2]}]'",
                           "two variants are called 'a'"},
+                      BadUsage{"A0 --set \"variants=[{name: $(printf '%0300d' 0), gains_per_s: [1]}]\"",
+                               "is to be a directory below --out"},
+                      BadUsage{"A0 --set 'variants=[{name: a, gains_per_s: [-1]}]'",
+                               "variants.0: with the gains -1 the estimate diverges"},
                       BadUsage{"A0 --set robot=dogbt", "did you mean 'dogbot'"}));
 
 TEST(TenonObserverOrderListTest, ListsScenariosWithTheirDescriptions) {

@@ -100,7 +100,14 @@ TEST_F(TenonQuadrupedTest, FiguresOfNothingAreNull) {
   const Result air =
       RunApp("flat --duration 0.2 --set start_height_m=2" + Out());  // feet search, none swings
   EXPECT_EQ(air.exit_code, 0) << air.text;
-  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"foot_error_max_m\": {\n    \"front_left\": null"));
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"foot_error_max_m\": {\n    \"front_left\": null"),
+                    HasSubstr("\"foot_depth_max_m\": null")));
+  ASSERT_EQ(RunApp("A1 --observer none --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"force_estimate_mean_N\": {\n    \"x\": null"),
+                                                HasSubstr("\"force_estimate_error_rms_N\": null")));
+  ASSERT_EQ(RunApp("stand --duration 0.02 --set start_height_m=0.05" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"foot_force_max_N\": null"));
   const Result late = RunApp("A1 --set walk.judged_from_s=1000" + Out());
   EXPECT_EQ(late.exit_code, 2);
   EXPECT_THAT(late.text, HasSubstr("before walk.judged_from_s = 1000 s: lower that, or lengthen the walk"));
@@ -322,10 +329,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
         BadUsage{"stand --set app=tenon-cdpr", "is a scenario of another app"},
         BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'?"},
-        BadUsage{"stand --set robot.foot_radius_m=-1", "robot: what differs:1:"},
+        BadUsage{"stand --set robot.foot_radius_m=-1",
+                 "--set robot.foot_radius_m=-1: robot.foot_radius_m: foot_radius_m is -1 m"},
         BadUsage{"stand --set 'forces=[{on: front_left, height: 3, duration_s: 1}]'",
                  "height = 3 must be from 0 to 1"},
-        BadUsage{"flat --set walk.gaits.trot=1", "walk.gaits: "},
+        BadUsage{"flat --set walk.gaits.trot=1", "walk.gaits.trot: unknown key"},
         BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
         BadUsage{"stand --set start_height_m=-0.1", "start_height_m = -0.1 must not be negative"},
         BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
@@ -368,7 +376,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"stand --set 'forces=[{on: rear_left, height: 2, duration_s: 1}]'",
                  "height = 2 must be from 0 to 1"},
         BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
-                 "period_s = 0 must be positive"},
+                 "random_forces.0.period_s: period_s = 0 must be at least 1e-05"},
         BadUsage{"stand --set 'random_forces=[{lower_N: 3, upper_N: 2}]'", "upper_N = 2 must not be below"},
         BadUsage{"stand --set 'terrain={friction: -1}'", "friction"},
         // What is found after reading has a place, too.
@@ -377,9 +385,23 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"flat --set walk.gaits=none", "--set walk.gaits=none: walk.gaits: there is no 'none'"},
         BadUsage{"stand --set 'report.plots=[{title: a, signals: [b]}]'",
                  "stand.yaml:13:3: report: plot 'a'"},
+        BadUsage{"flat --set profile.qp_rate_hz=-1", "profile.qp_rate_hz: a rate of -1 Hz is not positive"},
+        BadUsage{"flat --set profile.sway_limit_rad_per_s2=-1",
+                 "profile.sway_limit_rad_per_s2: sway_limit_rad_per_s2 = -1 must not be negative"},
+        BadUsage{"flat --set terrain.grade=[50,0]", "terrain: the rear_left leg of 'dogbot' does not reach"},
+        BadUsage{"stand --set robot.foot_radius_m=1e9",
+                 "robot: the front_left leg of 'dogbot' does not reach"},
+        BadUsage{"stand --set fall.max_height_m=0.01", "fall.max_height_m: 0.01 must be above 0.2"},
+        BadUsage{"stand --set 'payload={mass_kg: 1, position_m: [0, 0, -1.5]}'",
+                 "payload.position_m: the load reaches down to 1.5 m below the trunk"},
+        BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0.123456789123}]'",
+                 "random_forces.0.period_s: a sample period of 0.123456789123 s is no fraction"},
+        BadUsage{"stand --set \"forces=[$(for i in 1 2 3 4 5 6 7 8; do printf '{duration_s: 1},'; done)"
+                 "{duration_s: 1}]\"",
+                 "forces: forces has 9 entries, with what else pushes 9: a robot takes 8 at most"},
         BadUsage{"stand --set report.plots.1.signals=[]", "report: the plot 'attitude"},
         BadUsage{"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
-                 "flat.yaml:9:5: walk.path: segment 1"}));
+                 "flat.yaml:11:9: walk.path.segments.1: segments.1 is too short"}));
 
 TEST(TenonQuadrupedListTest, ListsScenariosWithTheirDescriptions) {
   const Result result = RunApp("--list");

@@ -302,7 +302,7 @@ TEST(CdprMpc, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "no multiple of the period"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "do not fit into horizon"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = 0; }, "weights.tension = 0"));
-  EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "a weight is negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "weights.attitude = -1 is negative"));
 }
 
 TEST(CdprMpc, WeightsAreSetInARun) {

@@ -192,19 +192,19 @@ TEST(PersonTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { Person person(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass of 0 kg", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping of 0 N s/m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension of 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height of -1 m", "below the ground"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = 0; }, "mass_kg = 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping_N_s_per_m = 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness_N_per_m = -1", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension_N = 0", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height_m = -1", "below the ground"));
   EXPECT_TRUE(refuses([](auto& p) { p.start[1] = NAN; }, "start", "give metres"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phase 1", "lasts 0 s"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phase 0", "give another direction_rad"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phase 0", "0.1 +- 0.2 m/s"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].direction = INFINITY; }, "phase 0", "finite"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].force = -1; }, "phase 1", "give another direction_rad"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phase 1", "give its force_N alone"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phase 0", "give its speed_m_per_s alone"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phases.1", "lasts 0 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phases.0", "give another direction_rad"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phases.0", "0.1 +- 0.2 m/s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].direction = INFINITY; }, "phases.0", "finite"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].force = -1; }, "phases.1", "give another direction_rad"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phases.1", "give its force_N alone"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0", "give its speed_m_per_s alone"));
 }
 
 TEST(PersonTest, BodyAndIntentAreSetInARun) {
@@ -221,8 +221,8 @@ TEST(PersonTest, BodyAndIntentAreSetInARun) {
   EXPECT_NE(plain[plain->person].p_W, built[built->person].p_W);
   std::vector<PersonPhase> wrong = changed.phases;
   wrong[0].speed = -1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->phases, wrong); }, "phase 0", "become negative"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->mass, 0); }, "mass of 0 kg"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->phases, wrong); }, "phases.0", "become negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->mass, 0); }, "mass_kg = 0"));
 }
 
 }  // namespace

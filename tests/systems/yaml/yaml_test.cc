@@ -387,6 +387,23 @@ TEST(YamlPlaceTest, IsThatOfTheValueOrWhereItWouldBe) {
   EXPECT_EQ(empty.PlaceOf("gait"), "robot.yaml:1:1: gait");
 }
 
+TEST(YamlPlaceTest, IsThatOfTheKeyThatAMessageBeginsWith) {
+  const auto document = YamlDocument::Parse(
+      "steps: 3\nlegs:\n  - mass_kg: 2\n  - mass_kg: 3\n    hip: {rate_hz: 1}\n", "robot.yaml");
+  EXPECT_EQ(document.Placed("", "steps = 3 must be even"), "robot.yaml:1:8: steps: steps = 3 must be even");
+  EXPECT_EQ(document.Placed("legs.1", "mass = 3 is much"),
+            "robot.yaml:4:14: legs.1.mass_kg: mass = 3 is much");
+  EXPECT_EQ(document.Placed("legs", "1.mass_kg is much"),
+            "robot.yaml:4:14: legs.1.mass_kg: 1.mass_kg is much");
+  EXPECT_EQ(document.Placed("legs", "1: hip: rate: too low"), "robot.yaml:5:20: legs.1.hip.rate_hz: too low");
+  EXPECT_EQ(document.Placed("legs.1", "hip.length is short"),
+            "robot.yaml:5:10: legs.1.hip: hip.length is short");
+  // Neither a part of a key nor one that comes later in the message.
+  EXPECT_EQ(document.Placed("legs.1", "the mass is much"), "robot.yaml:4:5: legs.1: the mass is much");
+  EXPECT_EQ(document.Placed("legs.1", "masses are much"), "robot.yaml:4:5: legs.1: masses are much");
+  EXPECT_EQ(document.Placed("", "no robot"), "robot.yaml: no robot");
+}
+
 TEST(YamlSetTest, PathsThatLeadNowhere) {
   EXPECT_THAT(SetError("knots: [1, 2]", "knots.2", "3"),
               AllOf(StartsWith("--set knots.2=3: 'knots' is a list of 2, '2' is no index of it"),

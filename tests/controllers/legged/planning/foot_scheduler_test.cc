@@ -322,12 +322,12 @@ TEST(FootSchedulerTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { FootScheduler block(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance of -1 s"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing of 0 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s = -1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s = 0"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl",
                       "'front_right' stands there 0 times"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop",
-                      "empty: leave it out"));
+                      "empty group: leave it out"));
   EXPECT_TRUE(refuses(
       [](auto& p) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
@@ -380,7 +380,8 @@ TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.touchdown_force, 0); }, "touchdown_force_N"));
   GaitTable wrong = changed.gaits;
   wrong.pace.swing = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing of 0"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing_s = 0"));
 }
 
 // A gait goes on as it began.

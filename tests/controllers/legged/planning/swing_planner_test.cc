@@ -501,16 +501,16 @@ TEST(SwingPlannerTest, RefusesNonsense) {
     params.step = step;
     return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
   };
-  EXPECT_TRUE(refuses({.height = 0}, "height 0 m"));
-  EXPECT_TRUE(refuses({.touchdown_speed = 0}, "touchdown at 0 m/s"));
-  EXPECT_TRUE(refuses({.search_depth = -1}, "search depth of -1 m"));
-  EXPECT_TRUE(refuses({.velocity_feedback = -1}, "feedback of -1 s"));
-  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget phase of 1"));
-  EXPECT_TRUE(refuses({.shift_bandwidth = 0}, "bandwidth of 0 rad/s"));
-  EXPECT_TRUE(refuses({.free_shift = -1}, "free shift of -1 m"));
-  EXPECT_TRUE(refuses({.free_offset = -1}, "free offset of -1 m"));
-  EXPECT_TRUE(refuses({.free_turn = -1}, "free turn of -1 rad"));
-  EXPECT_TRUE(refuses({.largest_shift = -1}, "shift of -1 m"));
+  EXPECT_TRUE(refuses({.height = 0}, "height_m = 0"));
+  EXPECT_TRUE(refuses({.touchdown_speed = 0}, "touchdown_speed_m_per_s = 0"));
+  EXPECT_TRUE(refuses({.search_depth = -1}, "search_depth_m = -1"));
+  EXPECT_TRUE(refuses({.velocity_feedback = -1}, "velocity_feedback_s = -1"));
+  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget_phase = 1"));
+  EXPECT_TRUE(refuses({.shift_bandwidth = 0}, "shift_bandwidth_rad_per_s = 0"));
+  EXPECT_TRUE(refuses({.free_shift = -1}, "free_shift_m = -1"));
+  EXPECT_TRUE(refuses({.free_offset = -1}, "free_offset_m = -1"));
+  EXPECT_TRUE(refuses({.free_turn = -1}, "free_turn_rad = -1"));
+  EXPECT_TRUE(refuses({.largest_shift = -1}, "largest_shift_m = -1"));
   EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "reflex.lag_m is 0 m"));
   EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "reflex.force_mg is -1"));
   EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "reflex.retreat_m is -1 m"));
@@ -548,7 +548,7 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
   EXPECT_NE(swing(plain), expected);
   StepProperties wrong = changed.step;
   wrong.retarget_phase = 1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->step, wrong); }, "retarget phase of 1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->step, wrong); }, "retarget_phase = 1"));
 }
 
 }  // namespace

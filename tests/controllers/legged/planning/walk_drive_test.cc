@@ -121,8 +121,8 @@ TEST(WalkDriveTest, RefusesWhatMakesNoSense) {
     EXPECT_THAT([&] { TestRig<WalkDrive> rig(params); },
                 testing::ThrowsMessage<ParameterError>(testing::HasSubstr(why)));
   };
-  refuses([](WalkDriveParams& p) { p.acceleration = 0; }, "an acceleration of 0");
-  refuses([](WalkDriveParams& p) { p.yaw_acceleration = -1; }, "a yaw acceleration of -1");
+  refuses([](WalkDriveParams& p) { p.acceleration = 0; }, "acceleration_m_per_s2 = 0");
+  refuses([](WalkDriveParams& p) { p.yaw_acceleration = -1; }, "yaw_acceleration_rad_per_s2 = -1");
   refuses([](WalkDriveParams& p) { p.height_bandwidth = 60; }, "below 50 rad/s");
 }
 

@@ -1,0 +1,63 @@
+#include <tenon/apps/common/memory_reserve.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace tenon::apps {
+
+std::atomic<void*> MemoryReserve::most_ = nullptr, MemoryReserve::rest_ = nullptr;
+std::atomic<bool> MemoryReserve::given_ = false;
+
+namespace {
+
+constexpr std::size_t kMost = 16 << 20, kRest = 2 << 20;  // bytes; a report takes some MB
+constexpr std::size_t kLeast = 1 << 18, kStack = 1 << 19;
+
+void PutAside(std::atomic<void*>& part, std::size_t size) {
+  for (; size >= kLeast && part == nullptr; size /= 2) {
+    void* none = nullptr;
+    void* const memory = std::malloc(size);
+    if (!part.compare_exchange_strong(none, memory)) std::free(memory);
+  }
+}
+
+/// The stack cannot grow either once memory is out, and that is no std::bad_alloc but a crash: what is used
+/// of it once stays.
+[[gnu::noinline]] void GrowStack() {
+  [[maybe_unused]] volatile char some[kStack];
+  for (std::size_t i = 0; i < kStack; i += 1024) some[i] = 0;
+}
+
+}  // namespace
+
+MemoryReserve::MemoryReserve() : before_(std::set_new_handler(OnNoMemory)) {
+  GrowStack();
+  Refill();
+}
+
+MemoryReserve::~MemoryReserve() {
+  std::set_new_handler(before_);
+  for (auto* const part : {&most_, &rest_}) std::free(part->exchange(nullptr));
+  given_ = false;
+}
+
+void MemoryReserve::Refill() noexcept {
+  given_ = false;
+  PutAside(rest_, kRest);
+  PutAside(most_, kMost);
+}
+
+bool MemoryReserve::given() noexcept {
+  return given_;
+}
+
+/// As a std::new_handler: to return is to try once more.
+void MemoryReserve::OnNoMemory() {
+  given_ = true;
+  if (void* const most = most_.exchange(nullptr)) return std::free(most);
+  std::free(rest_.exchange(nullptr));
+  throw std::bad_alloc();
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,71 @@
+#include <tenon/apps/common/memory_reserve.h>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+#include <new>
+#include <nlohmann/json.hpp>
+
+namespace tenon::apps {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitsMemory = false;  // these take terabytes of addresses
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+
+/// As an operator new that finds no memory.
+void FindNoMemory() {
+  std::get_new_handler()();
+}
+
+/// Lists in a list: taken apart, it needs one more of all that it holds.
+void FillMemory(nlohmann::json& lists) {
+  for (;;) {
+    lists.push_back(nlohmann::json::array());
+    for (int i = 0; i < 1000; ++i) lists.back().push_back(i);
+  }
+}
+
+TEST(MemoryReserveTest, WhoFindsNoMemoryIsGivenItOnce) {
+  const MemoryReserve reserve;
+  EXPECT_FALSE(MemoryReserve::given());
+  EXPECT_NO_THROW(FindNoMemory());
+  EXPECT_TRUE(MemoryReserve::given());
+  EXPECT_THROW(FindNoMemory(), std::bad_alloc);
+  MemoryReserve::Refill();
+  EXPECT_FALSE(MemoryReserve::given());
+  EXPECT_NO_THROW(FindNoMemory());
+}
+
+TEST(MemoryReserveTest, TheHandlerBeforeIsBackAtTheEnd) {
+  const std::new_handler before = std::get_new_handler();
+  {
+    const MemoryReserve reserve;
+    FindNoMemory();
+  }
+  EXPECT_EQ(std::get_new_handler(), before);
+  EXPECT_FALSE(MemoryReserve::given());
+}
+
+TEST(MemoryReserveTest, AJsonDocumentThatTakesAllMemoryIsThrownAway) {
+  if (!kLimitsMemory) GTEST_SKIP() << "a sanitizer takes more addresses than there is memory";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto fill = [] {
+    const MemoryReserve reserve;
+    const rlimit limit{96 << 20, 96 << 20};
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      nlohmann::json lists;
+      FillMemory(lists);
+    } catch (const std::bad_alloc&) {
+      std::_Exit(MemoryReserve::given() ? 0 : 1);
+    }
+  };
+  EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace tenon::apps
