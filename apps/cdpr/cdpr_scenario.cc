@@ -14,7 +14,7 @@
 namespace tenon::apps {
 
 void WaypointScenario::Validate() const {
-  Demand(position_m.allFinite(), "position_m must be finite: give metres");
+  DemandNear("position_m", position_m);
   if (travel_s) DemandPositive("travel_s", *travel_s);
   if (speed_m_per_s) DemandPositive("speed_m_per_s", *speed_m_per_s);
   DemandNotNegative("dwell_s", dwell_s);
@@ -54,7 +54,14 @@ void PathScenario::Validate() const {
            fmt::format("points_m has {} entries and attitudes_rad has {}: give one attitude per point",
                        points, attitudes_rad.size()));
   }
-  if (kind == PathKind::kCircle) return;  // Path::Circle judges its numbers
+  DemandNear("center_m", center_m);
+  for (std::size_t i = 0; i < points; ++i) DemandNear(fmt::format("points_m.{}", i).c_str(), points_m[i]);
+  if (kind == PathKind::kCircle) {
+    DemandPositive("radius_m", radius_m);
+    DemandPositive("period_s", period_s);
+    DemandNotNegative("ramp_s", ramp_s);
+    return;
+  }
   if (kind == PathKind::kFile)
     return Demand(file.has_value(), "a path of kind file needs a file: give file: scan.csv, say");
   if (kind == PathKind::kWaypoints) return CheckWaypoints(waypoints);
@@ -197,6 +204,7 @@ void CdprScenario::Validate() const {
   DemandRate("log_rate_hz", log_rate_hz);
   DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
   DemandNotNegative("cable_diameter_m", cable_diameter_m);
+  DemandNear("start_offset_m", start_offset_m);
 }
 
 namespace {

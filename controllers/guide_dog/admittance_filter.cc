@@ -10,12 +10,11 @@ namespace tenon {
 
 void AdmittanceGains::Validate() const {
   const auto positive = [](const char* name, double value, const char* unit) {
-    Demand(value > 0 && std::isfinite(value),
-           fmt::format("the admittance's {} of {} {} must be positive", name, value, unit));
+    Demand(value > 0 && std::isfinite(value), fmt::format("{} = {} {} must be positive", name, value, unit));
   };
   const auto not_negative = [](const char* name, double value, const char* unit) {
     Demand(value >= 0 && std::isfinite(value),
-           fmt::format("the admittance's {} of {} {} must not be negative", name, value, unit));
+           fmt::format("{} = {} {} must not be negative", name, value, unit));
   };
   positive("desired_tension", desired_tension, "N");
   positive("mass", mass, "kg");
@@ -25,9 +24,8 @@ void AdmittanceGains::Validate() const {
   not_negative("max_left", max_left, "m/s");
   positive("acceleration", acceleration, "m/s^2");
   Demand(max_forward > min_forward && std::isfinite(max_forward),
-         fmt::format("the admittance's velocities from {} to {} m/s make no sense: give max_forward above "
-                     "min_forward",
-                     min_forward, max_forward));
+         fmt::format("max_forward = {} m/s must be finite and above min_forward = {} m/s", max_forward,
+                     min_forward));
 }
 
 AdmittanceFilter::Steps AdmittanceFilter::CalcSteps(const AdmittanceGains& gains) const {

@@ -22,17 +22,14 @@ double HeadingError(double yaw, double heading) {
 
 void SupervisorGains::Validate() const {
   const auto positive = [](const char* name, double value, const char* unit) {
-    Demand(value > 0 && std::isfinite(value),
-           fmt::format("the supervisor's {} of {} {} must be positive", name, value, unit));
+    Demand(value > 0 && std::isfinite(value), fmt::format("{} = {} {} must be positive", name, value, unit));
   };
   positive("threshold", threshold, "N");
   Demand(release > 0 && release <= threshold,
-         fmt::format("the supervisor's release of {} N must be positive and not above its threshold of {} N",
-                     release, threshold));
+         fmt::format("release = {} N must be positive and not above threshold = {} N", release, threshold));
   positive("stop_time", stop_time, "s");
   positive("start_time", start_time, "s");
-  Demand(dwell >= 0 && std::isfinite(dwell),
-         fmt::format("the supervisor's dwell of {} s must not be negative", dwell));
+  Demand(dwell >= 0 && std::isfinite(dwell), fmt::format("dwell = {} s must not be negative", dwell));
   positive("turn_rate", turn_rate, "rad/s");
   positive("turn_gain", turn_gain, "1/s");
   positive("heading_tolerance", heading_tolerance, "rad");

@@ -36,6 +36,9 @@ void CheckCables(const std::vector<CableDescription>& cables) {
     const auto& [anchor, attachment] = cables[i];
     if (!anchor.allFinite() || !attachment.allFinite())
       throw ParameterError(fmt::format("cables.{} has a coordinate that is not finite; give all in m", i));
+    constexpr double kFar = 1e4;  // m
+    if (std::max(anchor.cwiseAbs().maxCoeff(), attachment.cwiseAbs().maxCoeff()) > kFar)
+      throw ParameterError(fmt::format("cables.{} has a coordinate beyond {} m; is it in m?", i, kFar));
     if (anchor == attachment)
       throw ParameterError(
           fmt::format("cables.{} has zero length: anchor and attachment are both {}; "

@@ -53,7 +53,7 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
                     moments));
   if (principal[0] + principal[1] < principal[2] - tolerance)
     throw ParameterError(fmt::format(
-        "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
+        "inertia of no rigid body: its principal moments are {}, the largest above the sum of the "
         "other two; check the values and that they are about the CoM",
         moments));
 }

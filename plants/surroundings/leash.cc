@@ -15,12 +15,12 @@ constexpr double kDrawnRadius = 0.01;  // [m]
 
 void LeashParams::Validate() const {
   Demand(nominal_length > 0 && std::isfinite(nominal_length),
-         fmt::format("the leash's nominal_length of {} m must be positive", nominal_length));
+         fmt::format("nominal_length = {} m must be positive", nominal_length));
   Demand(stiffness > 0 && std::isfinite(stiffness),
-         fmt::format("the leash's stiffness of {} N/m must be positive", stiffness));
+         fmt::format("stiffness = {} N/m must be positive", stiffness));
   Demand(dissipation >= 0 && std::isfinite(dissipation),
-         fmt::format("the leash's dissipation of {} s/m must not be negative: give 0 for none", dissipation));
-  Demand(attachment_B.allFinite(), "the leash's attachment to the trunk must be finite: give metres");
+         fmt::format("dissipation = {} s/m must not be negative: give 0 for none", dissipation));
+  Demand(attachment_B.allFinite(), "attachment must be finite: give metres");
 }
 
 LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person, double nominal_length,

@@ -13,13 +13,13 @@ constexpr double kDrawnHeight = 0.8;  // [m]
 }  // namespace
 
 void ObstacleDetectorParams::Validate() const {
-  Demand(range > 0 && std::isfinite(range), fmt::format("the range of {} m must be positive", range));
+  Demand(range > 0 && std::isfinite(range), fmt::format("range = {} m must be positive", range));
   Demand(half_width >= 0 && std::isfinite(half_width),
-         fmt::format("the half_width of {} m must not be negative", half_width));
+         fmt::format("half_width = {} m must not be negative", half_width));
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Obstacle& obstacle = obstacles[i];
     Demand(obstacle.centre.allFinite() && obstacle.radius > 0 && std::isfinite(obstacle.radius),
-           fmt::format("obstacle {} has a radius of {} m about ({}, {}): give a finite place and a positive "
+           fmt::format("obstacles.{} has a radius of {} m about ({}, {}): give a finite place and a positive "
                        "radius",
                        i, obstacle.radius, obstacle.centre[0], obstacle.centre[1]));
   }

@@ -15,7 +15,7 @@ constexpr double kArrival = 1;  // time in which a person slows down [s]
 enum Index { kBody, kHead, kPath };
 
 void CheckPhase(std::size_t i, const PersonPhase& phase) {
-  Demand(phase.duration > 0, fmt::format("phases.{} lasts {} s: it must be positive", i, phase.duration));
+  Demand(phase.duration > 0, fmt::format("phases.{}.duration = {} s must be positive", i, phase.duration));
   Demand(std::isfinite(phase.speed) && phase.speed >= std::abs(phase.speed_amplitude),
          fmt::format("phases.{} has a speed of {} +- {} m/s, which must not become negative: give "
                      "another direction_rad to walk backwards",

@@ -91,8 +91,8 @@ void BoxField::Validate() const {
   CheckSize(size);
   if (!(lower.allFinite() && upper.allFinite() && (upper - lower).minCoeff() > 0))
     throw ParameterError(
-        fmt::format("the field from ({}, {}) to ({}, {}) m has no area; upper_m must exceed lower_m",
-                    lower[0], lower[1], upper[0], upper[1]));
+        fmt::format("upper_m is ({}, {}) m but must exceed lower_m, ({}, {}) m: the field has no area",
+                    upper[0], upper[1], lower[0], lower[1]));
   if (!(std::isfinite(gap) && gap >= 0))
     throw ParameterError(fmt::format("gap_m is {} m but must not be negative; boxes cannot overlap", gap));
   if (!(coverage >= 0 && coverage <= 1))
@@ -105,9 +105,13 @@ void BoxField::Validate() const {
         kMaxPlaces));
   if (kinds.empty())
     throw ParameterError("the field has no kinds of boxes; list height_m and friction under kinds");
-  for (const BoxKind& kind : kinds) {
-    CheckHeight(kind.height);
-    CheckFriction(kind.friction);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    try {
+      CheckHeight(kinds[i].height);
+      CheckFriction(kinds[i].friction);
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("kinds.{}.{}", i, error.what()));
+    }
   }
 }
 

@@ -54,9 +54,9 @@ void Fade(const Vec<6>& offset, const Vec<6>& rate, double blend, ComPlan* plan)
 void ZmpPlanParams::Validate() const {
   constexpr int kMost = (ZmpSpline::kMaxPhases - 1) / 2;
   Demand(horizon >= 1 && horizon <= kMost,
-         fmt::format("zmp.horizon_steps is {}: plan 1 to {} steps ahead", horizon, kMost));
-  Demand(half_width > 0, fmt::format("zmp.half_width_m is {} m: it must be positive", half_width));
-  Demand(margin >= 0, fmt::format("zmp.margin_m is {} m: it must not be negative", margin));
+         fmt::format("horizon_steps is {}: plan 1 to {} steps ahead", horizon, kMost));
+  Demand(half_width > 0, fmt::format("half_width_m is {} m: it must be positive", half_width));
+  Demand(margin >= 0, fmt::format("margin_m is {} m: it must not be negative", margin));
   spline.Validate();
 }
 

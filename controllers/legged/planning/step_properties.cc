@@ -7,12 +7,12 @@
 namespace tenon {
 
 void StepReflex::Validate() const {
-  Demand(lag > 0, fmt::format("reflex.lag_m is {} m: it must be positive", lag));
-  Demand(force >= 0, fmt::format("reflex.force_mg is {}: it must not be negative", force));
-  Demand(retreat >= 0, fmt::format("reflex.retreat_m is {} m: it must not be negative", retreat));
-  Demand(height > 0, fmt::format("reflex.height_m is {} m: it must be positive", height));
+  Demand(lag > 0, fmt::format("lag_m is {} m: it must be positive", lag));
+  Demand(force >= 0, fmt::format("force_mg is {}: it must not be negative", force));
+  Demand(retreat >= 0, fmt::format("retreat_m is {} m: it must not be negative", retreat));
+  Demand(height > 0, fmt::format("height_m is {} m: it must be positive", height));
   Demand(rise_phase >= 0 && rise_phase <= 0.5,
-         fmt::format("reflex.rise_phase is {}: it must be 0 to 0.5, where the foot is highest", rise_phase));
+         fmt::format("rise_phase is {}: it must be 0 to 0.5, where the foot is highest", rise_phase));
 }
 
 void StepProperties::Validate() const {

@@ -44,8 +44,9 @@ void WalkScheduleParams::Validate() const {
     Demand(s.duration.has_value() != s.length.has_value(),
            fmt::format("segments.{} needs either duration_s or length_m, not {}", i,
                        s.duration ? "both" : "neither"));
-    Demand(s.duration.value_or(1) > 0 && s.length.value_or(1) > 0,
-           fmt::format("segments.{}: duration and length must be positive", i));
+    for (const auto& [key, value] : {std::pair{"duration_s", s.duration}, {"length_m", s.length}})
+      Demand(value.value_or(1) > 0,
+             fmt::format("segments.{}.{} = {} must be positive", i, key, value.value_or(1)));
     Demand(s.gait != Gait::kStand || (s.forward == 0 && s.left == 0 && s.yaw_rate == 0),
            fmt::format("segments.{} moves while it stands: give it another gait", i));
     Demand(s.squat_frequency > 0,

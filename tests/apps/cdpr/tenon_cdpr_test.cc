@@ -309,6 +309,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set 'path={kind: line, points_m: [[0,0,2],[0,0,2.1]], times_s: [0, 1e6]}'",
                  "path.times_s: the way takes 1000000 s and is planned as a whole"},
         BadUsage{"D1 --set \"report.events=[$(seq -s, 1001)]\"", "report.events: events has 1001 entries"},
+        BadUsage{"D1 --set start_offset_m=[0,0,1e30]", "start_offset_m = [0, 0, 1e+30] must be within 100 m"},
+        BadUsage{"D1 --set path.radius_m=-1", "path.radius_m: radius_m = -1 must be positive"},
+        BadUsage{"D1 --set path.center_m=[1e9,0,2]",
+                 "path.center_m: center_m = [1000000000, 0, 2] must be within"},
+        BadUsage{"waypoints --set path.waypoints.1.position_m=[1e300,0,2]",
+                 "path.waypoints.1.position_m: position_m = [1e+300, 0, 2] must be within"},
+        BadUsage{"D1 --set robot.cables=[1,2,3]", "robot.cables.0: expected a map"},
         BadUsage{"D1 --graph /tmp/x.bmp", "ends in .svg or .dot"}));
 
 TEST(TenonCdprOutputTest, DirectoryThatCannotBeMade) {
@@ -325,7 +332,7 @@ TEST_F(TenonCdprTest, WhatNoRobotDoesEndsTheRun) {
     EXPECT_THAT(Read(out / "summary.json"), HasSubstr(reason));
   };
   ends("--set start_offset_m=[0,0,-2.5]", "the platform reaches");
-  ends("--set start_offset_m=[0,0,1e30]", "m away from the middle of the anchors");
+  ends("--set start_offset_m=[0,0,90]", "m away from the middle of the anchors");
   ends("--set pd.stiffness_N_per_m=1e5 --set pd.damping_N_s_per_m=0 --set start_offset_m=[1,0,0]",
        "more than the 880 N that its winch holds");
 }

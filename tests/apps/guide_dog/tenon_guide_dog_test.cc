@@ -87,7 +87,7 @@ TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
                     HasSubstr("loop.supervisor.status.mode"), HasSubstr("\n0.3,")));
   EXPECT_THAT(Read(out / "scenario.yaml"),
               AllOf(HasSubstr("felt_tension_N: 5"), HasSubstr("threshold_N: 50")));
-  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
+  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacles.0")));
   EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("supervisor"), HasSubstr("admittance")));
   std::filesystem::remove(out.string() + ".dot");
 }
@@ -126,8 +126,8 @@ TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
   refuses("C1 --set log_rate_hz=0", "log_rate_hz", "a rate of 0 Hz");
   refuses("C1 --set person.phases.1.speed_m_per_s=-1", "phases.1", "negative");
   refuses("C1 --set leash.stiffness=3", "leash", "stiffness_N_per_m");
-  refuses("C3 --set surroundings.obstacles.0.radius_m=0", "obstacle 0", "positive radius");
-  refuses("C1 --set supervisor.release_N=60", "release of 60 N", "threshold of 50 N");
+  refuses("C3 --set surroundings.obstacles.0.radius_m=0", "obstacles.0", "positive radius");
+  refuses("C1 --set supervisor.release_N=60", "release = 60 N", "threshold = 50 N");
 }
 
 }  // namespace

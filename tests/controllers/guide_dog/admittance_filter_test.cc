@@ -232,14 +232,15 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { AdmittanceFilter block({params}); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension of 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass of -1 kg", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping of 0 N s/m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward of -0.1 m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left of nan m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration of 0 m/s^2", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "from 0.03 to 0.01 m/s", "give max_forward"));
+  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension = 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass = -1 kg", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping = 0 N s/m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness = -1 N/m", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward = -0.1 m/s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left = nan m/s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration = 0 m/s^2", "positive"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.max_forward = 0.01; }, "max_forward = 0.01 m/s", "above min_forward = 0.03"));
 }
 
 TEST(AdmittanceFilterTest, IsReadFromYaml) {
@@ -285,7 +286,7 @@ TEST(AdmittanceFilterTest, GainsAreSetInARun) {
   AdmittanceGains wrong = gains;
   wrong.mass = 0;
   EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "mass of 0 kg", "positive"));
+      Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "mass = 0 kg", "positive"));
 }
 
 }  // namespace

@@ -330,16 +330,16 @@ TEST(SupervisorTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { Supervisor block({params}); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.threshold = 0; }, "threshold of 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.release = 51; }, "release of 51 N", "threshold of 50 N"));
-  EXPECT_TRUE(refuses([](auto& p) { p.release = 0; }, "release of 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stop_time = 0; }, "stop_time of 0 s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.start_time = NAN; }, "start_time of nan s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.dwell = -1; }, "dwell of -1 s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.turn_rate = 0; }, "turn_rate of 0 rad/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.turn_gain = -2; }, "turn_gain of -2 1/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.heading_tolerance = 0; }, "heading_tolerance of 0 rad", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.align_time = 0; }, "align_time of 0 s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.threshold = 0; }, "threshold = 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.release = 51; }, "release = 51 N", "threshold = 50 N"));
+  EXPECT_TRUE(refuses([](auto& p) { p.release = 0; }, "release = 0 N", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stop_time = 0; }, "stop_time = 0 s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.start_time = NAN; }, "start_time = nan s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.dwell = -1; }, "dwell = -1 s", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.turn_rate = 0; }, "turn_rate = 0 rad/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.turn_gain = -2; }, "turn_gain = -2 1/s", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.heading_tolerance = 0; }, "heading_tolerance = 0 rad", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.align_time = 0; }, "align_time = 0 s", "positive"));
 }
 
 TEST(SupervisorTest, IsReadFromYaml) {
@@ -389,7 +389,7 @@ TEST(SupervisorTest, GainsAreSetInARun) {
   EXPECT_NE(run(plain), expected);
   SupervisorGains wrong = gains;
   wrong.release = 81;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "release of 81 N"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "release = 81 N"));
 }
 
 }  // namespace

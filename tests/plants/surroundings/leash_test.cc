@@ -113,9 +113,9 @@ TEST(LeashTest, RefusesNonsense) {
   const auto refuses = [](LeashParams params, const char* a, const char* b) {
     return Throws<ParameterError>([&] { Leash leash(params); }, a, b);
   };
-  EXPECT_TRUE(refuses({.nominal_length = 0}, "nominal_length of 0 m", "positive"));
-  EXPECT_TRUE(refuses({.stiffness = -1}, "stiffness of -1 N/m", "positive"));
-  EXPECT_TRUE(refuses({.dissipation = NAN}, "dissipation of nan s/m", "not be negative"));
+  EXPECT_TRUE(refuses({.nominal_length = 0}, "nominal_length = 0 m", "positive"));
+  EXPECT_TRUE(refuses({.stiffness = -1}, "stiffness = -1 N/m", "positive"));
+  EXPECT_TRUE(refuses({.dissipation = NAN}, "dissipation = nan s/m", "not be negative"));
   EXPECT_TRUE(refuses({.attachment_B = {INFINITY, 0, 0}}, "attachment", "give metres"));
 }
 
@@ -132,7 +132,7 @@ TEST(LeashTest, LengthStiffnessAndDissipationAreSetInARun) {
   EXPECT_NE(rig[rig->leash].tension, built[built->leash].tension);
   rig.Set(rig->nominal_length, 1.2).Set(rig->stiffness, 300).Set(rig->dissipation, 0.1);
   EXPECT_EQ(rig[rig->leash].tension, built[built->leash].tension);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness of 0 N/m", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness = 0 N/m", "positive"));
 }
 
 }  // namespace

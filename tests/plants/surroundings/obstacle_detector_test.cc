@@ -74,10 +74,10 @@ TEST(ObstacleDetectorTest, RefusesNonsense) {
   const auto refuses = [](const ObstacleDetectorParams& params, const char* a, const char* b) {
     return Throws<ParameterError>([&] { ObstacleDetector detector(params); }, a, b);
   };
-  EXPECT_TRUE(refuses({.obstacles = {}, .range = 0}, "range of 0 m", "positive"));
-  EXPECT_TRUE(refuses({.obstacles = {}, .half_width = -1}, "half_width of -1 m", "negative"));
-  EXPECT_TRUE(refuses({.obstacles = {{{1, 2}, 1}, {{1, 2}, 0}}}, "obstacle 1", "positive radius"));
-  EXPECT_TRUE(refuses({.obstacles = {{{NAN, 2}, 1}}}, "obstacle 0", "finite place"));
+  EXPECT_TRUE(refuses({.obstacles = {}, .range = 0}, "range = 0 m", "positive"));
+  EXPECT_TRUE(refuses({.obstacles = {}, .half_width = -1}, "half_width = -1 m", "negative"));
+  EXPECT_TRUE(refuses({.obstacles = {{{1, 2}, 1}, {{1, 2}, 0}}}, "obstacles.1", "positive radius"));
+  EXPECT_TRUE(refuses({.obstacles = {{{NAN, 2}, 1}}}, "obstacles.0", "finite place"));
 }
 
 TEST(ObstacleDetectorTest, LooksFartherInARun) {
@@ -90,7 +90,7 @@ TEST(ObstacleDetectorTest, LooksFartherInARun) {
   EXPECT_FALSE(rig[rig->obstacle]);
   rig.Set(rig->half_width, 0.6);
   EXPECT_TRUE(rig[rig->obstacle]);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->range, 0); }, "range of 0 m", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->range, 0); }, "range = 0 m", "positive"));
 }
 
 }  // namespace

@@ -198,7 +198,7 @@ TEST(PersonTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension_N = 0", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height_m = -1", "below the ground"));
   EXPECT_TRUE(refuses([](auto& p) { p.start[1] = NAN; }, "start", "give metres"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phases.1", "lasts 0 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phases.1.duration = 0 s", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phases.0", "give another direction_rad"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phases.0", "0.1 +- 0.2 m/s"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].direction = INFINITY; }, "phases.0", "finite"));

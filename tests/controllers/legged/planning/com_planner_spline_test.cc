@@ -221,10 +221,10 @@ TEST(ComPlannerSpline, RefusesNonsense) {
     change(params.zmp);
     return Throws<ParameterError>([&] { ComPlanner block(params); }, what);
   };
-  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.horizon = 0; }, "zmp.horizon_steps is 0: plan 1 to 4 steps"));
-  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.horizon = 5; }, "zmp.horizon_steps is 5"));
-  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.half_width = 0; }, "zmp.half_width_m is 0 m"));
-  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.margin = -1; }, "zmp.margin_m is -1 m"));
+  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.horizon = 0; }, "horizon_steps is 0: plan 1 to 4 steps"));
+  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.horizon = 5; }, "horizon_steps is 5"));
+  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.half_width = 0; }, "half_width_m is 0 m"));
+  EXPECT_TRUE(refuses([](ZmpPlanParams& p) { p.margin = -1; }, "margin_m is -1 m"));
 }
 
 TEST(ComPlannerSplineTest, ThePlanIsSetInARun) {
@@ -245,8 +245,7 @@ TEST(ComPlannerSplineTest, ThePlanIsSetInARun) {
   EXPECT_NE(walk_off(plain).com_acceleration_W, expected.com_acceleration_W);
   ZmpPlanParams wrong = changed.zmp;
   wrong.horizon = 5;
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, wrong); }, "zmp.horizon_steps is 5"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, wrong); }, "horizon_steps is 5"));
 }
 
 }  // namespace

@@ -511,11 +511,11 @@ TEST(SwingPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses({.free_offset = -1}, "free_offset_m = -1"));
   EXPECT_TRUE(refuses({.free_turn = -1}, "free_turn_rad = -1"));
   EXPECT_TRUE(refuses({.largest_shift = -1}, "largest_shift_m = -1"));
-  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "reflex.lag_m is 0 m"));
-  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "reflex.force_mg is -1"));
-  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "reflex.retreat_m is -1 m"));
-  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "reflex.height_m is 0 m"));
-  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "reflex.rise_phase is 0.6"));
+  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "lag_m is 0 m"));
+  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "force_mg is -1"));
+  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "retreat_m is -1 m"));
+  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "height_m is 0 m"));
+  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "rise_phase is 0.6"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
