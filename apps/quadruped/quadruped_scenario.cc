@@ -74,8 +74,6 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   plant.limit_speed = scenario.limit_speed;
   const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
   const Vec<2> slope = -ground.normal_W.head<2>() / ground.normal_W[2];
-  Blame("robot",
-        [&] { StandingOn(robot, {}); });  // on the flat: what it cannot do there is not the terrain's
   plant.initial = Blame("terrain", [&] {
     return StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
   });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tenon/plants/model/internal/quadruped_urdf.h>
 #include <tenon/plants/model/resources.h>
+#include <tenon/plants/model/standing.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -120,6 +121,11 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
           document.PlaceOf(fmt::format("feet.{}", kLegNames[at])), feet.InOrder()[at], p[0], p[1], p[2],
           p[0] > 0 ? "front" : "rear", p[1] > 0 ? "left" : "right"));
   }
+  try {
+    StandingOn(robot, {});
+  } catch (const ParameterError& error) {
+    throw ParameterError(document.Placed("nominal_stance", error.what()));
+  }
 }
 
 }  // namespace
@@ -234,8 +240,12 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
   if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
   for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;
   reading.limits = {file.limits.abduction, file.limits.hip_pitch, file.limits.knee};
-  const std::vector<std::string> mended = internal::ReadUrdf(document.Path("urdf"), reading, &robot);
-  if (warnings != nullptr) *warnings = mended;
+  try {
+    const std::vector<std::string> mended = internal::ReadUrdf(document.Path("urdf"), reading, &robot);
+    if (warnings != nullptr) *warnings = mended;
+  } catch (const ParameterError& error) {
+    throw ParameterError(document.Placed("urdf", error.what()));
+  }
   CheckStance(robot, file.feet, document);
   return robot;
 }

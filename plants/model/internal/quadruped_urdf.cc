@@ -285,12 +285,11 @@ class Reader {
     RigidInertia sum;
     for (const Part& part : parts) sum = sum + Believed(part, mass);
     if (!(sum.mass > 0))
-      Fail("the body of the link(s) {} has no mass; give one of them an <inertial> with a positive mass",
-           names);
+      Fail("the body of link {} has no mass; give one of them an <inertial> with a positive mass", names);
     try {
       CheckInertia(sum.inertia);
     } catch (const ParameterError& error) {
-      Fail("the body of the link(s) {}: {}", names, error.what());
+      Fail("the body of link {}: {}", names, error.what());
     }
     return sum.In(Eigen::Matrix3d::Identity(), -origin);
   }

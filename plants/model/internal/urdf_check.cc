@@ -116,6 +116,8 @@ class Check {
   void End() {
     if (open_.size() == 3 && open_.back() == "inertial" && !has_mass_)
       Fail(Line(), "{}: its <inertial> has no mass; write <mass value=\"...\"/>, in kg", owner_);
+    if (open_.size() == 3 && open_.back() == "inertial" && !has_inertia_)
+      Fail(Line(), "{}: its <inertial> has no inertia; write <inertia ixx=\"...\" .../>, in kg m^2", owner_);
     open_.pop_back();
     if (open_.size() == 1) EndOfOwner();
   }
@@ -147,13 +149,21 @@ class Check {
     for (const char* name : {"name", "link", "type"})
       if (const std::size_t bytes = attribute(name).size(); bytes > kMaxName)
         Fail(Line(), "the {} of an element has {} bytes; {} are the most", name, bytes, kMaxName);
-    if (element == "inertial") has_mass_ = false;
+    if (element == "inertial") has_mass_ = has_inertia_ = false;
+    if (element == "inertia") {
+      has_inertia_ = true;
+      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+        if (attribute(name).empty())
+          Fail(Line(), "{}: its <inertia> has no {}; write all six, 0 too", owner_, name);
+    }
     if (element == "mass" && !attribute("value").empty()) has_mass_ = true;
     if (open_.size() == 1) {
       if (element == "link" && ++links_ > kMaxLinks)
         Fail(Line(), "there are more than {} links; a robot needs fewer", kMaxLinks);
       in_joint_ = element == "joint";
       owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
+      if ((element == "link" || element == "joint") && attribute("name").empty())
+        Fail(Line(), "a {} has no name; give each one of its own", element);
       if (element == "link" || element == "joint")
         lines_.emplace(fmt::format("{} {}", element, attribute("name")), Line());
       if (element == "joint") joints_.push_back({attribute("name"), "", "", attribute("type"), Line()});
@@ -230,10 +240,10 @@ class Check {
   const std::string& file_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
       XML_ParserCreate(nullptr), &XML_ParserFree};
-  std::vector<std::string> open_;  ///< elements
-  std::string owner_;              ///< the link or joint that these are in
-  bool in_joint_ = false;          ///< that is one
-  bool has_mass_ = false;          ///< the inertial that is open
+  std::vector<std::string> open_;                ///< elements
+  std::string owner_;                            ///< the link or joint that these are in
+  bool in_joint_ = false;                        ///< that is one
+  bool has_mass_ = false, has_inertia_ = false;  ///< the inertial that is open
   std::size_t links_ = 0;
   std::vector<Joint> joints_;
   std::vector<std::pair<std::size_t, std::string>> missing_;  ///< what urdfdom must find, by the byte before

@@ -87,7 +87,7 @@ TEST_F(TenonGuideDogTest, WritesSummarySignalsScenarioReportAndGraph) {
                     HasSubstr("loop.supervisor.status.mode"), HasSubstr("\n0.3,")));
   EXPECT_THAT(Read(out / "scenario.yaml"),
               AllOf(HasSubstr("felt_tension_N: 5"), HasSubstr("threshold_N: 50")));
-  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacles.0")));
+  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
   EXPECT_THAT(Read(out.string() + ".dot"), AllOf(HasSubstr("supervisor"), HasSubstr("admittance")));
   std::filesystem::remove(out.string() + ".dot");
 }

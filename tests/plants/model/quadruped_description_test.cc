@@ -374,7 +374,7 @@ TEST(QuadrupedDescriptionTest, RefusesFilesThatAreNoUrdf) {
   EXPECT_TRUE(Refused(files, "dogbot.urdf:1", "no URDF", "correct the XML"));
   RobotFiles missing("dogbot");
   missing.Change(&RobotFiles::yaml, "urdf: dogbot.urdf", "urdf: dogbto.urdf");
-  EXPECT_TRUE(Refused(missing, "dogbto.urdf", "cannot be read"));
+  EXPECT_TRUE(Refused(missing, "dogbot.yaml:", "urdf: ", "dogbto.urdf", "cannot be read"));
 }
 
 // urdfdom would leave out what it cannot read: a lighter robot.
@@ -399,6 +399,38 @@ TEST(QuadrupedDescriptionTest, RefusesInertiasWithoutAMass) {
     files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", mass);
     EXPECT_TRUE(Refused(files, "a1.urdf:", "link 'FL_calf'", "<inertial> has no mass")) << mass;
   }
+}
+
+TEST(QuadrupedDescriptionTest, RefusesInertiasThatAreNotWhole) {
+  RobotFiles without("a1");
+  without.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>",
+                 "<mass value=\"0.151\"/></inertial><inertial>");
+  EXPECT_TRUE(
+      Refused(without, "a1.yaml:", "urdf: ", "a1.urdf:", "link 'FL_calf'", "<inertial> has no inertia"));
+  RobotFiles part("a1");
+  part.Change(&RobotFiles::urdf, " iyz=", " iyx=");
+  EXPECT_TRUE(Refused(part, "a1.urdf:", "its <inertia> has no iyz"));
+}
+
+TEST(QuadrupedDescriptionTest, RefusesLinksWithoutOrWithHugeNames) {
+  RobotFiles nameless("a1");
+  nameless.Change(&RobotFiles::urdf, "</robot>", "\n<link/></robot>");
+  EXPECT_TRUE(Refused(nameless, "a1.urdf:", "a link has no name"));
+  RobotFiles huge("a1");
+  huge.Change(&RobotFiles::urdf, "</robot>", "<link name=\"" + std::string(81, 'x') + "\"/></robot>");
+  EXPECT_TRUE(Refused(huge, "a1.urdf:", "the name of an element has 81 bytes; 80 are the most"));
+}
+
+TEST(QuadrupedDescriptionTest, RefusesAStanceInWhichItCannotStand) {
+  RobotFiles files("dogbot");  // a foot above its knee
+  files.Change(&RobotFiles::urdf, "<origin xyz=\"0.035 0 -0.3\"/>", "<origin xyz=\"0.035 0 0.1\"/>");
+  EXPECT_TRUE(Refused(files, "dogbot.yaml:", "nominal_stance: ", "does not reach ground of slope (0, 0)"));
+}
+
+TEST(QuadrupedDescriptionTest, RefusesFeetThatAreNone) {
+  RobotFiles files("dogbot");
+  files.Change(&RobotFiles::yaml, "foot_radius_m: ", "foot_radius_m: 1.1 #");
+  EXPECT_TRUE(Refused(files, "foot_radius_m: foot_radius_m is 1.1 m: no foot is larger than 1 m"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesShapesThatAreNoNumbers) {
