@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -194,7 +195,8 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   const SignalGuard guard;              // what is written is whole, whenever a signal comes
   const ScenarioFiles files(scenario);  // read before an earlier run's go, which may be these
   const OutputDirectory out(options.out);
-  if (!options.live) std::filesystem::remove(out.path() / "live.jsonl");  // else it may be what is replayed
+  std::error_code ignored;  // what cannot be removed cannot be written either, and is said so there
+  if (!options.live) std::filesystem::remove(out.path() / "live.jsonl", ignored);  // else it may be replayed
   files.Write(out.path());
   WriteGraph(simulator.context().diagram(), options.graph);
   const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
