@@ -21,10 +21,28 @@ std::string Describe(const CdprScenario& scenario, const std::string& controller
                      scenario.duration_s, scenario.seed);
 }
 
+/// From which keys of a scenario the blocks are made.
+static constexpr KeyOfBlock kKeysOfBlocks[] = {
+    {"plant", "robot"},
+    {"reference", "path"},
+    {"mpc", "mpc"},
+    {"pd", "pd"},
+    {"payload", "payload"},
+    {"gusts", "gusts"},
+    {"hanging_load", "hanging_load"},
+    {"estimator", "noise"},
+    {"pose_sensor", "noise"},
+    {"imu", "noise"},
+    {"winch_errors", "hardware"},
+    {"command_delay", "hardware"},
+    {"cable_sensors", "hardware"},
+    {"imu_errors", "hardware"},
+};
+
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   DiagramBuilder builder;
-  auto& loop =
-      Blame("", [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
+  auto& loop = BlameBlocks(
+      kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   std::optional<CdprLive> live;
   if (options.live) live.emplace(builder, loop);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <utility>
 
@@ -28,6 +29,28 @@ decltype(auto) Blame(const std::string& key, F make) {
     throw;  // knows better
   } catch (const ParameterError& error) {
     throw KeyError(key, error.what());
+  }
+}
+
+/// The key of a scenario from which a block has its parameters.
+struct KeyOfBlock {
+  const char* block;
+  const char* key;
+};
+
+/// What `make` gives, which adds a diagram to a builder; what a block refuses is the fault of its key, of the
+/// first in the list that the message names.
+template <class F>
+decltype(auto) BlameBlocks(std::span<const KeyOfBlock> keys, F make) {
+  try {
+    return make();
+  } catch (const KeyError&) {
+    throw;
+  } catch (const ParameterError& error) {
+    for (const auto& [block, key] : keys)
+      if (std::string(error.what()).find("block '" + std::string(block) + "'") != std::string::npos)
+        throw KeyError(key, error.what());
+    throw KeyError("", error.what());
   }
 }
 

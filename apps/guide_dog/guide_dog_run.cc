@@ -12,6 +12,7 @@
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
 #include <tenon/plants/model/resources.h>
@@ -38,8 +39,9 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
 
   DiagramBuilder builder;
-  auto& loop =
-      Blame("", [&]() -> GuideDog& { return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario)); });
+  auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
+    return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });

@@ -29,7 +29,7 @@ template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
-  auto& loop = Blame("", [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
+  auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
   const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
   std::optional<QuadrupedLive> live;
   if (options.live) {

@@ -171,7 +171,7 @@ TEST_F(TenonCdprTest, FliesWithCablesAsTheyAre) {
           "pulley_radius is -0.04 m but must not be negative");
   refuses("pulley_radius_m: 4", "path: The path leaves the workspace at t = 0 s",
           "Cable 0 of 'cdpr_4' would end");
-  refuses("pulley_radius_m: 4", "block 'plant'", "at the start cable 0 ends", false);
+  refuses("pulley_radius_m: 4", "robot: block 'loop': block 'plant'", "at the start cable 0 ends", false);
   refuses("pulley_radius: 0.04", "robot", "pulley_radius_m");
   refuses("drum: {radius_m: 0.036}", "robot", "cable_diameter_m");
 }
