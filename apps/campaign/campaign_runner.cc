@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include <tenon/apps/common/progress.h>
@@ -25,17 +26,18 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
   const std::size_t stride = (plan.num_points() + kMostChecks - 1) / kMostChecks;
   for (std::size_t point = 0; point < plan.num_points(); point += stride) {
     ++num_checked_;
-    YamlDocument scenario = Prepare(plan.RunOf(point, 0, 0)).scenario;
+    std::optional<YamlDocument> scenario;
     try {
-      app_.check(scenario);
+      scenario = Prepare(plan.RunOf(point, 0, 0)).scenario;
+      app_.check(*scenario);
     } catch (const Error& error) {
       if (num_refused_++ == 0) refusal_ = error.what();
       continue;
     }
     if (!plan.file().duration_s || !cut_short_.empty()) continue;
-    scenario.Set("duration_s", fmt::format("{}", *plan.file().duration_s));
     try {
-      app_.check(scenario);
+      scenario->Set("duration_s", fmt::format("{}", *plan.file().duration_s));
+      app_.check(*scenario);
     } catch (const Error& error) {
       cut_short_ = error.what();
     }

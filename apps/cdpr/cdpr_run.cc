@@ -26,6 +26,8 @@ static constexpr KeyOfBlock kKeysOfBlocks[] = {
     {"plant", "robot"},
     {"reference", "path"},
     {"mpc", "mpc"},
+    {"load", "load"},
+    {"monitor", "max_tension_ratio"},
     {"pd", "pd"},
     {"payload", "payload"},
     {"gusts", "gusts"},

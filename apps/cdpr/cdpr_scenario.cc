@@ -139,7 +139,10 @@ PlatformPath PathScenario::Make() const {
   Demand(
       path.position.is_periodic() || end - begin <= kLongest,
       fmt::format("{}: the way takes {:.10g} s and is planned as a whole before the run: {} s are the most",
-                  times_s.empty() ? "waypoints" : "times_s", end - begin, kLongest));
+                  kind == PathKind::kFile        ? "file"
+                  : kind == PathKind::kWaypoints ? "waypoints"
+                                                 : "times_s",
+                  end - begin, kLongest));
   Demand(!path.attitude || !attitude_rad,
          "the path says the attitude by place and attitude_rad all along: leave one of them away");
   Demand(

@@ -12,10 +12,10 @@ std::atomic<bool> MemoryReserve::given_ = false;
 namespace {
 
 constexpr std::size_t kMost = 16 << 20, kRest = 2 << 20;  // bytes; a report takes some MB
-constexpr std::size_t kLeast = 1 << 18, kStack = 1 << 19;
+constexpr std::size_t kLeastMost = 4 << 20, kLeastRest = 1 << 18, kStack = 1 << 19;
 
-void PutAside(std::atomic<void*>& part, std::size_t size) {
-  for (; size >= kLeast && part == nullptr; size /= 2) {
+void PutAside(std::atomic<void*>& part, std::size_t size, std::size_t least) {
+  for (; size >= least && part == nullptr; size /= 2) {
     void* none = nullptr;
     void* const memory = std::malloc(size);
     if (!part.compare_exchange_strong(none, memory)) std::free(memory);
@@ -43,9 +43,9 @@ MemoryReserve::~MemoryReserve() {
 }
 
 void MemoryReserve::Refill() noexcept {
-  given_ = false;
-  PutAside(rest_, kRest);
-  PutAside(most_, kMost);
+  PutAside(rest_, kRest, kLeastRest);
+  PutAside(most_, kMost, kLeastMost);
+  given_ = most_ == nullptr;
 }
 
 bool MemoryReserve::given() noexcept {

@@ -91,7 +91,9 @@ std::optional<int> RunDot(const fs::path& text, const fs::path& svg) {
   char* list[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(),
                   arguments[3].data(), arguments[4].data(), nullptr};
   ::pid_t process = 0;
-  if (::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ) != 0) return {};
+  const int error = ::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ);
+  if (error == ENOENT) return {};
+  if (error != 0) throw OutputError(fmt::format("cannot run Graphviz's `dot`: {}", std::strerror(error)));
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }

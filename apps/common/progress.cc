@@ -129,6 +129,7 @@ int SignalGuard::caught() {
 
 void StopOnSignal(Simulator& simulator) {
   simulator.AddMonitor([](Context& context) {
+    if (MemoryReserve::given()) MemoryReserve::Refill();  // it may have been but one huge request
     if (MemoryReserve::given()) throw RunError(OutOfMemoryAt(context));
     return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted);
   });

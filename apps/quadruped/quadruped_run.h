@@ -30,6 +30,8 @@ inline constexpr KeyOfBlock kKeysOfLegged[] = {
     {"drive_lag", "hardware"},
     {"drive_errors", "hardware"},
     {"command_delay", "hardware"},
+    {"estimator", "walk.state"},
+    {"obstacles", "surroundings"},
     {"person", "person"},
     {"leash", "leash"},
     {"supervisor", "supervisor"},

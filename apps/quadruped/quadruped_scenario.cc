@@ -217,11 +217,12 @@ void QuadrupedScenario::Validate() const {
          fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",
                      start_height_m));
   DemandRate("log_rate_hz", log_rate_hz);
+  // One more is a pull of whoever watches, and one a load that slides.
+  const std::size_t most = kMaxExternalForces - (payload.slides ? 2 : 1);
   const std::size_t num_forces = forces.size() + random_forces.size();
-  Demand(num_forces <= std::size_t{kMaxExternalForces},
-         fmt::format("{} has {} entries, with what else pushes {}: a robot takes {} at most",
-                     forces.empty() ? "random_forces" : "forces",
-                     forces.empty() ? random_forces.size() : forces.size(), num_forces, kMaxExternalForces));
+  Demand(num_forces <= most,
+         fmt::format("{}: {} forces, those of random_forces among them, are too many: {} are the most",
+                     forces.empty() ? "random_forces" : "forces", num_forces, most));
 }
 
 JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {

@@ -112,8 +112,9 @@ void CdprDescription::Validate() const {
   if (!winch.differential) return;
   for (const auto& [i, j] : winch.differential->pairs)
     if (std::max(i, j) >= num_cables())
-      throw ParameterError(fmt::format("pairs: [{}, {}] names cable {}, but there are {}; give 0 to {}", i, j,
-                                       std::max(i, j), num_cables(), num_cables() - 1));
+      throw ParameterError(
+          fmt::format("winch.differential.pairs: [{}, {}] names cable {}, but there are {}; give 0 to {}", i,
+                      j, std::max(i, j), num_cables(), num_cables() - 1));
 }
 
 void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {

@@ -80,8 +80,9 @@ struct RobotFile {
           fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
                       "sphere that touches the ground",
                       foot_radius));
-    if (foot_radius > 1)
-      throw ParameterError(fmt::format("foot_radius_m is {:.6g} m: no foot is larger than 1 m", foot_radius));
+    if (foot_radius > 0.1)
+      throw ParameterError(fmt::format(
+          "foot_radius_m is {:.6g} m but must be at most 0.1: terrain takes no larger feet", foot_radius));
   }
 };
 

@@ -146,11 +146,11 @@ class Check {
     for (const char** at = attributes; *at != nullptr; at += 2) ++count;
     if (count > kMaxAttributes)
       Fail(Line(), "an element has {} attributes; a robot's have no more than {}", count, kMaxAttributes);
-    for (const char* name : {"name", "link", "type"})
+    for (const char* name : {"name", "link", "type"})  // what errors repeat
       if (const std::size_t bytes = attribute(name).size(); bytes > kMaxName)
         Fail(Line(), "the {} of an element has {} bytes; {} are the most", name, bytes, kMaxName);
     if (element == "inertial") has_mass_ = has_inertia_ = false;
-    if (element == "inertia") {
+    if (element == "inertia" && open_.size() == 3 && open_.back() == "inertial") {
       has_inertia_ = true;
       for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
         if (attribute(name).empty())

@@ -390,7 +390,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "profile.sway_limit_rad_per_s2: sway_limit_rad_per_s2 = -1 must not be negative"},
         BadUsage{"flat --set terrain.grade=[50,0]", "terrain: the rear_left leg of 'dogbot' does not reach"},
         BadUsage{"stand --set robot.foot_radius_m=1e9",
-                 "robot.foot_radius_m: foot_radius_m is 1e+09 m: no foot"},
+                 "robot.foot_radius_m: foot_radius_m is 1e+09 m but must be at most 0.1"},
         BadUsage{"stand --set fall.max_height_m=0.01", "fall.max_height_m: 0.01 must be above 0.2"},
         BadUsage{"stand --set 'payload={mass_kg: 1, position_m: [0, 0, -1.5]}'",
                  "payload.position_m: the load reaches down to 1.5 m below the trunk"},
@@ -398,7 +398,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "random_forces.0.period_s: a sample period of 0.123456789123 s is no fraction"},
         BadUsage{"stand --set \"forces=[$(for i in 1 2 3 4 5 6 7 8; do printf '{duration_s: 1},'; done)"
                  "{duration_s: 1}]\"",
-                 "forces: forces has 9 entries, with what else pushes 9: a robot takes 8 at most"},
+                 ": forces: 9 forces, those of random_forces among them, are too many: 7 are the most"},
         BadUsage{"stand --set report.plots.1.signals=[]", "report: the plot 'attitude"},
         BadUsage{"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
                  "flat.yaml:11:9: walk.path.segments.1: segments.1 is too short"}));

@@ -430,7 +430,7 @@ TEST(QuadrupedDescriptionTest, RefusesAStanceInWhichItCannotStand) {
 TEST(QuadrupedDescriptionTest, RefusesFeetThatAreNone) {
   RobotFiles files("dogbot");
   files.Change(&RobotFiles::yaml, "foot_radius_m: ", "foot_radius_m: 1.1 #");
-  EXPECT_TRUE(Refused(files, "foot_radius_m: foot_radius_m is 1.1 m: no foot is larger than 1 m"));
+  EXPECT_TRUE(Refused(files, "foot_radius_m: foot_radius_m is 1.1 m but must be at most 0.1"));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesShapesThatAreNoNumbers) {
