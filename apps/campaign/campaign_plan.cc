@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <map>
+#include <optional>
 #include <set>
-#include <system_error>
 
+#include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
@@ -37,10 +37,8 @@ std::string Text(double value) {
 void DemandNoneTwice(const std::vector<std::string>& labels) {
   std::set<std::string> seen;
   for (const std::string& label : labels) {
-    double number = 0;
-    const auto [end, error] = std::from_chars(label.data(), label.data() + label.size(), number);
-    const bool is_number = error == std::errc() && end == label.data() + label.size();
-    if (!seen.insert(is_number ? Text(number) : label).second)
+    const std::optional<double> number = NumberIn(label);
+    if (!seen.insert(number ? Text(*number) : label).second)
       throw ParameterError(fmt::format("{} stands there twice: its runs would be the same, take one out",
                                        internal::Excerpt(label)));
   }

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -20,13 +19,6 @@ namespace tenon::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<double> Number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
 
 /// The columns of a table, and which of them are numbers wherever they are given.
 struct Columns {
@@ -45,7 +37,7 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
     for (const auto& [name, text] : row) {
       before = before && name != "case";
       if (known.contains(name) || !ran) continue;
-      if (!Number(text)) no_number.insert(name);
+      if (!NumberIn(text)) no_number.insert(name);
       if (!varied.emplace(name, before).second) continue;
       (before ? columns.drawn : columns.figures).push_back(name);
     }
@@ -119,7 +111,7 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
       std::vector<double> values;
       for (const std::string& name : names) {
         const auto found = cells.find(name);
-        values.push_back(found == cells.end() ? NAN : Number(found->second).value_or(NAN));
+        values.push_back(found == cells.end() ? NAN : NumberIn(found->second).value_or(NAN));
       }
       return values;
     };

@@ -89,6 +89,13 @@ std::string LineOf(const CampaignRow& row, const std::vector<std::string>& colum
 
 }  // namespace
 
+std::optional<double> NumberIn(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
 std::string_view Cell(const CampaignRow& row, std::string_view column) {
   for (const auto& [name, text] : row)
     if (name == column) return text;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <ios>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +20,8 @@ using CampaignRow = std::vector<std::pair<std::string, std::string>>;
 
 /// What a row says under a column; empty if it has none of that name.
 std::string_view Cell(const CampaignRow& row, std::string_view column);
+/// The number that a text is as a whole; nothing if it is none.
+std::optional<double> NumberIn(std::string_view text);
 
 /// runs.csv: a header and a line for each run, which is there as soon as the run has ended. A cell is empty
 /// where a run has no figure of that name, "NaN" where the figure is of nothing. Columns that come up late

@@ -1,10 +1,16 @@
 #include <tenon/apps/common/blame.h>
 
-#include <string_view>
+#include <fmt/core.h>
 
 #include <tenon/plants/model/resources.h>
 
 namespace tenon::apps {
+
+std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> keys) {
+  for (const auto& [block, key] : keys)
+    if (message.find(fmt::format("block '{}'", block)) != message.npos) return key;
+  return {};
+}
 
 /// A message without the place in a map of what differs from a file: the map is one of the scenario.
 static std::string_view WithoutPlaceInMap(std::string_view message) {

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <tenon/systems/framework/errors.h>
@@ -20,16 +21,22 @@ class KeyError : public ParameterError {
   std::string key_;
 };
 
-/// What `make` gives; what it refuses is the fault of what stands under `key`.
+/// What `make` gives; what it refuses is the fault of the key that `key_of(message)` says.
 template <class F>
-decltype(auto) Blame(const std::string& key, F make) {
+decltype(auto) BlameBy(const auto& key_of, F make) {
   try {
     return make();
   } catch (const KeyError&) {
     throw;  // knows better
   } catch (const ParameterError& error) {
-    throw KeyError(key, error.what());
+    throw KeyError(key_of(error.what()), error.what());
   }
+}
+
+/// What `make` gives; what it refuses is the fault of what stands under `key`.
+template <class F>
+decltype(auto) Blame(const std::string& key, F make) {
+  return BlameBy([&](const char*) { return key; }, std::move(make));
 }
 
 /// The key of a scenario from which a block has its parameters.
@@ -38,20 +45,13 @@ struct KeyOfBlock {
   const char* key;
 };
 
-/// What `make` gives, which adds a diagram to a builder; what a block refuses is the fault of its key, of the
-/// first in the list that the message names.
+/// The key of the first in the list that a message names; empty if it names none.
+std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> keys);
+
+/// What `make` gives, which adds a diagram to a builder; what a block refuses is the fault of its key.
 template <class F>
 decltype(auto) BlameBlocks(std::span<const KeyOfBlock> keys, F make) {
-  try {
-    return make();
-  } catch (const KeyError&) {
-    throw;
-  } catch (const ParameterError& error) {
-    for (const auto& [block, key] : keys)
-      if (std::string(error.what()).find("block '" + std::string(block) + "'") != std::string::npos)
-        throw KeyError(key, error.what());
-    throw KeyError("", error.what());
-  }
+  return BlameBy([&](std::string_view message) { return KeyOfBlockIn(message, keys); }, std::move(make));
 }
 
 /// The error of a key with file, line and column.

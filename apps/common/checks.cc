@@ -26,28 +26,33 @@ void DemandNear(const char* key, const Eigen::Vector3d& place_m) {
                                    place_m[1], place_m[2], kFar));
 }
 
-static constexpr double kFastest = 1e5;  // Hz
+namespace {
+
+constexpr double kFastest = 1e5;  // Hz
+
+/// What `check` refuses, with the key in front.
+void NameRefusal(const char* key, const auto& check) {
+  try {
+    check();
+  } catch (const ParameterError& error) {
+    throw ParameterError(fmt::format("{}: {}", key, error.what()));
+  }
+}
+
+}  // namespace
 
 void DemandRate(const char* key, double hz) {
   if (hz > kFastest)
     throw ParameterError(fmt::format("{} = {:.10g} must be at most {}: nothing on a robot is sampled faster",
                                      key, hz, kFastest));
-  try {
-    Hz(hz);
-  } catch (const ParameterError& error) {
-    throw ParameterError(fmt::format("{}: {}", key, error.what()));
-  }
+  NameRefusal(key, [&] { Hz(hz); });
 }
 
 void DemandSamplePeriod(const char* key, double s) {
   if (!(s >= 1 / kFastest))
     throw ParameterError(fmt::format("{} = {:.4g} must be at least {}: nothing on a robot is sampled faster",
                                      key, s, 1 / kFastest));
-  try {
-    Seconds(s);
-  } catch (const ParameterError& error) {
-    throw ParameterError(fmt::format("{}: {}", key, error.what()));
-  }
+  NameRefusal(key, [&] { Seconds(s); });
 }
 
 void DemandBetween(const char* key, double value, double low, double high) {

@@ -7,7 +7,6 @@
 namespace tenon::apps {
 
 std::atomic<void*> MemoryReserve::most_ = nullptr, MemoryReserve::rest_ = nullptr;
-std::atomic<bool> MemoryReserve::given_ = false;
 
 namespace {
 
@@ -39,22 +38,24 @@ MemoryReserve::MemoryReserve() : before_(std::set_new_handler(OnNoMemory)) {
 MemoryReserve::~MemoryReserve() {
   std::set_new_handler(before_);
   for (auto* const part : {&most_, &rest_}) std::free(part->exchange(nullptr));
-  given_ = false;
+}
+
+bool MemoryReserve::lives() noexcept {
+  return std::get_new_handler() == OnNoMemory;
 }
 
 void MemoryReserve::Refill() noexcept {
+  if (!lives()) return;
   PutAside(rest_, kRest, kLeastRest);
   PutAside(most_, kMost, kLeastMost);
-  given_ = most_ == nullptr;
 }
 
 bool MemoryReserve::given() noexcept {
-  return given_;
+  return lives() && most_ == nullptr;
 }
 
 /// As a std::new_handler: to return is to try once more.
 void MemoryReserve::OnNoMemory() {
-  given_ = true;
   if (void* const most = most_.exchange(nullptr)) return std::free(most);
   std::free(rest_.exchange(nullptr));
   throw std::bad_alloc();

@@ -14,15 +14,15 @@ class MemoryReserve {
   ~MemoryReserve();
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
-  /// Puts aside again what was given, or less of it if there is no more.
+  /// Puts aside again what was given, or less of it if there is no more. Nothing where none lives.
   static void Refill() noexcept;
   /// Whether one lives and was given: it is time to end.
   static bool given() noexcept;
 
  private:
   static void OnNoMemory();
+  static bool lives() noexcept;
   static std::atomic<void*> most_, rest_;
-  static std::atomic<bool> given_;
   void (*before_)();
 };
 

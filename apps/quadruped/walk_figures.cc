@@ -69,12 +69,14 @@ void WalkFigures::Row(std::span<const double> row) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
   };
   com_errors_.Add(norm(com_));
-  std::array<double, 3> error{};
-  for (std::size_t i = 0; i < 3 && observes_; ++i) {
-    estimates_[i].Add(row[estimated_force_[i]]);
-    error[i] = row[estimated_force_[i]] - row[external_force_[i]];
+  if (observes_) {
+    std::array<double, 3> error{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      estimates_[i].Add(row[estimated_force_[i]]);
+      error[i] = row[estimated_force_[i]] - row[external_force_[i]];
+    }
+    estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
-  if (observes_) estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   solve_times_.Add(row[solve_time_]);
   failure_count_ = row[failures_];
   end_ = {row[position_[0]], row[position_[1]]};
