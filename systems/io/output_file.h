@@ -19,8 +19,8 @@ class OutputError : public RunError {
 /// regular file, "/dev/stdout", is written as it is. Throws OutputError, and leaves nothing behind.
 void WriteFile(const std::filesystem::path& file, std::string_view text);
 
-/// A file that grows and is never torn: text reaches the disk when it is flushed, and what the disk does not
-/// take as a whole is taken back.
+/// A file that grows by whole texts: what the disk does not take as a whole is taken back. Only a SIGKILL
+/// within Append, which ends a write between two pages, leaves a part of one.
 class GrowingFile {
  public:
   enum class Start { kEmpty, kKeep };

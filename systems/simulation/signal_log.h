@@ -48,7 +48,8 @@ class MemoryLog final : public LogSink {
 };
 
 /// Writes a log as CSV with a header of "name [unit]". Whole rows reach the file, at least once a second on
-/// the clock: a killed run leaves what it had. Opens in PlotJuggler as it is.
+/// the clock: a killed run leaves what it had, and its last row is torn only where the kill comes within a
+/// write. Opens in PlotJuggler as it is.
 class CsvLog final : public LogSink {
  public:
   /// Throws OutputError if the file cannot be opened.

@@ -29,11 +29,13 @@ class TenonStoppedRunTest : public test::AppTest {
     return RunCommand("bash -c '" + kApp + " flat --duration 100000" + Out() + " & run=$!; until [ " + rows +
                       " -gt 12 ]; do kill -0 $run || exit 99; sleep 0.02; done 2>/dev/null; " + script + "'");
   }
+  enum class Last { kWhole, kMayBeTorn };
   /// All rows are as long as the header.
-  void ExpectWholeRows() const {
-    const std::string text = Read(out / "signals.csv");
+  void ExpectWholeRows(Last last = Last::kWhole) const {
+    std::string text = Read(out / "signals.csv");
     ASSERT_FALSE(text.empty());
-    EXPECT_EQ(text.back(), '\n');
+    if (last == Last::kMayBeTorn) text.erase(text.rfind('\n') + 1);
+    EXPECT_TRUE(text.ends_with('\n'));
     std::istringstream file(text);
     std::string line;
     std::getline(file, line);
@@ -58,12 +60,13 @@ TEST_F(TenonStoppedRunTest, ASignalEndsItInGoodOrder) {
   }
 }
 
+// The system ends a write between two pages when SIGKILL comes, so that the last row may be torn.
 TEST_F(TenonStoppedRunTest, WhatIsKilledLeavesWholeRowsAndNothingOld) {
   fs::create_directories(out);
   std::ofstream(out / "report.html") << "of an earlier run";
   std::ofstream(out / "summary.json") << "of an earlier run";
   EXPECT_EQ(WhileRunning("kill -KILL $run; wait $run").exit_code, 137);
-  ExpectWholeRows();
+  ExpectWholeRows(Last::kMayBeTorn);
   EXPECT_FALSE(fs::exists(out / "report.html"));
   EXPECT_FALSE(fs::exists(out / "summary.json"));
   EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("case: flat"));
