@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 

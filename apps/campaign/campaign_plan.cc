@@ -12,6 +12,7 @@
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/framework/random_stream.h>
 
 namespace tenon::apps {
@@ -37,7 +38,7 @@ std::string Text(double value) {
 void DemandNoneTwice(const std::vector<std::string>& labels) {
   std::set<std::string> seen;
   for (const std::string& label : labels) {
-    const std::optional<double> number = NumberIn(label);
+    const std::optional<double> number = internal::NumberIn<double>(label);
     if (!seen.insert(number ? Text(*number) : label).second)
       throw ParameterError(fmt::format("{} stands there twice: its runs would be the same, take one out",
                                        internal::Excerpt(label)));

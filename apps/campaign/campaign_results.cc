@@ -11,7 +11,11 @@
 #include <vector>
 
 #include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/progress.h>
 #include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/io/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
 
@@ -37,7 +41,7 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
     for (const auto& [name, text] : row) {
       before = before && name != "case";
       if (known.contains(name) || !ran) continue;
-      if (!NumberIn(text)) no_number.insert(name);
+      if (!internal::NumberIn<double>(text)) no_number.insert(name);
       if (!varied.emplace(name, before).second) continue;
       (before ? columns.drawn : columns.figures).push_back(name);
     }
@@ -56,7 +60,13 @@ std::string PointName(const CampaignPlan& plan, std::size_t point) {
 
 /// The figure by which runs are bad; empty if there is none.
 std::string WorstBy(const CampaignPlan& plan, const std::vector<std::string>& figures) {
-  if (!plan.file().worst_by.empty()) return plan.file().worst_by;
+  const std::string& wanted = plan.file().worst_by;
+  if (!wanted.empty()) {
+    if (!figures.empty() && std::ranges::count(figures, wanted) == 0)
+      Say(fmt::format("warning: worst_by: there is no figure '{}'; did you mean '{}'?\n",
+                      internal::Excerpt(wanted), internal::NearestName(wanted, figures)));
+    return wanted;
+  }
   for (const char* part : {"error_max", "error"})
     for (const std::string& figure : figures)
       if (figure.find(part) != figure.npos) return figure;
@@ -85,7 +95,8 @@ void AddPicks(CampaignReport& report, const std::string& worst_by, const std::st
   std::vector<const CampaignReport::Run*> order;
   for (const CampaignReport::Run& run : report.runs)
     if (run.survived && std::isfinite(run.figures[column])) order.push_back(&run);
-  std::ranges::stable_sort(order, std::greater<>(), [&](const auto* run) { return run->figures[column]; });
+  std::ranges::stable_sort(order, std::greater<>(),
+                           [&](const auto* run) { return std::abs(run->figures[column]); });
   for (std::size_t i = 0; i < std::min(order.size(), kPicks); ++i)
     pick(*order[i], fmt::format("{} = {:.4g}", worst_by, order[i]->figures[column]));
 }
@@ -111,7 +122,8 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
       std::vector<double> values;
       for (const std::string& name : names) {
         const auto found = cells.find(name);
-        values.push_back(found == cells.end() ? NAN : NumberIn(found->second).value_or(NAN));
+        values.push_back(found == cells.end() ? NAN
+                                              : internal::NumberIn<double>(found->second).value_or(NAN));
       }
       return values;
     };

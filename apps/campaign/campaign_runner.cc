@@ -14,7 +14,7 @@
 namespace tenon::apps {
 
 CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app)
-    : plan_(plan), name_(file.name()), app_(std::move(app)) {
+    : plan_(plan), app_(std::move(app)) {
   for (const std::string& name : plan.Scenarios()) {
     try {
       scenarios_.emplace(name, LoadScenario(name, {}, app_.name));

@@ -51,7 +51,6 @@ class CampaignRunner {
   Prepared Prepare(std::size_t run) const;
 
   const CampaignPlan& plan_;
-  std::string name_;  ///< of the file
   ScenarioApp app_;
   std::map<std::string, YamlDocument> scenarios_;
   std::size_t num_checked_ = 0, num_refused_ = 0;

@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <fstream>
 #include <map>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 
 namespace tenon::apps {
 namespace {
@@ -89,13 +89,6 @@ std::string LineOf(const CampaignRow& row, const std::vector<std::string>& colum
 
 }  // namespace
 
-std::optional<double> NumberIn(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
 std::string_view Cell(const CampaignRow& row, std::string_view column) {
   for (const auto& [name, text] : row)
     if (name == column) return text;
@@ -137,10 +130,8 @@ class Lines {
   }
   std::pair<std::size_t, CampaignRow> Row() const {
     std::vector<std::string> cells = Cells(line_);
-    std::size_t run = 0;
-    const char* end = cells[0].data() + cells[0].size();
-    const auto [at, error] = std::from_chars(cells[0].data(), end, run);
-    if (cells.size() != columns_.size() || at != end || error != std::errc())
+    const auto run = internal::NumberIn<std::size_t>(cells[0]);
+    if (cells.size() != columns_.size() || !run)
       throw ParameterError(
           fmt::format("{}:{}: this is no line of {} cells that begins with a run; take it out, or "
                       "begin anew",
@@ -148,7 +139,7 @@ class Lines {
     CampaignRow row;
     for (std::size_t i = 0; i < cells.size(); ++i)
       if (!cells[i].empty()) row.emplace_back(columns_[i], std::move(cells[i]));
-    return {run, std::move(row)};
+    return {*run, std::move(row)};
   }
 
  private:
@@ -212,7 +203,8 @@ void CampaignTable::Append(const CampaignRow& row) {
 void CampaignTable::Rewrite(const std::vector<std::streamoff>& places, std::vector<std::string> columns) {
   std::filesystem::path part = file_;
   part += ".part";
-  {
+  std::error_code error;
+  try {
     Lines lines(file_);
     GrowingFile anew(part);
     std::string text = columns.empty() ? "" : Line(columns);
@@ -224,8 +216,11 @@ void CampaignTable::Rewrite(const std::vector<std::streamoff>& places, std::vect
       text.clear();
     }
     anew.Append(text);
+    anew.Sync();  // there is no other table when it has taken the name
+  } catch (...) {
+    std::filesystem::remove(part, error);
+    throw;
   }
-  std::error_code error;
   std::filesystem::rename(part, file_, error);
   if (error) throw OutputError(fmt::format("cannot write '{}': {}", file_.string(), error.message()));
   columns_ = std::move(columns);

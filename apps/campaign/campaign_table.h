@@ -20,8 +20,6 @@ using CampaignRow = std::vector<std::pair<std::string, std::string>>;
 
 /// What a row says under a column; empty if it has none of that name.
 std::string_view Cell(const CampaignRow& row, std::string_view column);
-/// The number that a text is as a whole; nothing if it is none.
-std::optional<double> NumberIn(std::string_view text);
 
 /// runs.csv: a header and a line for each run, which is there as soon as the run has ended. A cell is empty
 /// where a run has no figure of that name, "NaN" where the figure is of nothing. Columns that come up late
@@ -34,7 +32,7 @@ class CampaignTable {
   /// the file is no table of runs.
   CampaignTable(std::filesystem::path file, Start start);
 
-  /// Adds a run. Throws OutputError; then the file is as it was.
+  /// Adds a run. Throws OutputError; then the run is not in it, and all others are.
   void Append(const CampaignRow& row);
   /// Orders the rows by their runs, and columns as the rows say in that order, so that the same rows always
   /// make the same file; leaves out those that do not belong, and what is there twice.

@@ -11,13 +11,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include <tenon/apps/common/read_text.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/io/output_file.h>
 
@@ -49,23 +48,21 @@ class Scratch {
   fs::path path_;
 };
 
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// How a process ended.
 struct Ended {
   int code = 0;           ///< as a shell tells it
   bool too_long = false;  ///< because of the limit on the clock
 };
 
-/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so.
+/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so; at
+/// once if it does not end then.
 Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds kGrace{5};  // to write what it has
   const Clock::time_point begin = Clock::now();
   Ended ended;
   int told = 0;  // the signal that it was sent
+  Clock::time_point told_at;
   for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
     const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
     if (waited == process) {
@@ -79,9 +76,11 @@ Ended Wait(::pid_t process, std::optional<double> wall_limit) {
       ended.too_long = true;
       signal = SIGTERM;
     }
+    if (told != 0 && Clock::now() - told_at > kGrace) signal = SIGKILL;
     if (signal == 0 || signal == told) continue;
     ::kill(-process, signal);  // its group: what it runs itself, too
     told = signal;
+    told_at = Clock::now();
   }
 }
 
@@ -137,15 +136,20 @@ ScenarioApp ProgramApp(const fs::path& program) {
     const fs::path printed = scratch.path() / "printed";
     std::vector<std::string> arguments{Written(scenario, scratch), "--out", out.string()};
     if (duration) arguments.insert(arguments.end(), {"--duration", fmt::format("{}", *duration)});
+    std::error_code ignored;
+    fs::remove(out / "summary.json", ignored);  // of an earlier run, else it would be this one's
     const Ended ended = Execute(program, arguments, printed, options.wall_limit);
-    if (!fs::exists(out / "summary.json")) {
-      if (ended.too_long) throw RunError(TookTooLong(*options.wall_limit));
-      throw RunError(
-          fmt::format("{} ended with {}: {}", program.filename().string(), ended.code, ReadText(printed)));
-    }
+    const std::string reason =
+        ended.too_long
+            ? TookTooLong(*options.wall_limit)
+            : fmt::format("{} ended with {}: {}", program.filename().string(), ended.code, ReadText(printed));
+    if (!fs::exists(out / "summary.json")) throw RunError(reason);
     RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
-    if (ended.too_long && ended.code != kOutputFailed)
-      result.summary.EndedBy(TookTooLong(*options.wall_limit), kNumericalFailure);
+    if (ended.too_long && ended.code != kOutputFailed) {
+      result.summary.EndedBy(reason, kNumericalFailure);
+    } else if (ended.code != kRan && result.summary.finished()) {
+      result.summary.EndedBy(reason, ended.code);  // it survives that ends well
+    }
     return result;
   };
   return {.name = program.filename().string(), .description = {}, .keys = {}, .check = check, .run = run};

@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <fstream>
-#include <iterator>
 #include <thread>
 #include <unordered_set>
 #include <vector>
@@ -24,12 +21,14 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/fnv1a.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 
 namespace tenon::apps {
 namespace {
@@ -53,19 +52,14 @@ Shard ParseShard(const std::string& text) {
   if (text.empty()) return {};
   Shard shard;
   const std::size_t slash = text.find('/');
-  const auto number = [&](std::size_t begin, std::size_t end, std::size_t& value) {
-    const auto [at, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-    return error == std::errc() && at == text.data() + end;
+  const auto number = [](std::string_view part, std::size_t& value) {
+    return internal::ParseNumber(part, value) == std::errc();
   };
-  if (slash == text.npos || !number(0, slash, shard.index) || !number(slash + 1, text.size(), shard.count) ||
-      shard.index < 1 || shard.index > shard.count)
+  if (slash == text.npos || !number(std::string_view(text).substr(0, slash), shard.index) ||
+      !number(std::string_view(text).substr(slash + 1), shard.count) || shard.index < 1 ||
+      shard.index > shard.count)
     throw ParameterError(fmt::format("--shard {}: give it as i/N, i from 1 to N, say 2/8", text));
   return shard;
-}
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A campaign's file; what it names starts from there, the program of an app of one's own as well.
@@ -138,9 +132,10 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
              total ? *total : plan.size(), total ? "" : " at most");
   constexpr std::size_t kShown = 20;
   CampaignSchedule copy = schedule;
-  for (std::size_t i = 0; i < kShown; ++i) {
+  for (std::size_t i = 0;; ++i) {
     const auto run = copy.Next();
     if (!run) return kRan;
+    if (i == kShown) break;
     std::string text;
     for (const auto& [column, value] : runner.Begin(*run)) text += fmt::format("  {}={}", column, value);
     fmt::print("{}\n", text);
@@ -189,7 +184,8 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   fmt::print("{:<28} {}\n", "report", (place / "report.html").string());
   if (!has_table || SignalGuard::caught() != 0) return again.exit_code;
 
-  // The page links to what is there now.
+  // The page links to what is there now; a campaign that goes on has none.
+  if (!fs::exists(directory / "report.html")) return again.exit_code;
   CampaignSchedule schedule(plan, {}, 1);
   CampaignTable::Read(table, plan.size(), [&](std::size_t other, const CampaignRow& row) {
     schedule.Done(other, Cell(row, "finished") == "true");
@@ -212,29 +208,35 @@ int Merge(const CampaignArguments& arguments) {
   const CampaignPlan plan(file);
   const std::string inputs = ReadText(first / "inputs.txt");
   // Nothing is touched before all parts are known to be good.
+  CampaignSchedule schedule(plan, {}, 1);
   for (const std::string& part : arguments.merge) {
     std::error_code ignored;
     if (fs::equivalent(part, arguments.out, ignored))
       throw ParameterError(fmt::format("--merge: '{}' is one of the parts: choose another --out", part));
     DemandSameInputs(part, inputs, "merge parts of one campaign");
-    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(), [](std::size_t, const CampaignRow&) {});
+    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
+                        [&](std::size_t run, const CampaignRow& row) {
+                          schedule.Done(run, Cell(row, "finished") == "true");
+                        });
   }
+  const auto total = schedule.total();
+  if (!total && !schedule.finished())
+    throw ParameterError(
+        fmt::format("--merge: what '{}' estimates is not known yet: finish it first, {} --resume",
+                    first.string(), CommandOf((first / "campaign.yaml").string(), first)));
   const OutputDirectory out(arguments.out);
   RemoveReplays(out.path());
   WriteFile(out.path() / "campaign.yaml", ReadText(first / "campaign.yaml"));
   WriteFile(out.path() / "inputs.txt", inputs);
-  CampaignSchedule schedule(plan, {}, 1);
   CampaignTable table(out.path() / "runs.csv", CampaignTable::Start::kNew);
   std::unordered_set<std::size_t> seen;
   for (const std::string& part : arguments.merge) {
     CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
                         [&](std::size_t run, const CampaignRow& row) {
                           if (!seen.insert(run).second) return;  // in two parts: they say the same
-                          schedule.Done(run, Cell(row, "finished") == "true");
                           table.Append(row);
                         });
   }
-  const auto total = schedule.total();
   table.Finish([&](std::size_t run) { return total || schedule.Counts(run); });
   const std::string command = CommandOf((out.path() / "campaign.yaml").string(), out.path());
   WriteResults(plan, schedule, command, out.path());

@@ -99,9 +99,11 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
 }
 
 ScenarioApp CdprApp() {
-  return MakeScenarioApp(
+  ScenarioApp app = MakeScenarioApp(
       "tenon-cdpr", "Flies a cable-driven parallel robot along a path and reports how well it did.",
       [](const YamlDocument& document) { return document.Read<CdprScenario>(); }, MakeLoopParams, RunCdpr);
+  app.files = {{"robot", "robots"}, {"hardware", "hardware/cdpr"}};
+  return app;
 }
 
 }  // namespace tenon::apps

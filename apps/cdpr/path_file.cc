@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 
 namespace tenon::apps {
 namespace {
@@ -59,11 +59,10 @@ PathTable ReadPathFile(const std::string& file) {
     if (Trimmed(line).empty()) continue;
     std::vector<double> row;
     for (const std::string_view cell : Cells(line)) {
-      double value = 0;
-      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      if (error != std::errc() || stop != cell.data() + cell.size() || !std::isfinite(value))
+      const auto value = internal::NumberIn<double>(cell);
+      if (!value || !std::isfinite(*value))
         refuse(fmt::format("'{}' is no finite number", internal::Excerpt(std::string(cell))));
-      row.push_back(value);
+      row.push_back(*value);
     }
     if (row.size() != columns)
       refuse(fmt::format("{} values, but the header names {} columns", row.size(), columns));

@@ -15,7 +15,6 @@ class Breaches {
   void Add(double time, const std::string& kind, const std::string& what) {
     first_.try_emplace(kind, time, kind + ": " + what);
   }
-  bool has(const std::string& kind) const { return first_.contains(kind); }
   void AddTo(Summary& summary) const {
     for (const auto& [kind, breach] : first_) summary.Break(breach.first, breach.second);
   }

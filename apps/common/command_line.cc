@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -18,23 +17,28 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
 
-void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
+void AddScenarioArguments(CLI::App& app, CommonArguments& arguments) {
   app.add_option("SCENARIO", arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
   app.add_option("--seed", arguments.seed, "seed of all random streams")->check(Seed());
   app.add_option("--set", arguments.settings, "override a value of the scenario: --set duration_s=5")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
+  app.add_flag("--keys", arguments.keys,
+               "list all keys of scenarios with their defaults and stop; a SCENARIO is checked before");
+}
+
+void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
+  AddScenarioArguments(app, arguments);
   app.add_option("--duration", arguments.duration, "simulated time [s], instead of the scenario's")
       ->check(Positive());
   app.add_option("--out", arguments.out, "directory for all output (default: out/SCENARIO)");
   app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
-  app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
-  app.add_flag("--keys", arguments.keys,
-               "list all keys of scenarios with their defaults and stop; a SCENARIO is checked before");
   app.footer(
       "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
       "output directory.\n"
@@ -45,13 +49,6 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
 }
 
 namespace {
-
-/// Whether all of a text is a number of that type.
-template <class Number>
-bool Parses(const std::string& text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 /// Refuses what `fits` does not take. The option's name and the text stand before what is wrong.
 CLI::Validator Range(const char* name, const char* range, bool (*fits)(const std::string& text)) {
@@ -65,8 +62,8 @@ CLI::Validator Range(const char* name, const char* range, bool (*fits)(const std
 
 void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
   const auto port = Range("PORT", "a port from 1 to 65535", [](const std::string& text) {
-    int number = 0;
-    return Parses(text, number) && number > 0 && number < 65536;
+    const auto number = internal::NumberIn<int>(text);
+    return number && *number > 0 && *number < 65536;
   });
   auto* const live =
       app.add_flag(
@@ -83,23 +80,21 @@ void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
 
 CLI::Validator Positive() {
   return Range("> 0", "a positive number", [](const std::string& text) {
-    double number = 0;
-    return Parses(text, number) && std::isfinite(number) && number > 0;
+    const auto number = internal::NumberIn<double>(text);
+    return number && std::isfinite(*number) && *number > 0;
   });
 }
 
 CLI::Validator PositiveInteger() {
   return Range("> 0", "an integer from 1 to 2147483647", [](const std::string& text) {
-    std::int32_t number = 0;
-    return Parses(text, number) && number > 0;
+    const auto number = internal::NumberIn<std::int32_t>(text);
+    return number && *number > 0;
   });
 }
 
 CLI::Validator Seed() {
-  return Range(">= 0", "an integer from 0 to 18446744073709551615", [](const std::string& text) {
-    std::uint64_t number = 0;
-    return Parses(text, number);
-  });
+  return Range(">= 0", "an integer from 0 to 18446744073709551615",
+               [](const std::string& text) { return internal::NumberIn<std::uint64_t>(text).has_value(); });
 }
 
 RunOptions OptionsOf(const CommonArguments& arguments) {
@@ -119,8 +114,7 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 takes them from the back
   for (std::size_t i = words.size(); i-- > 1;) {
-    int port = 0;
-    if (words[i] != "--live" || !Parses(words[i - 1], port)) continue;
+    if (words[i] != "--live" || !internal::NumberIn<int>(words[i - 1])) continue;
     words[i] += "=" + words[i - 1];
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) - 1);
     break;
@@ -177,7 +171,12 @@ int RunLive(CommonArguments arguments,
   if (!arguments.live_address.empty()) session.address = arguments.live_address;
   if (!arguments.replay.empty()) session.replay = arguments.replay;
   options.live = std::make_shared<LiveSession>(session);
-  if (const auto seed = options.live->replay_seed()) arguments.seed = seed;
+  if (const auto seed = options.live->replay_seed()) {
+    if (arguments.seed && arguments.seed != seed)
+      throw ParameterError(
+          fmt::format("--seed {}: the recording is of seed {}: leave --seed away", *arguments.seed, *seed));
+    arguments.seed = seed;
+  }
   for (;;) {
     const int code = run(arguments, options);
     const auto seed = options.live->reset_seed();
@@ -191,8 +190,17 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
     for (const auto& [name, description] : ListScenarios(app.name))
       fmt::print("{:<16} {}\n", name, description);
   if (arguments.keys) {
-    if (!arguments.scenario.empty() && app.check) app.check(LoadScenario(arguments, app.name));
-    PrintKeys(app.keys());
+    std::optional<YamlDocument> scenario;
+    if (!arguments.scenario.empty()) scenario = LoadScenario(arguments, app.name);
+    if (scenario && app.check) app.check(*scenario);
+    std::vector<ScenarioKey> keys = app.keys();
+    for (const auto& [name, kind] : app.files) {
+      const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
+      const std::string file = scenario ? scenario->Value(name) : "";
+      for (ScenarioKey& inner : KeysOfFile(kind, {file.empty() ? key->initial : file}, name))
+        keys.push_back(std::move(inner));
+    }
+    PrintKeys(keys);
   }
   return arguments.list || arguments.keys;
 }

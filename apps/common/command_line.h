@@ -28,7 +28,10 @@ struct CommonArguments {
   bool keys = false;
 };
 
-/// Declares the shared arguments on an app's command line; the app may add its own.
+/// Declares the arguments that say which scenario, on an app's command line; the app may add its own.
+void AddScenarioArguments(CLI::App& app, CommonArguments& arguments);
+
+/// The same and those of what a run writes.
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
 
 /// --live, --live-address and --replay, of apps that run one scenario.

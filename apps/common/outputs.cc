@@ -18,6 +18,7 @@
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/nearest_name.h>
 #include <tenon/systems/simulation/background_log.h>
 
 namespace tenon::apps {
@@ -80,6 +81,7 @@ OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
       if (file == name || (file.starts_with("." + name + ".") && file.ends_with(".part")))  // of a killed run
         left.push_back(entry.path());
   }
+  RemoveFilesOf(this->path());
   for (const fs::path& file : left) fs::remove(file, error);
 }
 
@@ -190,7 +192,8 @@ Summary Summary::Load(const fs::path& file, int exit_code) {
   std::ifstream in(file);
   auto json = std::make_unique<Json>();
   json->values = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (!json->values.is_object() || !json->values.contains("finished"))
+  if (!json->values.is_object() || !json->values.contains("finished") ||
+      !json->values["finished"].is_boolean())
     throw RunError(
         fmt::format("'{}' holds no figures of a run: did something else write it?", file.string()));
   Summary summary(std::move(json), exit_code);
@@ -226,6 +229,10 @@ void Summary::Break(double time, const std::string& reason) {
   json_->values["finished"] = false;
   json_->values["end_reason"] =
       fmt::format("{}, at {:.4g} s", breaches_.front().second, breaches_.front().first);
+}
+
+bool Summary::finished() const {
+  return json_->values["finished"];
 }
 
 void Summary::EndedBy(const std::string& reason, int exit_code) {
@@ -292,13 +299,12 @@ void Summary::Write(const fs::path& file) const {
 
 void Summary::AddTo(Report& report) const {
   const auto& values = json_->values;
-  const bool finished = values["finished"];
   const double end = values["simulated_s"];
   const std::string reason = values["end_reason"];
-  report.Conclude(finished, finished  ? fmt::format("finished after {:.4g} s", end)
-                            : judged_ ? fmt::format("ran for {:.4g} s, but {}", end, reason)
-                                      : fmt::format("ended at {:.4g} s: {}", end, reason));
-  if (!finished && !judged_) report.AddEvent(end, reason);
+  report.Conclude(finished(), finished() ? fmt::format("finished after {:.4g} s", end)
+                              : judged_  ? fmt::format("ran for {:.4g} s, but {}", end, reason)
+                                         : fmt::format("ended at {:.4g} s: {}", end, reason));
+  if (!finished() && !judged_) report.AddEvent(end, reason);
   for (const auto& [time, breach] : breaches_) report.AddEvent(time, breach);
   for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
@@ -323,13 +329,17 @@ void Summary::Print() const {
 }
 
 void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values) {
+  if (values.empty()) return;
+  std::vector<std::string> paths;
+  for (const internal::ParameterSource* parameter : context.diagram().parameters())
+    paths.push_back(parameter->path());
   for (const auto& [path, numbers] : values) {
     const std::string key = "parameters." + path;
     try {
-      const Source& source = context.diagram().Find(path);
-      if (source.kind() != SourceKind::kParameter)
-        throw ParameterError(fmt::format("'{}' is no Parameter: name one of those that --live lists", path));
-      context.SetDoubles(source, numbers);
+      if (std::ranges::count(paths, path) == 0)
+        throw ParameterError(fmt::format("there is no Parameter '{}' in this diagram; did you mean '{}'?",
+                                         path, internal::NearestName(path, paths)));
+      context.SetDoubles(context.diagram().Find(path), numbers);
     } catch (const Error& error) {
       throw KeyError(key, error.what());
     }

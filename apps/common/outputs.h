@@ -42,7 +42,8 @@ class OutputLock {
 bool IsVariantName(std::string_view name);
 
 /// That of a run. What an earlier run left in it is gone, and what its variants left in theirs: files of two
-/// runs never stand beside each other.
+/// runs never stand beside each other. Only live.jsonl stays, which may be what is replayed, and whatever
+/// runs do not write.
 class OutputDirectory : public OutputLock {
  public:
   /// Throws as OutputLock does.
@@ -101,6 +102,7 @@ class Summary {
   /// Each figure by name, as text that reads back as the same value; nested ones by dotted names, "" for
   /// none.
   std::vector<std::pair<std::string, std::string>> Flat() const;
+  bool finished() const;
   int exit_code() const { return exit_code_; }
   void set_exit_code(int code) { exit_code_ = code; }
 

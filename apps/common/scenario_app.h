@@ -45,6 +45,8 @@ struct ScenarioApp {
   std::string description;  ///< what it does, for --help
   /// All keys of its scenarios.
   std::function<std::vector<ScenarioKey>()> keys;
+  /// Those that name a shipped file of a kind, whose values --set may set as well: robot, robots.
+  std::vector<std::pair<std::string, std::string>> files{};
   /// Throws ParameterError if the scenario is none of this app's; runs nothing.
   std::function<void(const YamlDocument& scenario)> check;
   /// Runs a scenario in which nothing is left to chance, for its own time or `duration` [s]. Throws

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <typeinfo>
 
+#include <tenon/apps/common/read_text.h>
 #include <tenon/plants/model/mesh_file.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
@@ -23,9 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool IsPath(const std::string& name) {
-  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
-}
+constexpr const char* kFiles = "files";  // beside scenario.yaml: copies of what it names
 
 fs::path FindScenario(const std::string& name, const std::string& app);
 
@@ -38,7 +37,8 @@ YamlDocument LoadExtended(const std::string& file, const std::string& app) {
     if (name.empty()) return document;
     const std::string place = document.PlaceOf("extends");
     try {
-      const std::string base = IsPath(name) ? document.Path("extends") : FindScenario(name, app).string();
+      const std::string base =
+          IsResourcePath(name) ? document.Path("extends") : FindScenario(name, app).string();
       if (std::ranges::count(chain, base) > 0)
         throw ParameterError(
             fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
@@ -68,7 +68,7 @@ namespace {
 
 /// Where a scenario of an app stands. One of another app is found, too, and refused by what it is.
 fs::path FindScenario(const std::string& name, const std::string& app) {
-  if (IsPath(name)) return name;
+  if (IsResourcePath(name)) return name;
   if (std::ranges::count(ListResources("scenarios"), name) > 0) return FindResource("scenarios", name);
   std::vector<std::string> names;
   for (const auto& [own, description] : ListScenarios(app)) names.push_back(own);
@@ -108,10 +108,11 @@ std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
   if (seed) {
     scenario.Set("seed", fmt::format("{}", *seed));
   } else {
+    // That of a scenario which says none is 1; what is no number is refused when it is read.
     const std::string text = scenario.Text("seed");
-    std::uint64_t own =
-        1;  // that of a scenario which says none; what is no number is refused when it is read
-    std::from_chars(text.data(), text.data() + text.size(), own);
+    const std::size_t begin = text.starts_with('+') ? 1 : 0;
+    std::uint64_t own = 1;
+    std::from_chars(text.data() + begin, text.data() + text.size(), own);
     seed = own;
   }
   return scenario.Draw(*seed);
@@ -170,12 +171,12 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
     std::string text(std::istreambuf_iterator<char>(in), {});
     if (ending == ".urdf") text = WithMeshesFound(std::move(text), path);
     files_.emplace_back(name.ends_with(ending) ? name : name + ending, std::move(text));
-    map.Set(inner, "files/" + files_.back().first);
+    map.Set(inner, fmt::format("{}/{}", kFiles, files_.back().first));
   };
   const std::string path = map.Text("file");
   std::vector<std::string> said = map.Keys("");
   for (const auto& [inner, inner_path] : map.Paths()) copy(inner, inner_path);
-  if (!IsPath(path)) {
+  if (!IsResourcePath(path)) {
     if (files_.size() > before) file.text = map.Flow();
     return;
   }
@@ -186,11 +187,21 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
 }
 
 void ScenarioFiles::Write(const fs::path& directory) const {
-  std::error_code error;
-  fs::remove_all(directory / "files", error);
-  if (!files_.empty()) fs::create_directory(directory / "files", error);
-  for (const auto& [name, text] : files_) WriteFile(directory / "files" / name, text);
+  std::error_code error;  // if there is none, it cannot be written into, and that is said
+  if (!files_.empty()) fs::create_directory(directory / kFiles, error);
+  for (const auto& [name, text] : files_) WriteFile(directory / kFiles / name, text);
   WriteFile(directory / "scenario.yaml", text_);
+}
+
+void RemoveFilesOf(const fs::path& directory) {
+  const std::string scenario = ReadText(directory / "scenario.yaml");
+  std::error_code error;
+  std::vector<fs::path> named;
+  for (const auto& entry : fs::directory_iterator(directory / kFiles, error))
+    if (scenario.find(fmt::format("{}/{}", kFiles, entry.path().filename().string())) != scenario.npos)
+      named.push_back(entry.path());
+  for (const fs::path& file : named) fs::remove(file, error);
+  if (!named.empty()) fs::remove(directory / kFiles, error);  // unless there is more in it
 }
 
 }  // namespace tenon::apps

@@ -179,6 +179,18 @@ std::vector<ScenarioKey> KeysOf(const internal::TypeInfo& type, const void* valu
   return keys;
 }
 
+std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key) {
+  std::vector<ScenarioKey> keys;
+  if (what.text.empty() || what.text == "none") return keys;
+  for (const auto& [name, text] : LoadResource(kind, what).Values())
+    keys.push_back({.key = key + "." + name,
+                    .type = "in " + ResourceName(what),
+                    .unit = internal::UnitOfKey(name.substr(name.rfind('.') + 1)),
+                    .initial = text,
+                    .meaning = {}});
+  return keys;
+}
+
 void PrintKeys(const std::vector<ScenarioKey>& keys) {
   for (const ScenarioKey& key : keys)
     fmt::print("{:<48} {:<14} {:<10} {:<16} {}\n", key.key, key.type, key.unit.empty() ? "-" : key.unit,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <tenon/systems/framework/internal/type_info.h>
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 
@@ -24,6 +25,10 @@ std::vector<ScenarioKey> KeysOf() {
   const T value{};
   return KeysOf(internal::TypeInfoOf<T>(), &value);
 }
+
+/// The keys of a shipped file, or of one of a path, that a scenario names under `key`, with their values
+/// there; none of the word `none`. Throws ParameterError.
+std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key);
 
 /// The name of a struct, without namespaces and arguments of templates.
 std::string StructName(const internal::TypeInfo& type);

@@ -91,6 +91,8 @@ ScenarioApp GuideDogApp() {
         return scenario;
       },
       MakeGuideDogParams, RunGuideDog);
+  app.files = {
+      {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
       const auto scenario = document.Read<GuideDogScenario>();

@@ -87,8 +87,12 @@ ScenarioApp QuadrupedApp() {
       MakeStandParams(scenario);
     }
   };
-  return MakeScenarioApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.",
-                         read, prepare, RunQuadruped);
+  ScenarioApp app =
+      MakeScenarioApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read,
+                      prepare, RunQuadruped);
+  app.files = {
+      {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
+  return app;
 }
 
 }  // namespace tenon::apps

@@ -211,7 +211,7 @@ void QuadrupedScenario::Validate() const {
   if (duration_s) DemandPositive("duration_s", *duration_s);
   Demand(pd.has_value() != walk.has_value(),
          fmt::format("a robot either stands by joint PD or walks: give one of pd and walk, not {}",
-                     pd ? "both" : "none"));
+                     pd ? "both; set the other to null" : "none"));
   Demand(!sweep || (walk && !forces.empty()), "a sweep needs a walk and a force: give walk and forces");
   Demand(start_height_m >= 0,
          fmt::format("start_height_m = {} must not be negative: the feet would start in the ground",

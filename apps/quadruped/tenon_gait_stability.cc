@@ -153,7 +153,10 @@ int main(int argc, char** argv) {
   CLI::App app("Linearises the stride of a walking quadruped and prints its Floquet multipliers.",
                "tenon-gait-stability");
   tenon::apps::CommonArguments arguments;
-  tenon::apps::AddCommonArguments(app, arguments);
+  tenon::apps::AddScenarioArguments(app, arguments);
+  app.footer(
+      "Writes no files: all is printed. The last segment of the walk goes on for ever, undisturbed.\n"
+      "Exit codes: 0 analysed; 2 bad usage or scenario; 4 the robot fell, or numerical failure.");
   tenon::apps::StabilityArguments stability;
   app.add_option("--settle", stability.settle, "strides before the one that is linearised")
       ->check(CLI::NonNegativeNumber);

@@ -80,6 +80,8 @@ int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const R
       throw ParameterError("--live and --replay run one scenario: leave --compare away, set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
+    if (walk.compare && scenario.sweep)
+      throw KeyError("sweep", "--compare runs the scenario once with each observer: set sweep to null");
     if (walk.compare) return CompareObservers(options, scenario);
     if (scenario.sweep) return RunSweep(options, scenario);
     const Summary summary = RunQuadruped(scenario, options).summary;

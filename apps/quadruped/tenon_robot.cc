@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include <tenon/plants/model/quadruped_proposal.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
@@ -35,12 +37,10 @@ std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::s
   std::map<std::string, double, std::less<>> angles;
   for (const std::string& lock : locks) {
     const std::size_t equals = lock.find('=');
-    char* end = nullptr;
-    const std::string number = equals == std::string::npos ? "" : lock.substr(equals + 1);
-    const double angle = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0')
+    const auto angle = internal::NumberIn<double>(equals == std::string::npos ? "" : lock.substr(equals + 1));
+    if (!angle || !std::isfinite(*angle))
       throw ParameterError(fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad", lock));
-    angles[lock.substr(0, equals)] = angle;
+    angles[lock.substr(0, equals)] = *angle;
   }
   return angles;
 }

@@ -98,6 +98,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   }
   Eigen::Vector3d turn = turn_scale * (by_turn.transpose() * multiplier);
   if (!loaded) {
+    shift.held = true;
     euler_ = at.euler + EulerRateMatrix(at.euler).inverse() * turn;
     return;
   }
@@ -110,7 +111,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     turn *= largest_turn / turn.norm();
     excess = std::numeric_limits<double>::infinity();
   }
-  shift.unheld = num_broken > 0 && excess > kExcess ? shift.unheld + 1 : 0;
+  shift.held = num_broken == 0 || excess <= kExcess;
   shift.turn_W = turn;
   shift.tension = tension_ - at.tension;
   R_WB_ = RotationBy(turn) * RotationFromEuler(at.euler);

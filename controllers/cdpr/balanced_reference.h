@@ -12,12 +12,12 @@ namespace tenon {
 struct ReferenceShift {
   Vec<3> turn_W = Vec<3>::Zero();  ///< R -> exp([turn]x) R [rad]
   CableVector tension;             ///< [N]; without entries none
-  int unheld = 0;  ///< for so many calls in a row the cables that are left could not hold the platform
+  bool held = true;                ///< whether the cables that are left could hold the platform
 
   static FieldList Fields() {
     return {{"turn_W", &ReferenceShift::turn_W, "rad"},
             {"tension", &ReferenceShift::tension, "N"},
-            {"unheld", &ReferenceShift::unheld}};
+            {"held", &ReferenceShift::held}};
   }
 };
 
@@ -27,12 +27,12 @@ struct ReferenceShift {
 ///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0,
 ///
 /// a the reference's acceleration, m_L a point mass at r, f and tau what else acts about the platform's CoM.
-/// Next means: of least |du|^2 + |turn / 1 mrad|^2 [N^2], turns added as vectors, with tensions within the
-/// robot's bounds, if enough of them are. Four and five cables leave one or two parameters free, more of them
-/// the attitude altogether. Cables that are broken have no tension, and the others carry their part. Without
-/// load and with all cables the equation is taken to first order about the equilibrium; else Newton's method,
-/// a step of it a call, goes on from the shift of the call before: what changes slowly it follows to
-/// rounding.
+/// Next means: of least |du|^2 + |turn / 1 mrad|^2 [N^2], with a broken cable |turn / 0.01 mrad|^2, turns
+/// added as vectors; with a load or a broken cable tensions are within the robot's bounds, if enough of them
+/// are. Four and five cables leave one or two parameters free, more of them the attitude altogether. Cables
+/// that are broken have no tension, and the others carry their part. Without load and with all cables the
+/// equation is taken to first order about the equilibrium; else Newton's method, a step of it a call, goes on
+/// from the shift of the call before: what changes slowly it follows to rounding.
 class BalancedReference {
  public:
   explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}

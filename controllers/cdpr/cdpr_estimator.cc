@@ -43,6 +43,7 @@ void CdprEstimatorParams::Validate() const {
   check("noise.specific_force", noise.specific_force);
   check("noise.length_rate", noise.length_rate);
   check("initial_velocity", initial_velocity);
+  Demand(std::isfinite(gravity) && gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
 }
 
 CdprEstimator::Memory CdprEstimator::FirstMemory(const CdprEstimatorParams& params) {

@@ -67,8 +67,8 @@ Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row
 }
 
 Verdict CdprMpc::CheckStatics(const CdprPlan& plan, const CableVector& broken) const {
-  constexpr double kPatience = 0.2;  // [s]
-  if (plan.shift.unheld * params.rate.period() < kPatience) return {};
+  const double unheld = static_cast<double>(plan.unheld_in_a_row) * params.rate.period();
+  if (plan.shift.held || unheld < params.unheld_time) return {};
   std::string which;
   for (Eigen::Index i = 0; i < broken.size(); ++i)
     if (broken[i] != 0) which += (which.empty() ? "" : ", ") + std::to_string(i);

@@ -25,7 +25,7 @@ namespace tenon {
 ///
 /// With a load that is estimated (LoadEstimator), which is in the model and in what is followed, a constant
 /// one leaves no error. Cables that are known to be broken (BrokenCableDetector) are not used: command 0, and
-/// the others carry their part. If they cannot, for 0.2 s, the run ends.
+/// the others carry their part. If they cannot, for `unheld_time`, the run ends.
 ///
 ///     ports in  estimate  the platform's state
 ///               load      on the platform; none if not connected

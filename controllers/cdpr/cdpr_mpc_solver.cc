@@ -107,16 +107,18 @@ void CdprMpcParams::Validate() const {
   Demand(weights.tension > 0,
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));
-  for (const CdprMpcWeights& w : {weights, terminal_weights}) {
+  for (const auto& [which, w] : {std::pair{"weights", weights}, {"terminal_weights", terminal_weights}}) {
     for (const auto& [name, weight] : {std::pair{"position", w.position},
                                        {"velocity", w.velocity},
                                        {"attitude", w.attitude},
                                        {"angular_velocity", w.angular_velocity}})
-      Demand(weight >= 0,
-             fmt::format("weights.{} = {} is negative: the optimal control problem would have no "
-                         "minimum",
-                         name, weight));
+      Demand(weight >= 0 && std::isfinite(weight),
+             fmt::format("{}.{} = {} must be finite and not negative: the optimal control problem would have "
+                         "no minimum",
+                         which, name, weight));
   }
+  Demand(std::isfinite(unheld_time) && unheld_time >= 0,
+         fmt::format("unheld_time = {} s must be finite and not negative", unheld_time));
   Demand(max_fallbacks_in_a_row >= 0,
          fmt::format("max_fallbacks_in_a_row = {} must not be negative: every solve would end the run",
                      max_fallbacks_in_a_row));
@@ -213,6 +215,7 @@ class CdprMpcSolver::Impl {
                   const CdprMpcCost& cost, CdprPlan& plan) {
     const LoadedPlatform body(path_->robot(), load.payload);
     SetTargets(time, load, broken, body, plan.shift);
+    plan.unheld_in_a_row = plan.shift.held ? 0 : plan.unheld_in_a_row + 1;
     x.tail<3>() = EulerNear(x.tail<3>(), targets_[0].x.tail<3>());
     const SlqReport report = Improve(time - plan.start, x, load, body, targets_, cost, plan);
     plan.start = time;
@@ -265,6 +268,7 @@ class CdprMpcSolver::Impl {
   void SetTargets(double time, const LoadEstimate& load, const CableVector& broken,
                   const LoadedPlatform& body, ReferenceShift& shift) {
     if (load.any() || (broken.array() != 0).any()) return SetShiftedTargets(time, load, broken, body, shift);
+    shift.held = true;
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       PathNode& node = NodeAt(time, index);

@@ -58,6 +58,7 @@ struct CdprMpcParams {
   Rate rate = Hz(100);
   Rate command_rate = Hz(1000);
   int max_fallbacks_in_a_row = 50;
+  double unheld_time = 0.2;  ///< for so long may cables that are left fail to hold the platform [s]
 
   void Validate() const;  ///< throws ParameterError, also if the Riccati equation has no solution
 };

@@ -41,6 +41,7 @@ struct CdprPlan {
   std::vector<Node> nodes;
   Payload payload;             ///< that it was made for: states are about the common CoM
   ReferenceShift shift;        ///< by the load, at the start
+  long unheld_in_a_row = 0;    ///< solves at which the cables that are left could not hold the platform
   CableVector reference_rate;  ///< of the equilibrium's tensions at the start [N/s]
   CdprMpcDiagnostics diagnostics;
 
@@ -49,6 +50,7 @@ struct CdprPlan {
             {"nodes", &CdprPlan::nodes},
             {"payload", &CdprPlan::payload},
             {"shift", &CdprPlan::shift},
+            {"unheld_in_a_row", &CdprPlan::unheld_in_a_row},
             {"reference_rate", &CdprPlan::reference_rate, "N/s"},
             {"diagnostics", &CdprPlan::diagnostics}};
   }

@@ -45,7 +45,6 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   const Eigen::Vector3d specific_force = R_WB * inertial.specific_force_B;
   const Eigen::Vector3d momentum = R_WB * (robot.inertia_B * inertial.angular_velocity_B);
   if (!memory.started) {
-    memory = {};
     memory.started = true;
     memory.momentum_W = momentum;
     memory.specific_force_W = specific_force;

@@ -103,7 +103,11 @@ GuideStatus Supervisor::CalcStatus(const WrenchEstimate& wrench, const LeggedSta
 }
 
 WalkCommand Supervisor::CalcWalk(const WalkCommand& command, const GuideStatus& status) const {
-  if (status.mode == GuideMode::kStop || command.gait == Gait::kStand) return {};
+  if (status.mode == GuideMode::kStop || command.gait == Gait::kStand) {
+    WalkCommand stand;
+    stand.height = command.height;
+    return stand;
+  }
   WalkCommand walk = command;
   if (status.mode == GuideMode::kTurn) walk.yaw_rate = status.yaw_rate;
   return walk;

@@ -79,7 +79,7 @@ GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events);
 struct GuideStatus {
   GuideMode mode = GuideMode::kMove;
   double since = 0;                ///< time in the mode [s]
-  double yaw = 0;                  ///< the new direction; the robot's own before there is one [rad]
+  double yaw = 0;                  ///< the new direction; 0 before there is one [rad]
   double pull_time = 0;            ///< evidence of a pull, see Supervisor [s]
   Vec<2> pull_W = Vec<2>::Zero();  ///< sum of the force while there is evidence [N]
   double calm_time = 0;            ///< evidence of none [s]

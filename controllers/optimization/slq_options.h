@@ -37,7 +37,7 @@ enum class SlqStatus {
   kStepped,    ///< took all iterations that it was allowed, each of them a descent
   kConverged,  ///< the cost is expected to fall by less than the tolerance
   kNoDescent,  ///< no step along the search direction reduces the cost; the policy is the one before
-  kNotFinite,  ///< the roll-out or its linearisation is not finite; the policy is the one before
+  kNotFinite,  ///< the start or the roll-out is not finite; the policy is the one before
 };
 
 struct SlqReport {

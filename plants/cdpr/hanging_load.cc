@@ -15,7 +15,8 @@ void HangingLoadParams::Validate() const {
   check("mass", mass, "kg");
   check("length", length, "m");
   check("axial_stiffness", axial_stiffness, "N");
-  Demand(axial_damping >= 0,
+  check("gravity", gravity, "m/s^2");
+  Demand(std::isfinite(axial_damping) && axial_damping >= 0,
          fmt::format("axial_damping = {} N s must not be negative: the rope would swing up", axial_damping));
   Demand(attachment_B.allFinite() && p_W.allFinite(), "attachment_B or p_W is not finite: give metres");
 }

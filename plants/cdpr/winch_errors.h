@@ -32,6 +32,8 @@ struct WinchErrorsParams {
 ///     ports in   command  [N], one per cable
 ///                cables   for their rates
 ///     port out   tension  sampled [N]
+///
+/// @throws RunError in a run if one of them has another number of cables.
 class WinchErrors final : public LeafSystem<WinchErrorsParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -13,6 +13,14 @@ namespace {
 constexpr double kNormRate = 5;         // [1/s], with which the quaternion's length returns to 1
 constexpr double kFrictionSpeed = 0.1;  // [rad/s], below which Coulomb's friction is smooth
 
+void CheckBody(const ExternalForce& force) {
+  if (force.body < 0 || force.body > kNumJoints)
+    throw RunError(
+        fmt::format("an external force acts on body {}; give 0 for the trunk or 1 to {} for the body that a "
+                    "joint moves",
+                    force.body, kNumJoints));
+}
+
 /// Friction and end stops of a joint.
 double PassiveTorque(double q, double qd, const JointDescription& joint, const DriveProperties& drive) {
   double torque = -drive.damping * qd;
@@ -93,11 +101,7 @@ LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const 
       forces[count++] = {static_cast<int>(kJointsPerLeg * (leg + 1)), foot.p_W, foot.force_W};
   }
   for (const ExternalForce& force : external) {
-    if (force.body < 0 || force.body > kNumJoints)
-      throw RunError(
-          fmt::format("an external force acts on body {}; give 0 for the trunk or 1 to {} for the body "
-                      "that a joint moves",
-                      force.body, kNumJoints));
+    CheckBody(force);
     if (!force.force_W.isZero(0) || !force.torque_W.isZero(0))
       forces[count++] = {force.body, body.Position(force.body, force.p_B), force.force_W, force.torque_W};
   }
@@ -142,6 +146,7 @@ WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
   wrench.force_W[2] = -payload.mass * params.gravity;
   wrench.torque_W = (payload_W - com).cross(wrench.force_W);
   for (const ExternalForce& force : external) {
+    CheckBody(force);
     wrench.force_W += force.force_W;
     wrench.torque_W += force.torque_W + (body.Position(force.body, force.p_B) - com).cross(force.force_W);
   }
@@ -151,6 +156,7 @@ WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
 Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const {
   Vec<12> torque = Vec<12>::Zero();
   for (const ExternalForce& force : external) {
+    CheckBody(force);
     if (force.body == 0) continue;
     const Vec<3> p_W = body.Position(force.body, force.p_B);
     const int last = force.body - 1;  // the joint that moves the body; those above it in its leg come before

@@ -10,6 +10,7 @@ namespace tenon {
 namespace {
 
 constexpr double kDrawnEdge = 0.12;  // [m]
+constexpr double kFollow = 50;       // [1/s], with which a load that has no mass stays at its place
 
 void DemandPositive(const char* name, double value, const char* unit) {
   Demand(std::isfinite(value) && value > 0,
@@ -66,9 +67,12 @@ ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion&
   return force;
 }
 
-LoadMotion SlidingLoad::CalcDerivative(const LoadMotion& motion, const ExternalForce& force,
-                                       double mass) const {
-  if (mass == 0) return {};
+LoadMotion SlidingLoad::CalcDerivative(const LeggedState& robot, const LoadMotion& motion,
+                                       const ExternalForce& force, double mass) const {
+  if (mass == 0) {
+    const Vec<3> arm = robot.R_WB() * params.position_B, velocity = robot.v_W + robot.w_W.cross(arm);
+    return {velocity + kFollow * (robot.p_WB + arm - motion.p_W), kFollow * (velocity - motion.v_W)};
+  }
   return {motion.v_W, Vec<3>(0, 0, -params.gravity) - force.force_W / mass};
 }
 

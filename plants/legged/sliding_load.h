@@ -42,8 +42,8 @@ struct LoadMotion {
 ///     stops: max(0, k e + d e'), e > 0     by which it is beyond its reach to a side, back along x or y
 ///
 /// with d = 2 damping_ratio sqrt(k m). The trunk feels -f where the load is, so that momentum is kept.
-/// Nothing holds it from above: it can be thrown off. Without mass it is not there, and its motion stands
-/// still.
+/// Nothing holds it from above: it can be thrown off. Without mass it is not there, and its motion follows
+/// that of position_B: so it lies there when it gets a mass.
 ///
 ///     port in     robot
 ///     ports out   force     on the trunk: -f at r
@@ -62,7 +62,7 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
   OutputPort<Vec<3>> place{this, {"place", "m"}, Uses(robot, motion), &SlidingLoad::CalcPlace};
   OutputPort<ExternalForce> force{
       this, {"force"}, Uses(robot, motion, place, mass, friction, slip_speed), &SlidingLoad::CalcForce};
-  TimeDerivative<LoadMotion> dmotion{motion, Uses(motion, force, mass), &SlidingLoad::CalcDerivative};
+  TimeDerivative<LoadMotion> dmotion{motion, Uses(robot, motion, force, mass), &SlidingLoad::CalcDerivative};
   OutputPort<Geometry> geometry{
       this, {"geometry"}, MakeGeometry(), Uses(robot, motion, mass), &SlidingLoad::CalcGeometry};
 
@@ -72,7 +72,8 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
   Vec<3> CalcPlace(const LeggedState& robot, const LoadMotion& motion) const;
   ExternalForce CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
                           double mass, double friction, double slip_speed) const;
-  LoadMotion CalcDerivative(const LoadMotion& motion, const ExternalForce& force, double mass) const;
+  LoadMotion CalcDerivative(const LeggedState& robot, const LoadMotion& motion, const ExternalForce& force,
+                            double mass) const;
   void CalcGeometry(const LeggedState& robot, const LoadMotion& motion, double mass,
                     Geometry* geometry) const;
 };

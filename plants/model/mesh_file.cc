@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -147,6 +149,39 @@ std::optional<fs::path> FindMesh(const std::string& name, const fs::path& urdf) 
   return {};
 }
 
+namespace {
+
+constexpr std::pair<char, std::string_view> kEntities[] = {
+    {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&apos;"}};
+
+/// A text as the value of an attribute.
+std::string ToXml(std::string_view text) {
+  std::string xml;
+  for (const char c : text) {
+    const auto* entity = std::ranges::find(kEntities, c, &std::pair<char, std::string_view>::first);
+    if (entity == std::end(kEntities)) {
+      xml += c;
+    } else {
+      xml += entity->second;
+    }
+  }
+  return xml;
+}
+
+std::string FromXml(std::string_view xml) {
+  std::string text;
+  while (!xml.empty()) {
+    const auto* entity =
+        std::ranges::find_if(kEntities, [&](const auto& each) { return xml.starts_with(each.second); });
+    const bool is_one = entity != std::end(kEntities);
+    text += is_one ? entity->first : xml.front();
+    xml.remove_prefix(is_one ? entity->second.size() : 1);
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string WithMeshesFound(std::string text, const fs::path& urdf) {
   for (std::size_t at = text.find("<mesh"); at != std::string::npos; at = text.find("<mesh", at + 1)) {
     const std::size_t end = text.find('>', at), key = text.find("filename", at);
@@ -156,8 +191,8 @@ std::string WithMeshesFound(std::string text, const fs::path& urdf) {
     const std::size_t close = text.find(text[open], open + 1);
     if (close > end) continue;
     const std::string name = text.substr(open + 1, close - open - 1);
-    if (const std::optional<fs::path> file = FindMesh(name, urdf))
-      text.replace(open + 1, name.size(), "file://" + Absolute(*file));
+    if (const std::optional<fs::path> file = FindMesh(FromXml(name), urdf))
+      text.replace(open + 1, name.size(), "file://" + ToXml(Absolute(*file)));
   }
   return text;
 }

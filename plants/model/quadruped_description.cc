@@ -5,6 +5,7 @@
 #include <tenon/plants/model/resources.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <Eigen/Geometry>
@@ -257,13 +258,21 @@ QuadrupedDescription LoadQuadruped(const std::string& path) {
   return ReadRobot(YamlDocument::Load(path));
 }
 
+static YamlDocument LoadRobot(const YamlFile& what) {
+  if (const std::string file = ResourceMap(what).Text("file"); file.ends_with(".urdf"))
+    throw ParameterError(
+        fmt::format("'{0}' is a URDF, and a robot is a YAML file beside it: make one by tenon-robot {0}",
+                    internal::Excerpt(file)));
+  return LoadResource("robots", what, "urdf");
+}
+
 QuadrupedDescription LoadQuadruped(const YamlFile& what) {
-  return ReadRobot(LoadResource("robots", what, "urdf"));
+  return ReadRobot(LoadRobot(what));
 }
 
 std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {
   std::vector<std::string> warnings;
-  ReadRobot(LoadResource("robots", what, "urdf"), &warnings);
+  ReadRobot(LoadRobot(what), &warnings);
   return warnings;
 }
 

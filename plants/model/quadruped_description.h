@@ -54,7 +54,7 @@ struct DriveProperties {
   double friction = 0;                 ///< Coulomb's [N m]
   double full_torque_speed_ratio = 0;  ///< full torque up to this part of the speed limit, see QuadrupedPlant
   double stop_stiffness = 0;           ///< of the end stops [N m/rad]
-  double stop_dissipation = 0;         ///< [N m s/rad]
+  double stop_dissipation = 0;         ///< see QuadrupedPlant [s/rad]
 
   static FieldList Fields() {
     return {Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia),

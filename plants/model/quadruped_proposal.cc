@@ -15,6 +15,8 @@
 #include <set>
 #include <utility>
 
+#include <tenon/systems/yaml/internal/yaml_writer.h>
+
 namespace tenon {
 namespace {
 
@@ -266,7 +268,7 @@ class Proposal {
           ((beyond((low + high) / 2) > 0) == (beyond(low) > 0) ? low : high) = (low + high) / 2;
         consider(low);
       }
-      bending_ = part;
+      bending_[static_cast<std::size_t>(leg)] = part;
       if (std::isfinite(least)) return;
     }
     Fail(
@@ -314,7 +316,7 @@ class Proposal {
         "chain of\n"
         "# three joints above its foot: abduction, hip pitch, knee. The hips tell front from rear.\n"
         "feet: {{{}}}\n",
-        PerLeg([&](std::size_t i) { return feet_[i].link; }));
+        PerLeg([&](std::size_t i) { return internal::YamlScalar(feet_[i].link); }));
     const bool centred =
         std::all_of(feet_.begin(), feet_.end(), [](const Foot& f) { return f.centre.isZero(1e-9); });
     if (!centred)
@@ -392,17 +394,22 @@ class Proposal {
     std::string text = fmt::format(
         "# {}: what its URDF cannot say; made by tenon-robot. {:.4g} kg, legs of {:.3g} m.\n\n"
         "name: {}\nurdf: {}\n",
-        file_.model->getName(), robot_.mass(), length_, name, path_.filename().string());
+        file_.model->getName(), robot_.mass(), length_, internal::YamlScalar(name),
+        internal::YamlScalar(path_.filename().string()));
     text += WriteFeet();
     text +=
         "imu_position_m: [0, 0, 0]     # of the inertial unit on the trunk, whose axes are the root link's; "
         "a guess\n";
     text += fmt::format(
-        "\n# Joint angles at which it stands: feet below the hips at {:.2g} of the leg's length; knees point "
+        "\n# Joint angles at which it stands: feet below the hips at {} of the leg's length; knees point "
         "where they are\n"
         "# less bent, within the joints' ranges: {}.\n"
         "nominal_stance:\n",
-        bending_, PerLeg([&](std::size_t i) { return backward_[i] ? "backward" : "forward"; }));
+        std::ranges::count(bending_, bending_[0]) == kNumLegs
+            ? fmt::format("{:.2g}", bending_[0])
+            : fmt::format("{{{}}}",
+                          PerLeg([&](std::size_t i) { return fmt::format("{:.2g}", bending_[i]); })),
+        PerLeg([&](std::size_t i) { return backward_[i] ? "backward" : "forward"; }));
     for (int leg = 0; leg < kNumLegs; ++leg) {
       const Vector3d q = robot_.stance.segment<3>(kJointsPerLeg * leg);
       text += fmt::format("  {}: [{:.4g}, {:.4g}, {:.4g}]\n", kLegNames[static_cast<std::size_t>(leg)],
@@ -411,7 +418,7 @@ class Proposal {
     if (!locked_.empty()) {
       text += "\n# Joints that are no leg's, and the angles at which they stay.\nlocked_joints:\n";
       for (const auto& [joint, angle] : locked_)
-        text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", joint, angle);
+        text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
     }
     text += WriteLimits();
     text += WriteDrive();
@@ -429,7 +436,8 @@ class Proposal {
   std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< made up
   QuadrupedDescription robot_;
   std::array<bool, kNumLegs> backward_{};
-  double bending_ = 0, length_ = 0, weight_ = 0;
+  std::array<double, kNumLegs> bending_{};
+  double length_ = 0, weight_ = 0;
   std::vector<std::string> notes_;
 };
 

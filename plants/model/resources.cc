@@ -84,18 +84,26 @@ YamlDocument LoadResource(const std::string& kind, const YamlFile& what) {
 }
 
 YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key) {
-  return Load(what,
-              [&](const std::string& name) { return FindResource(kind, name, ListResources(kind, key)); });
+  return Load(what, [&](const std::string& name) {
+    const std::vector<std::string> all = ListResources(kind), fit = ListResources(kind, key);
+    if (std::ranges::count(all, name) > 0 && std::ranges::count(fit, name) == 0)
+      throw ParameterError(fmt::format("'{}' is of another kind, without '{}'; there are: {}", name, key,
+                                       fmt::join(fit, ", ")));
+    return FindResource(kind, name, fit);
+  });
+}
+
+bool IsResourcePath(const std::string& name) {
+  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
 }
 
 fs::path FindResource(const std::string& kind, const std::string& name) {
-  const bool is_path = name.ends_with(".yaml") || name.find('/') != std::string::npos;
-  return is_path ? fs::path(name) : FindResource(kind, name, ListResources(kind));
+  return IsResourcePath(name) ? fs::path(name) : FindResource(kind, name, ListResources(kind));
 }
 
 fs::path FindResource(const std::string& kind, const std::string& name,
                       const std::vector<std::string>& names) {
-  if (name.ends_with(".yaml") || name.find('/') != std::string::npos) return name;
+  if (IsResourcePath(name)) return name;
   if (std::find(names.begin(), names.end(), name) != names.end())
     return DataDirectory() / kind / (name + ".yaml");
   throw ParameterError(

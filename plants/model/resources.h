@@ -14,9 +14,11 @@ struct QuadrupedDescription;
 class YamlDocument;
 struct YamlFile;
 
+/// Whether a name is the path of a file: it ends in .yaml or holds a slash.
+bool IsResourcePath(const std::string& name);
 /// The file of a robot or a scenario: `FindResource("robots", "cdpr_4")` is the file that ships with Tenon
-/// under that name; a name that ends in .yaml or holds a slash is a path and is returned as it is. Throws
-/// ParameterError with the names that there are, the nearest first.
+/// under that name; a path is returned as it is. Throws ParameterError with the names that there are, the
+/// nearest first.
 std::filesystem::path FindResource(const std::string& kind, const std::string& name);
 /// The same with the names that may be meant.
 std::filesystem::path FindResource(const std::string& kind, const std::string& name,

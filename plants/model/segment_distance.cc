@@ -30,7 +30,7 @@ double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, co
     const double middle = (low + high) / 2;
     (beyond(middle).dot(u) < 0 ? low : high) = middle;
   }
-  return beyond(low).norm();
+  return beyond(high).norm();  // within the box where they meet
 }
 
 }  // namespace tenon

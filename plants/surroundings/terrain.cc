@@ -154,10 +154,16 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
   }
   if (boxes_.empty()) return;
 
+  // Where a point has a box near: as far as a foot reaches, and below its top, which on a slope is not above
+  // its foot.
+  const auto half_of = [&](const TerrainBox& box) -> Vec<2> {
+    const Vec<2> aside = (box.height / normal[2] * R_WS_.row(2).head<2>().transpose()).cwiseAbs();
+    return box.size / 2 + aside.cwiseMax(kMaxRadius);
+  };
   corner_ = boxes_[0].centre;
   Vec<2> far = corner_;
   for (const TerrainBox& box : boxes_) {
-    const Vec<2> half = (box.size / 2).array() + kMaxRadius;
+    const Vec<2> half = half_of(box);
     corner_ = corner_.cwiseMin(box.centre - half);
     far = far.cwiseMax(box.centre + half);
     cell_ = &box == &boxes_[0] ? box.size.maxCoeff() : std::min(cell_, box.size.maxCoeff());
@@ -168,7 +174,7 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
   ny_ = static_cast<int>(extent[1] / cell_) + 1;
   std::vector<std::vector<int>> cells(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    const Vec<2> half = (boxes_[b].size / 2).array() + kMaxRadius;
+    const Vec<2> half = half_of(boxes_[b]);
     const Vec<2> from = (boxes_[b].centre - half - corner_) / cell_,
                  to = (boxes_[b].centre + half - corner_) / cell_;
     for (int j = static_cast<int>(from[1]); j <= std::min(ny_ - 1, static_cast<int>(to[1])); ++j)

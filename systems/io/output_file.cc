@@ -74,4 +74,9 @@ void GrowingFile::Append(std::string_view text) {
   size_ += text.size();
 }
 
+void GrowingFile::Sync() const {
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
+    Fail(path_, errno);  // no disk behind it
+}
+
 }  // namespace tenon

@@ -33,6 +33,8 @@ class GrowingFile {
 
   /// Writes at its end. Throws OutputError with the cause; then the file is as it was before.
   void Append(std::string_view text);
+  /// Waits until all of it is on the disk, so that a power failure does not take it. Throws OutputError.
+  void Sync() const;
   const std::filesystem::path& path() const { return path_; }
 
  private:

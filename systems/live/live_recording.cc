@@ -55,7 +55,9 @@ std::string EntryLine(const LiveEntry& entry) {
 
 LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw ParameterError(fmt::format("cannot read the recording '{}'", file.string()));
+  if (!in)
+    throw ParameterError(
+        fmt::format("cannot read the recording '{}': name the live.jsonl of a live run", file.string()));
   LiveRecording recording;
   std::string line;
   int number = 0;

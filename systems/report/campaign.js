@@ -76,7 +76,7 @@
 
   // Survival, or the median of a figure, over two of the axes; what the others say is averaged.
   function showMap() {
-    if (data.limits.length || data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
+    if (data.limits.length || !data.points.length || data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
     const parent = find('#map');
     parent.hidden = false;
     const names = data.axes.map((axis) => axis.name);

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 
 #include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/report/internal/page.h>
 
 namespace tenon {
@@ -101,11 +104,8 @@ Json CorrelationsJson(const CampaignReport& report) {
   };
   for (std::size_t i = 0; i < report.axes.size(); ++i) {
     std::vector<double> values;  // of the labels
-    for (const std::string& label : report.axes[i].labels) {
-      char* end = nullptr;
-      values.push_back(std::strtod(label.c_str(), &end));
-      if (label.empty() || *end != '\0') values.back() = NAN;
-    }
+    for (const std::string& label : report.axes[i].labels)
+      values.push_back(internal::NumberIn<double>(label).value_or(NAN));
     const auto finite = [](double value) { return std::isfinite(value); };
     if (std::ranges::all_of(values, finite) && values.size() > 1)
       add(report.axes[i].name, [&, i](const auto& run) { return values[run.at[i]]; });
@@ -117,9 +117,10 @@ Json CorrelationsJson(const CampaignReport& report) {
 
 Json LinesJson(const CampaignReport& report) {
   Json lines = Json::array();
-  const std::size_t stride = std::max<std::size_t>(1, (report.runs.size() + kLines - 1) / kLines);
-  for (std::size_t i = 0; i < report.runs.size(); i += stride) {
-    const auto& run = report.runs[i];
+  // By chance, always the same: every n-th may be of one seed.
+  std::vector<CampaignReport::Run> shown;
+  std::ranges::sample(report.runs, std::back_inserter(shown), kLines, std::mt19937(1));
+  for (const CampaignReport::Run& run : shown) {
     Json line{{"run", run.index}, {"survived", run.survived}, {"at", run.at}};
     for (const auto& [name, values] : {std::pair{"drawn", &run.drawn}, std::pair{"figures", &run.figures}}) {
       line[name] = Json::array();

@@ -20,8 +20,10 @@ function drawBands(plot, context, area, graph) {
       const left = Math.max(graph.toDomXCoord(interval.time), area.x);
       const right = Math.min(graph.toDomXCoord(end), area.x + area.w);
       if (right <= left) return;
-      context.fillStyle = Theme.band(Math.round(Math.abs(interval.value)));
-      context.fillRect(left, top, right - left, height);
+      if (interval.value !== null) {  // a number
+        context.fillStyle = Theme.band(Math.round(Math.abs(interval.value)));
+        context.fillRect(left, top, right - left, height);
+      }
       context.fillStyle = Theme.color('--soft');
       if (widthOf(context, interval.name) + 6 < right - left) context.fillText(interval.name, left + 3, top + 10);
     });

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -137,6 +138,13 @@ void SignalLog::Sample() {
     return;
   }
   for (const auto& sink : sinks_) sink->Row(row_);
+}
+
+void SignalLog::Hold(double seconds) {
+  if (!(seconds > 0) || !std::isfinite(seconds))
+    throw ParameterError(fmt::format(
+        "logs cannot be held for {} s: give a positive time, and ReleaseLogs to hold them no more", seconds));
+  hold_ = seconds;
 }
 
 void SignalLog::HandOver(double until) {

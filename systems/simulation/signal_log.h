@@ -83,7 +83,8 @@ class SignalLog {
   void Flush();
 
   /// From now on rows reach the sinks this much later [s] of the run's time, and Flush waits for Release.
-  void Hold(double seconds) { hold_ = seconds; }
+  /// Throws ParameterError unless it is positive.
+  void Hold(double seconds);
   /// Forgets the rows that are held and lie at `time` [s] or, with `after`, behind it.
   void DropFrom(double time, bool after);
   /// Hands over all rows that are held, and holds none any more.

@@ -108,8 +108,8 @@ std::string YamlDocument::Placed(std::string_view dotted_key, std::string_view m
   const auto [found, whole] = Find(*tree_, dotted_key);
   std::string path(dotted_key);
   const YamlTree& blamed = whole ? internal::BlamedBy(*found, &path, &message) : *found;
-  return path.empty() ? fmt::format("{}: {}", name_, message)
-                      : fmt::format("{}: {}: {}", blamed.place, path, message);
+  if (path.empty()) return fmt::format("{}: {}", name_, message);
+  return fmt::format("{}: {}: {}", blamed.place, path, internal::WithOverrides(message, *found, blamed));
 }
 
 void YamlDocument::RefuseRenamed(const std::vector<RenamedKey>& renamed) const {
@@ -140,6 +140,31 @@ std::vector<std::pair<std::string, std::string>> YamlDocument::Paths() const {
   std::vector<std::pair<std::string, std::string>> paths;
   ListPaths(*tree_, "", paths);
   return paths;
+}
+
+namespace {
+
+void ListValues(const YamlTree& tree, const std::string& key,
+                std::vector<std::pair<std::string, std::string>>& values) {
+  if (tree.kind != YamlTree::Kind::kMap) {
+    values.emplace_back(key, internal::FlowText(tree));
+    return;
+  }
+  for (const YamlTree& child : tree.children)
+    ListValues(child, key.empty() ? child.key : key + "." + child.key, values);
+}
+
+}  // namespace
+
+std::string YamlDocument::Value(std::string_view dotted_key) const {
+  const auto [tree, found] = Find(*tree_, dotted_key);
+  return found ? internal::FlowText(*tree) : "";
+}
+
+std::vector<std::pair<std::string, std::string>> YamlDocument::Values() const {
+  std::vector<std::pair<std::string, std::string>> values;
+  ListValues(*tree_, "", values);
+  return values;
 }
 
 YamlDocument YamlDocument::WithAbsolutePaths() const {

@@ -116,6 +116,11 @@ class YamlDocument {
   /// The keys of the map under a key, in the order of the file; none if it is no map.
   std::vector<std::string> Keys(std::string_view dotted_key) const;
 
+  /// The value of a key as Flow() writes it; empty if there is none of that key.
+  std::string Value(std::string_view dotted_key) const;
+  /// All values but maps, as Flow() writes them, by dotted keys.
+  std::vector<std::pair<std::string, std::string>> Values() const;
+
   /// Draws what the document leaves to chance: wherever it says one of
   ///
   ///     mass_error_ratio: {uniform: [-0.3, 0.3]}     # low, high

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <limits>
 
 #include <tenon/controllers/legged/planning/planned_phases.h>
 #include <tenon/plants/model/euler.h>
@@ -66,8 +67,9 @@ void ComPlannerParams::Validate() const {
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
 
-/// At rest where the robot stands in its nominal stance; its CoM need not be over the centre of its feet.
-ComPlan ComPlanner::FirstPlan(double time, const GroundPlane& ground, double blend) const {
+/// At rest where the robot stands in its nominal stance, until there is another one; its CoM need not be over
+/// the centre of its feet.
+ComPlan ComPlanner::FirstPlan(double time, const GroundPlane& ground) const {
   ComPlan plan;
   plan.start = time;
   plan.path.yaw = params.start_yaw;
@@ -75,7 +77,7 @@ ComPlan ComPlanner::FirstPlan(double time, const GroundPlane& ground, double ble
   const Eigen::Matrix2d R = FootprintOnSlope(ground.slope, params.start_yaw);
   plan.path.position_W = params.start_position + R * stance.center_B;
   plan.pendulum.Begin(plan.path, 1);
-  plan.blend = blend;
+  plan.blend = std::numeric_limits<double>::infinity();
   plan.remainder[0].head<2>() = R * (stance.com_B.head<2>() - stance.center_B);
   return plan;
 }
@@ -85,7 +87,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
                           ZmpSpline& optimizer, ComPlan* plan) const {
   *plan = memory;
   if (memory.footsteps == schedule.footsteps) return;
-  if (memory.footsteps < 0) *plan = FirstPlan(time, ground, blend);
+  if (memory.footsteps < 0) *plan = FirstPlan(time, ground);
   const Pose old = PoseAt(*plan, stance.com_height, time);
   memory = *plan;
   plan->path = plan->path.At(time - plan->start);

@@ -115,7 +115,7 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
   BodyReference CalcReference(const double& time, const ComPlan& plan, const WalkCommand& command) const;
   PlanarPath CalcPath(const double& time, const ComPlan& plan) const;
 
-  ComPlan FirstPlan(double time, const GroundPlane& ground, double blend) const;
+  ComPlan FirstPlan(double time, const GroundPlane& ground) const;
   void PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const;
   bool PlanSpline(const ContactSchedule& schedule, const PlanarPoint& begin, double raised,
                   const ZmpPlanParams& zmp, ZmpSpline& optimizer, ComPlan* plan) const;

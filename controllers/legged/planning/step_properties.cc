@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include <tenon/systems/framework/system.h>
 
 namespace tenon {
@@ -17,7 +19,7 @@ void StepReflex::Validate() const {
 
 void StepProperties::Validate() const {
   Demand(height > 0, fmt::format("height_m = {} must be positive", height));
-  Demand(touchdown_speed > 0,
+  Demand(std::isfinite(touchdown_speed) && touchdown_speed > 0,
          fmt::format("touchdown_speed_m_per_s = {} must be positive, or a late foot never finds the ground",
                      touchdown_speed));
   Demand(search_depth > 0, fmt::format("search_depth_m = {} must be positive", search_depth));

@@ -95,10 +95,9 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
     foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
-  if (step.wrench_shift) {
-    const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
-    memory.shift += gain * (Shift(wrench, step) - memory.shift);
-  }
+  const Vec<2> shift = step.wrench_shift ? Vec<2>(Shift(wrench, step)) : Vec<2>(Vec<2>::Zero());
+  const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
+  memory.shift += gain * (shift - memory.shift);
   const PlanarPath below = BelowTheRobot(path, body, state, step);
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];

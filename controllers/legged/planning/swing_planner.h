@@ -42,7 +42,8 @@ struct SwingPlannerParams {
 /// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
 /// horizontal velocity of a CoM fixed to the trunk, plus the shift
 ///
-///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = m g - f_z,
+///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = max(m g - f_z, m g /
+///     2),
 ///
 /// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
 /// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that

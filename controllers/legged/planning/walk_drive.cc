@@ -13,6 +13,7 @@ constexpr double kSameHeight = 1e-6;  // the plan's, when the wheel was given ba
 }  // namespace
 
 void WalkDriveParams::Validate() const {
+  Demand(gait != Gait::kStand, "gait is `stand`, with which nothing walks: set `stands` instead");
   Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
   Demand(yaw_acceleration > 0,
          fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));

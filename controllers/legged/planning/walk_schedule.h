@@ -15,7 +15,7 @@ struct WalkSegment {
   double forward = 0;                   ///< speed along its own x axis [m/s]
   double left = 0;                      ///< speed along its own y axis [m/s]
   double yaw_rate = 0;                  ///< turning to the left [rad/s]
-  std::optional<double> duration = {};  ///< how long it lasts, without `length` [s]
+  std::optional<double> duration = {};  ///< how long it lasts, unless its length says it [s]
   std::optional<double> length = {};    ///< of path, instead of the duration [m]
   double squat_amplitude = 0;           ///< of the CoM's height about the nominal one [m]
   double squat_frequency = 0.5;         ///< of that [Hz]

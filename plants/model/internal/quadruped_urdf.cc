@@ -4,6 +4,7 @@
 #include <tenon/plants/model/internal/urdf_file.h>
 #include <tenon/plants/model/mesh_file.h>
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
 
 #include <Eigen/Eigenvalues>
@@ -74,8 +75,10 @@ class Reader {
       for (const auto& entry : model_->joints_)
         if (Turns(*entry.second)) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
-      Fail("there is no joint '{}' that turns, to be locked{}; correct it under 'locked_joints'", name,
-           nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+      Fail(
+          "there is no joint '{}' that turns, to be locked{}; correct its name, under 'locked_joints' or in "
+          "--lock",
+          Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
   }
 
@@ -97,8 +100,8 @@ class Reader {
       std::vector<std::string> names;
       for (const auto& entry : model_->links_) names.push_back(entry.first);
       const std::string nearest = NearestName(foot, names);
-      Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'", foot,
-           leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+      Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'",
+           Excerpt(foot), leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
     std::vector<urdf::JointConstSharedPtr> chain;
     for (; link->parent_joint != nullptr; link = link->getParent()) {

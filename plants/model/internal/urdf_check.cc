@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -49,10 +49,9 @@ std::optional<std::vector<double>> ReadNumbers(std::string_view text) {
     std::string_view word = text.substr(0, text.find_first_of(kBlanks));
     text.remove_prefix(word.size());
     if (word.size() > 1 && word.front() == '+' && word[1] != '-') word.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return {};
-    numbers.push_back(value);
+    const auto value = NumberIn<double>(word);
+    if (!value || !std::isfinite(*value)) return {};
+    numbers.push_back(*value);
   }
   return numbers;
 }

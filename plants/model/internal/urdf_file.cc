@@ -6,6 +6,8 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <regex>
@@ -29,7 +31,7 @@ class ParserLog : public console_bridge::OutputHandler {
 }  // namespace
 
 std::string UrdfFile::PlaceOf(const std::string& what) const {
-  static const std::regex kName(R"((link|joint) ['\[](.*?)['\]])", std::regex::icase);
+  static const std::regex kName(R"((link|joint) ['\[]([^'\]]{1,80})['\]])", std::regex::icase);
   for (auto at = std::sregex_iterator(what.begin(), what.end(), kName); at != std::sregex_iterator(); ++at) {
     const bool is_link = std::tolower(at->str(1).front()) == 'l';
     const auto line = lines.find(fmt::format("{} {}", is_link ? "link" : "joint", at->str(2)));
@@ -45,7 +47,9 @@ void UrdfFile::Fail(const std::string& what) const {
 UrdfFile ParseUrdf(const std::filesystem::path& path) {
   UrdfFile file{path.string(), {}, {}};
   std::ifstream in(path);
-  if (!in) file.Fail("the file cannot be read; name a URDF file beside the robot's YAML file");
+  if (!in)
+    file.Fail(fmt::format("the file cannot be read: {}; name a URDF file, a robot's YAML as seen from there",
+                          std::strerror(errno)));
   std::string text;
   for (char part[1 << 16]; text.size() <= kMaxUrdfBytes && in;
        text.append(part, static_cast<std::size_t>(in.gcount())))

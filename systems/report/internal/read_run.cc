@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <charconv>
 #include <fstream>
 #include <sstream>
 #include <string_view>
 
 #include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
 
@@ -60,11 +60,9 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
   for (std::size_t number = 2; !text.empty(); ++number) {
     row.clear();
     Split(next_line(), ',', [&](std::string_view cell) {
-      double value = 0;
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      if (error != std::errc() || end != cell.data() + cell.size())
-        fail(number, fmt::format("'{}' is no number", cell.substr(0, 40)));
-      row.push_back(value);
+      const auto value = internal::NumberIn<double>(cell);
+      if (!value) fail(number, fmt::format("'{}' is no number", cell.substr(0, 40)));
+      row.push_back(*value);
     });
     if (row.size() != names.size())
       fail(number, fmt::format("{} values under {} names", row.size(), names.size()));

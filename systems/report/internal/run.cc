@@ -25,6 +25,7 @@ constexpr std::size_t kRestSamples = 180000;  // of the other signals, 6 bytes e
 constexpr std::size_t kRestRows = 4000;       // of one of them
 constexpr std::size_t kFrameBytes = 2700000;  // of the replay, before base64
 constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
+constexpr std::size_t kModesMarked = 1000;    // of one band
 
 std::string Number(double value) {
   return fmt::format("{:.4g}", value);
@@ -83,14 +84,25 @@ Json Times(const ColumnLog& log) {
   return {{"start", time.empty() ? 0 : time.front()}, {"step", step}, {"count", time.size()}};
 }
 
+/// Whether nothing changed; a number that is none stays one.
+bool Same(float before, float after) {
+  return before == after || (std::isnan(before) && std::isnan(after));
+}
+
 Json BandJson(const Band& band, const ColumnLog& log) {
   Json intervals = Json::array();
   for (const std::size_t column : FindColumns(log.names(), band.signal)) {
-    for (std::size_t row = 0; row < log.rows() && intervals.size() < kChangesMarked; ++row) {
+    for (std::size_t row = 0; row < log.rows(); ++row) {
       const float value = log.at(row, column);
-      if (row > 0 && value == log.at(row - 1, column)) continue;
-      const auto index = static_cast<std::size_t>(std::max(value, 0.0F));
-      const bool named = index < band.names.size() && value == static_cast<float>(index);
+      if (row > 0 && Same(value, log.at(row - 1, column))) continue;
+      if (intervals.size() == kModesMarked) {
+        intervals.push_back(
+            {{"time", log.time(row)}, {"value", nullptr}, {"name", "more changes than are shown"}});
+        return intervals;
+      }
+      const bool in_names = value >= 0 && value < static_cast<float>(band.names.size());
+      const std::size_t index = in_names ? static_cast<std::size_t>(value) : 0;
+      const bool named = in_names && value == static_cast<float>(index);
       intervals.push_back(
           {{"time", log.time(row)}, {"value", value}, {"name", named ? band.names[index] : Number(value)}});
     }
@@ -190,7 +202,7 @@ Json Report::Run::Events() const {
       std::size_t changes = 0;
       for (std::size_t row = 1; row < signals->rows() && changes < kChangesMarked; ++row) {
         const float before = signals->at(row - 1, column), after = signals->at(row, column);
-        if (before == after) continue;
+        if (Same(before, after)) continue;
         ++changes;
         list.push_back({{"time", signals->time(row)},
                         {"label", fmt::format("{} {} → {} {}", LastTwo(signals->names()[column]),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
@@ -59,6 +60,18 @@ void ColumnLog::Truncate(std::size_t rows) {
   data_.resize(rows * columns());
 }
 
+namespace {
+
+// NaN is neither the lowest nor the highest, as long as there is anything else.
+bool Lower(float a, float b) {
+  return a < b || std::isnan(b);
+}
+bool Higher(float a, float b) {
+  return a > b || std::isnan(b);
+}
+
+}  // namespace
+
 /// Takes a row into the last interval: the two rows at the end, of which either may be the lower.
 void ColumnLog::Widen(std::span<const double> row) {
   const std::size_t last = rows() - 1;
@@ -66,8 +79,12 @@ void ColumnLog::Widen(std::span<const double> row) {
   for (std::size_t column = 0; column < columns(); ++column) {
     const auto value = static_cast<float>(row[1 + column]);
     float &first = cell(last - 1, column), &second = cell(last, column);
-    const float low = std::min(first, second), high = std::max(first, second);
-    if (value >= low && value <= high) continue;
+    const float low = std::fmin(first, second), high = std::fmax(first, second);
+    if (std::isnan(value) || (value >= low && value <= high)) continue;
+    if (std::isnan(high)) {
+      first = second = value;
+      continue;
+    }
     first = value > high ? low : high;  // what lies on the other side came before
     second = value;
   }
@@ -80,8 +97,8 @@ void ColumnLog::MergePeaks() {
     for (std::size_t column = 0; column < columns(); ++column) {
       std::size_t low = from, high = from;
       for (std::size_t row = from + 1; row < from + 4; ++row) {
-        if (at(row, column) < at(low, column)) low = row;
-        if (at(row, column) > at(high, column)) high = row;
+        if (Lower(at(row, column), at(low, column))) low = row;
+        if (Higher(at(row, column), at(high, column))) high = row;
       }
       const float first = at(std::min(low, high), column), second = at(std::max(low, high), column);
       cell(to, column) = first;
@@ -122,8 +139,8 @@ std::vector<std::size_t> DecimatePeaks(const ColumnLog& log, const std::vector<s
     for (const std::size_t column : columns) {
       std::size_t low = begin, high = begin;
       for (std::size_t row = begin + 1; row < end; ++row) {
-        if (log.at(row, column) < log.at(low, column)) low = row;
-        if (log.at(row, column) > log.at(high, column)) high = row;
+        if (Lower(log.at(row, column), log.at(low, column))) low = row;
+        if (Higher(log.at(row, column), log.at(high, column))) high = row;
       }
       rows.insert(rows.end(), {low, high});
     }

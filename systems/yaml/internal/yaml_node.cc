@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,6 +12,7 @@
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
 #include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -45,19 +45,13 @@ std::string JoinKeys(const FieldList& keys) {
   return text;
 }
 
-void ListOverrides(const YamlTree& tree, std::vector<std::string>& places) {
-  if (tree.overridden && std::ranges::count(places, tree.place) == 0) places.push_back(tree.place);
-  for (const YamlTree& child : tree.children) ListOverrides(child, places);
-}
-
 /// The whole of a plain scalar as a number. A leading '+' is YAML, though not C++.
 template <class Number>
-std::errc ParseNumber(const YamlTree& tree, Number& value) {
+std::errc ParseScalar(const YamlTree& tree, Number& value) {
   if (tree.kind != Kind::kScalar || tree.quoted) return std::errc::invalid_argument;
   std::string_view text = tree.text;
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return end == text.data() + text.size() ? error : std::errc::invalid_argument;
+  return ParseNumber(text, value);
 }
 
 bool IsNotFiniteInYaml(std::string text) {
@@ -72,14 +66,9 @@ void YamlNode::Fail(std::string_view what) const {
 }
 
 void YamlNode::FailValidation(std::string_view what) const {
-  std::vector<std::string> overrides;
-  if (!tree_->overridden) ListOverrides(*tree_, overrides);
   std::string path = path_;
   const YamlTree& blamed = BlamedBy(*tree_, &path, &what);
-  std::string text(what);
-  for (const std::string& place : overrides)
-    if (place != blamed.place) text += fmt::format(" (with {})", place);
-  YamlNode(blamed, path).Fail(text);
+  YamlNode(blamed, path).Fail(WithOverrides(what, *tree_, blamed));
 }
 
 void YamlNode::Read(const TypeInfo& type, void* value) const {
@@ -138,9 +127,10 @@ void YamlNode::ReadNumber(const TypeInfo& type, void* value) const {
 }
 
 void YamlNode::ReadDouble(double* value) const {
-  const std::errc error = ParseNumber(*tree_, *value);
+  const std::errc error = ParseScalar(*tree_, *value);
   if (error == std::errc::result_out_of_range)
-    Fail(fmt::format("{} is outside the range of a double; write a smaller power of ten", Describe(*tree_)));
+    Fail(fmt::format("{} is outside the range of a double; write a power of ten from -307 to 308",
+                     Describe(*tree_)));
   if (tree_->kind == Kind::kScalar && !tree_->quoted &&
       (IsNotFiniteInYaml(tree_->text) || (error == std::errc() && !std::isfinite(*value))))
     Fail(fmt::format("expected a finite number, found {}; infinities and NaN are refused", Describe(*tree_)));
@@ -158,7 +148,7 @@ void YamlNode::ReadInteger(Integer* value) const {
   if (tree_->kind == Kind::kScalar && all_digits && digits.size() > 1 && digits.front() == '0')
     Fail(fmt::format("{} begins with a 0, which some readers of YAML take for octal; leave the 0 away",
                      Describe(*tree_)));
-  if (ParseNumber(*tree_, *value) == std::errc()) return;
+  if (ParseScalar(*tree_, *value) == std::errc()) return;
   Fail(fmt::format("expected an integer from {} to {}, found {}; write digits alone", Limits::min(),
                    Limits::max(), Describe(*tree_)));
 }

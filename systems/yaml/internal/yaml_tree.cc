@@ -14,6 +14,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 
 namespace tenon::internal {
@@ -197,11 +198,9 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
 }
 
 std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-  const bool is_index = error == std::errc() && end == key.data() + key.size();
-  if (list.kind != YamlTree::Kind::kList || !is_index || index >= list.children.size()) return {};
-  return index;
+  if (list.kind != YamlTree::Kind::kList) return {};
+  const auto index = NumberIn<std::size_t>(key);
+  return index && *index < list.children.size() ? index : std::nullopt;
 }
 
 namespace {
@@ -246,6 +245,24 @@ const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_vi
       return *blamed;
     }
   }
+}
+
+namespace {
+
+void ListOverrides(const YamlTree& tree, std::vector<std::string>& places) {
+  if (tree.overridden && std::ranges::count(places, tree.place) == 0) places.push_back(tree.place);
+  for (const YamlTree& child : tree.children) ListOverrides(child, places);
+}
+
+}  // namespace
+
+std::string WithOverrides(std::string_view message, const YamlTree& tree, const YamlTree& blamed) {
+  std::vector<std::string> places;
+  if (!tree.overridden) ListOverrides(tree, places);
+  std::string text(message);
+  for (const std::string& place : places)
+    if (place != blamed.place) text += fmt::format(" (with {})", place);
+  return text;
 }
 
 namespace {

@@ -59,6 +59,9 @@ std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key);
 /// takes it out of the message if a colon comes behind it. The tree itself if it begins with none.
 const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_view* message);
 
+/// The message, and what in `tree` was set by --set, unless that is `blamed` itself: " (with --set a.b=3)".
+std::string WithOverrides(std::string_view message, const YamlTree& tree, const YamlTree& blamed);
+
 /// Whether a value is a path: it ends in .yaml, .urdf or .csv.
 bool IsPath(const YamlTree& tree);
 /// The path that a value is, absolute.

@@ -177,4 +177,10 @@ std::string WriteYaml(const TypeInfo& type, const void* value) {
   return writer.Text();
 }
 
+std::string YamlScalar(const std::string& text) {
+  std::string line = WriteYaml(TypeInfoOf<std::string>(), &text);
+  line.pop_back();  // its end
+  return line;
+}
+
 }  // namespace tenon::internal

@@ -192,6 +192,24 @@ TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfThreads) 
   EXPECT_EQ(Table("e2"), Table("e1"));
 }
 
+// What an estimate would come to is not known before it has come to an end.
+TEST_F(TenonCampaignTest, HalfAnEstimateIsNoResult) {
+  const std::string file = File(
+      "app: tenon-quadruped\nscenario: stand\nduration_s: 0.05\nseeds: {count: 40}\nestimate: survival\n"
+      "interval_width: 0.3\nworst_by: com_error\n");
+  EXPECT_THAT(Run(file + To("whole") + " --jobs 1"), HasSubstr("worst_by: there is no figure 'com_error'"));
+  const std::string merge = "--merge " + (out / "whole").string() + To("merged");
+  EXPECT_THAT(Run(merge), HasSubstr("9 of 9 survived"));
+  fs::remove(out / "whole/report.html");  // as one that was stopped
+  const std::string table = Read(out / "whole/runs.csv");
+  std::size_t end = 0;
+  for (int line = 0; line < 5; ++line) end = table.find('\n', end) + 1;
+  std::ofstream(out / "whole/runs.csv") << table.substr(0, end);
+  EXPECT_THAT(Run(merge, 2), AllOf(HasSubstr("is not known yet: finish it first"), HasSubstr("--resume")));
+  Run(file + To("whole") + " --replay 2");
+  EXPECT_FALSE(fs::exists(out / "whole/report.html"));
+}
+
 // What is varied is a figure as well: it stands in the table once.
 TEST_F(TenonCampaignTest, AFigureMayBeWhatVaries) {
   const std::string file = File(

@@ -302,7 +302,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"D1 --set mpc.mass_error=99", "--set mpc.mass_error=99: mpc.mass_error: The path leaves"},
         BadUsage{"D1 --set robot.mass_kg=1e300", "robot.mass_kg: mass is 1e+300 kg: no platform"},
         BadUsage{"D1 --set mpc.weights.position_per_m2=-1",
-                 "mpc.weights.position_per_m2: weights.position = -1 is negative"},
+                 "mpc.weights.position_per_m2: weights.position = -1 must be finite"},
         BadUsage{"D1 --set mpc.weights.tension_per_N2=0",
                  "mpc.weights.tension_per_N2: weights.tension = 0 must be positive"},
         BadUsage{"D1 --set mpc.num_steps=1000", "mpc.num_steps: num_steps = 1000 do not fit into horizon"},
@@ -434,7 +434,7 @@ TEST(TenonCdprListTest, KeysAndVersion) {
   EXPECT_EQ(keys.exit_code, 0);
   EXPECT_THAT(keys.text,
               AllOf(HasSubstr("path.ramp_s"), HasSubstr("time in which the circle's speed is reached"),
-                    HasSubstr("faults[].at")));
+                    HasSubstr("faults[].at"), HasSubstr("robot.cable_properties.")));
   EXPECT_EQ(RunApp("D1 --keys").exit_code, 0);
   EXPECT_THAT(RunApp("D1 --keys --set robot=mine.yaml").text,
               AllOf(HasSubstr("--set robot=mine.yaml: robot: cannot read '"), HasSubstr("no such file")));

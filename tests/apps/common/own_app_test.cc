@@ -108,6 +108,42 @@ TEST_F(OwnAppTest, CampaignsSayWhatProgramsDoWrong) {
               HasSubstr("cannot run '" + (out / "gone").string() + "': is it there, and built?"));
 }
 
+// What survives ends with 0; a run that writes its figures and then fails does not, here nor after --resume.
+TEST_F(OwnAppTest, WhatEndsBadlyDoesNotSurvive) {
+  fs::create_directories(out);
+  std::ofstream(out / "scenario.yaml") << "case: a\n";
+  std::ofstream(out / "app.sh") << "#!/bin/sh\n[ $2 = --keys ] && exit 0\nmkdir -p $3\n"
+                                   "[ -e gone ] && { echo no more; exit 9; }\n"
+                                   "echo '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n"
+                                   "echo and then; exit 139\n";
+  fs::permissions(out / "app.sh", fs::perms::owner_all);
+  std::ofstream(out / "c.yaml") << "app: ./app.sh\nscenario: scenario.yaml\n";
+  const std::string run =
+      "cd " + out.string() + " && " + kCampaign + " c.yaml --out " + (out / "runs").string();
+  EXPECT_THAT(RunCommand(run).text, HasSubstr("0 of 1 survived"));
+  EXPECT_THAT(Read(out / "runs/runs.csv"),
+              AllOf(HasSubstr("false"), HasSubstr("app.sh ended with 139: and then")));
+  EXPECT_THAT(RunCommand(run + " --replay 0").text, HasSubstr("ended with 139"));
+  std::ofstream(out / "gone") << "";
+  // The figures of the replay before are not this one's.
+  EXPECT_THAT(RunCommand(run + " --replay 0").text, HasSubstr("app.sh ended with 9: no more"));
+}
+
+// A program that hears no signal is ended all the same, some seconds after its time is over.
+TEST_F(OwnAppTest, WhatDoesNotEndInItsTimeIsEnded) {
+  fs::create_directories(out);
+  std::ofstream(out / "scenario.yaml") << "case: a\n";
+  std::ofstream(out / "app.sh") << "#!/bin/sh\n[ $2 = --keys ] && exit 0\ntrap '' TERM INT\n"
+                                   "while :; do sleep 1; done\n";
+  fs::permissions(out / "app.sh", fs::perms::owner_all);
+  std::ofstream(out / "c.yaml") << "app: ./app.sh\nscenario: scenario.yaml\nwall_limit_s: 0.2\n";
+  EXPECT_THAT(RunCommand("timeout 60 " + kCampaign + " " + (out / "c.yaml").string() + " --out " +
+                         (out / "runs").string())
+                  .text,
+              HasSubstr("0 of 1 survived"));
+  EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr("took longer than 0.2 s on the clock"));
+}
+
 using OwnAppUsageTest = test::UsageTest;
 
 TEST_P(OwnAppUsageTest, IsExitCode2WithAMessage) {

@@ -157,18 +157,19 @@ TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
     LoadCdpr(YamlFile{"dogbot"});
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("There are: "), HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot' is of another kind, without 'cables'; there are: "),
+                                    HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
   }
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_4"}); }, "there is no 'cdpr_4' in robots"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_5"}); }, "there is no 'cdpr_5'"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"my/dog.urdf"}); },
+                                     "'my/dog.urdf' is a URDF", "tenon-robot my/dog.urdf"));
 }
 
 TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
   auto scenario = LoadScenario(At("deep/er/top.yaml"), {}, "mine").Read<Scenario>();
   scenario.others = {{"standard"}, {"{file: dogbot, urdf: " + At("robots/bodies/dog.urdf") + "}"}};
   const ScenarioFiles files(scenario);
-  fs::create_directories(home / "run/files");
-  Write("run/files/stale.yaml", "of an earlier run");
+  fs::create_directories(home / "run");
   files.Write(home / "run");
   fs::rename(home / "run", home / "moved");
   for (const char* gone : {"base", "deep", "robots"}) fs::remove_all(home / gone);
@@ -181,8 +182,30 @@ TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
   EXPECT_THAT(ReadText(home / "moved/scenario.yaml"),
               AllOf(HasSubstr("format: 1\n"), HasSubstr("files/robot.yaml"), HasSubstr("files/robot.urdf"),
                     HasSubstr("files/others.1.urdf"), Not(HasSubstr(home.string()))));
-  EXPECT_FALSE(fs::exists(home / "moved/files/stale.yaml"));
   EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}), 3);
+}
+
+TEST_F(ScenarioFileTest, AnEarlierRunsFilesGoAndNothingElse) {
+  fs::create_directories(home / "run/files");
+  Write("run/files/of_mine.yaml", "nobody's");
+  RemoveFilesOf(home / "run");
+  Write("run/files/robot.yaml", "of an earlier run");
+  Write("run/scenario.yaml", "robot: files/robot.yaml\n");
+  RemoveFilesOf(home / "run");
+  EXPECT_FALSE(fs::exists(home / "run/files/robot.yaml"));
+  EXPECT_TRUE(fs::exists(home / "run/files/of_mine.yaml"));
+  Write("run/scenario.yaml", "robot: files/of_mine.yaml\n");
+  RemoveFilesOf(home / "run");
+  EXPECT_FALSE(fs::exists(home / "run/files"));
+  EXPECT_NO_THROW(RemoveFilesOf(home / "nowhere"));
+}
+
+TEST_F(ScenarioFileTest, ASeedMayHaveASign) {
+  Write("signed.yaml", "app: mine\nseed: +5\nspeed: {uniform: [0, 1]}\n");
+  Write("plain.yaml", "app: mine\nseed: 5\nspeed: {uniform: [0, 1]}\n");
+  auto with = LoadScenario(At("signed.yaml"), {}, "mine"),
+       without = LoadScenario(At("plain.yaml"), {}, "mine");
+  EXPECT_EQ(DrawScenario(with, {}), DrawScenario(without, {}));
 }
 
 TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {

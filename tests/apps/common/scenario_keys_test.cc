@@ -72,6 +72,16 @@ TEST(ScenarioKeysTest, EveryKeyWithTypeUnitAndDefault) {
   for (const auto& [key, what] : expected) EXPECT_EQ(keys[key], what) << key;
 }
 
+// Those of the robot that a scenario names.
+TEST(ScenarioKeysTest, FilesHaveTheirOwn) {
+  std::map<std::string, std::string> keys;
+  for (const ScenarioKey& key : KeysOfFile("robots", {"{file: dogbot, foot_radius_m: 0.03}"}, "robot"))
+    keys[key.key] = key.type + "; " + key.unit + "; " + key.initial;
+  EXPECT_EQ(keys["robot.foot_radius_m"], "in dogbot, changed; m; 0.03");
+  EXPECT_EQ(keys["robot.feet.front_left"], "in dogbot, changed; ; front_left_foot");
+  EXPECT_TRUE(KeysOfFile("hardware/legged", {"none"}, "hardware").empty());
+}
+
 // What the table names can be set: nothing but what Read takes stands in it.
 TEST(ScenarioKeysTest, KeysAreThoseThatAreRead) {
   auto document = YamlDocument::Parse("app: a\ncase: b\n", "scenario.yaml");

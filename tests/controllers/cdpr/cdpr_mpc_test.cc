@@ -283,6 +283,21 @@ TEST(CdprMpc, DoesWithoutACableThatIsBroken) {
   EXPECT_EQ(guard.count(), 0);
 }
 
+// Three cables of four hold it only above the triangle of their anchors; beside it the run ends after its
+// time, counted from the first solve on.
+TEST(CdprMpc, GivesUpWhenTheOthersCannotHoldThePlatform) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0.8, 1, 2});
+  params.unheld_time = 0.15;
+  CableVector broken = CableVector::Zero(4);
+  broken[0] = 1;
+  TestRig<CdprMpc> rig(params);
+  rig.Fix(rig->estimate, At(params, 0, {0, 0, 0})).Fix(rig->broken, broken);
+  while (!rig.Tick()[rig->statics] && rig.time() < 3) EXPECT_FALSE(rig[rig->plan].shift.held);
+  EXPECT_THAT(rig[rig->statics].value_or(""),
+              testing::HasSubstr("without cable 0 the others cannot hold the platform"));
+  EXPECT_NEAR(rig.time() + params.rate.period(), params.unheld_time, 1e-9);
+}
+
 TEST(CdprMpc, RefusesBrokenCablesOfAnotherRobot) {
   const CdprMpcParams params = Holding(test::FourCableRobot(), {0.3, 0.4, 2});
   TestRig<CdprMpc> rig(params);
@@ -302,7 +317,9 @@ TEST(CdprMpc, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "no multiple of the period"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "do not fit into horizon"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = 0; }, "weights.tension = 0"));
-  EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "weights.attitude = -1 is negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "weights.attitude = -1 must be finite"));
+  EXPECT_TRUE(refuses([](auto& p) { p.terminal_weights.position = -1; }, "terminal_weights.position = -1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.unheld_time = -1; }, "unheld_time = -1 s"));
 }
 
 TEST(CdprMpc, WeightsAreSetInARun) {
@@ -333,7 +350,8 @@ TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
   const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   TestRig<CdprMpc> rig(params);
   CdprMpcWeights wrong = params.weights;
-  wrong.position = INFINITY;
+  wrong.position = 1e308;
+  wrong.tension = 1e-308;
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "Riccati"));
 }
 

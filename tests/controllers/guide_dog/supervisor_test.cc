@@ -360,6 +360,24 @@ TEST(SupervisorTest, IsReadFromYaml) {
   EXPECT_EQ(params.align_time, 0.2);
 }
 
+TEST(SupervisorTest, ASquatGoesOnWhateverItDoes) {
+  Dog dog;
+  WalkCommand squat = kTrot;
+  squat.height = {0.05, 0.1, -0.2};
+  dog.Command(squat);
+  EXPECT_EQ(dog.Tick(), kMove);
+  EXPECT_EQ(dog.walk().height, squat.height);
+  dog.Pull(60, Radians(180));
+  EXPECT_EQ(dog.Run(1.2), kStop);
+  EXPECT_EQ(dog.walk().gait, Gait::kStand);
+  EXPECT_EQ(dog.walk().height, squat.height);
+  Dog stands;
+  squat.gait = Gait::kStand;
+  stands.Command(squat);
+  EXPECT_EQ(stands.Tick(), kMove);
+  EXPECT_EQ(stands.walk().height, squat.height);
+}
+
 TEST(SupervisorTest, GainsAreSetInARun) {
   const SupervisorGains gains{.threshold = 80,
                               .release = 20,

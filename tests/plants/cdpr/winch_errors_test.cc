@@ -48,6 +48,16 @@ TEST(WinchErrorsTest, EachWinchHasAConstantThatStaysAndARippleThatDoesNot) {
   EXPECT_GT((sum - sum.mean()).abs().minCoeff(), 0.2) << "no two alike: " << sum.transpose();
 }
 
+TEST(WinchErrorsTest, RefusesSignalsOfAnotherNumberOfCables) {
+  const auto refuses = [](int commands, int cables, const char* what) {
+    TestRig<WinchErrors> rig(WinchErrorsParams{.num_cables = 8});
+    rig.Fix(rig->command, CableVector::Zero(commands)).Fix(rig->cables, CableSignals::Zero(cables));
+    return Throws<RunError>([&] { rig.Tick(); }, what);
+  };
+  EXPECT_TRUE(refuses(4, 8, "'command' has 4 cables, num_cables is 8"));
+  EXPECT_TRUE(refuses(8, 4, "'cables' has 4 cables, num_cables is 8"));
+}
+
 TEST(WinchErrorsTest, RefusesNonsense) {
   EXPECT_TRUE(Throws<ParameterError>([] { WinchErrors({.num_cables = 0}); }, "num_cables = 0", "positive"));
   EXPECT_TRUE(Throws<ParameterError>([] { WinchErrors({.gain_deviation = 1}); }, "gain_deviation = 1"));

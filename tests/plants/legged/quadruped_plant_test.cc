@@ -480,6 +480,8 @@ TEST(QuadrupedPlantTest, RefusesForcesOnBodiesThatAreNotThere) {
   forces[0].body = 13;
   rig.Fix(rig.system().torque, Vec<12>::Zero()).Fix(rig.system().external, forces);
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().acceleration]; }, "body 13", "0 for the trunk"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().external_wrench]; }, "body 13"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().external_torque]; }, "body 13"));
 }
 
 TEST(QuadrupedPlantTest, RefusesParametersThatCannotBe) {

@@ -51,6 +51,22 @@ TEST(SlidingLoadTest, IsNotThereWithoutMassUntilItIsDropped) {
   EXPECT_TRUE(rig[rig->geometry][0].visible);
 }
 
+// A robot that walks: what gets a mass on the way lies on its trunk and does not pull it back to the start.
+TEST(SlidingLoadTest, LiesOnTheTrunkWhereverItGetsItsMass) {
+  SlidingLoadParams params = Load();
+  params.mass = 0;
+  TestRig<SlidingLoad> rig(params);
+  LeggedState walking = Trunk();
+  walking.v_W = {0.5, 0, 0};
+  for (int n = 0; n < 400; ++n) {
+    rig.Fix(rig->robot, walking).RunTo(0.01 * (n + 1));
+    walking.p_WB[0] += 0.005;
+  }
+  EXPECT_THAT(rig[rig->place], IsNear(params.position_B, 0.02));
+  rig.Set(rig->mass, 2.0);
+  EXPECT_LT(rig[rig->force].force_W.norm(), 50);
+}
+
 // Down a trunk that is steeper than its friction holds: a = g (sin - mu cos), up to the stop.
 TEST(SlidingLoadTest, SlidesDownASteepTrunkToItsStop) {
   const double pitch = 0.5;

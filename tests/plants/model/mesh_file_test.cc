@@ -137,6 +137,17 @@ TEST_F(MeshFileTest, ACopyOfAUrdfFindsThemFromAnywhere) {
   EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
 }
 
+// Of folders that have in their names what means something in XML.
+TEST_F(MeshFileTest, ACopyOfAUrdfIsXmlWhereverTheyStand) {
+  const fs::path folder = home / "R&D's <dogs>";
+  fs::create_directories(folder);
+  test::WriteTetrahedron(folder / "a&b.stl");
+  const std::string copy = WithMeshesFound("<mesh filename='a&amp;b.stl'/>", folder / "my.urdf");
+  EXPECT_EQ(copy, "<mesh filename='file://" + fs::canonical(home).string() +
+                      "/R&amp;D&apos;s &lt;dogs&gt;/a&amp;b.stl'/>");
+  EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
+}
+
 TEST_F(MeshFileTest, SaysWhatIsWrong) {
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "no.stl"); }, "no.stl", "there is no such file",
                                      "export it as STL, OBJ or COLLADA"));

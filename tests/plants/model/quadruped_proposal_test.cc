@@ -54,6 +54,16 @@ class QuadrupedProposalTest : public ::testing::Test {
       std::string("tenon_proposal_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
+// Also where YAML would take them for something else.
+TEST_F(QuadrupedProposalTest, NamesAreWhatTheyAre) {
+  const QuadrupedProposal plain = Propose(ReadUrdf("dogbot"));
+  EXPECT_THAT(plain.yaml, HasSubstr("front_left: front_left_foot,"));
+  const auto stance = Load(plain).stance;
+  const QuadrupedProposal made = Propose(Replaced(ReadUrdf("dogbot"), "front_left_foot", "12, #foot"));
+  EXPECT_THAT(made.yaml, HasSubstr("front_left: \"12, #foot\","));
+  EXPECT_EQ(Load(made).stance, stance);
+}
+
 // From the URDF alone, what DogBot's own YAML says: the feet, and knees that point backward.
 TEST_F(QuadrupedProposalTest, FindsDogBotsLegs) {
   const QuadrupedDescription made = Load(Propose(ReadUrdf("dogbot"))),

@@ -51,7 +51,7 @@ TEST_F(SegmentDistanceTest, OfABoxIsTheLeastOfAllPoints) {
     EXPECT_GT(distance, least - 0.02) << k;
     if (least == 0) {
       ++inside;
-      EXPECT_NEAR(distance, 0, 1e-8);
+      EXPECT_EQ(distance, 0);
     }
   }
   EXPECT_GT(inside, 3);

@@ -105,6 +105,22 @@ TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
   EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
 }
 
+// A high box on a steep slope: whoever stands below its edge stands beside its foot.
+TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
+  TerrainParams params;
+  params.grade = {0.5, -0.3};
+  params.boxes = {{{1, 0.5}, {0.2, 0.3}, 0.4, 0.4}, {{3, -2}, {0.2, 0.2}, 0.05, 0.4}};
+  const Terrain terrain(params);
+  const Eigen::Matrix3d R_WS =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Vec<3>(-0.5, 0.3, 1)).toRotationMatrix();
+  for (const double along : {-0.09, 0.0, 0.09}) {
+    for (const double across : {-0.14, 0.0, 0.14}) {
+      const Vec<3> top = R_WS * Vec<3>(1 + along, 0.5 + across, 0.4);
+      EXPECT_NEAR(terrain.At(top[0], top[1]).height, top[2], 1e-12) << along << ", " << across;
+    }
+  }
+}
+
 TerrainParams Field(std::uint64_t seed) {
   TerrainParams params;
   BoxField field;

@@ -114,7 +114,8 @@ TEST_F(CampaignReportTest, ThePageShowsItAll) {
   }
   CampaignReport one{.title = "one point"};
   one.runs.push_back({.survived = true});
-  CampaignReport none{.title = "no run at all", .figures = {"error_m"}};
+  CampaignReport none{
+      .title = "no run at all", .axes = {{"x", {"a", "b"}}, {"y", {"c", "d"}}}, .figures = {"error_m"}};
   CampaignReport failed{.title = "nobody survived", .axes = {{"x", {"a"}}}, .figures = {"error_m"}};
   failed.runs.push_back({.at = {0}, .figures = {NAN}, .reason = "fell"});
   for (const CampaignReport& report : {Example(), many, one, none, failed}) {

@@ -228,6 +228,23 @@ TEST_F(ReportTest, ModesAreBands) {
                                                   {"time": 0.5, "value": -1.5, "name": "-1.5"}]}])"));
 }
 
+// A mode that changes all the time: the bands say where they stop being drawn.
+TEST_F(ReportTest, BandsOfManyChangesEndWithAWord) {
+  DiagramBuilder fast;
+  const auto& mode = fast.AddFunction("mode", Sampled{Hz(1000)}, Uses(fast.time),
+                                      [](double t) { return std::lround(1000 * t) % 2 == 0 ? 0.0 : 1.0; });
+  Simulator simulator(fast.Build());
+  Report report({.title = "modes", .bands = {{"mode.output", {"a", "b"}}}, .signal_rate = Hz(1000)});
+  report.Log(simulator, {&mode});
+  report.Conclude(simulator.AdvanceTo(2));
+  report.Write(file);
+  const Json intervals = DataOf(file).at("runs").at(0).at("bands").at(0).at("intervals");
+  ASSERT_THAT(intervals, SizeIs(1001));
+  EXPECT_EQ(intervals[999]["name"], "b");
+  EXPECT_EQ(intervals[1000]["name"], "more changes than are shown");
+  EXPECT_TRUE(intervals[1000]["value"].is_null());
+}
+
 TEST_F(ReportTest, VerdictFiguresAndEvents) {
   Report report = Run({.title = "cart"});
   report.AddFigure("error_max_m", 0.25);
@@ -503,6 +520,26 @@ TEST(ColumnLogTest, KeepsThePeaksOfALongRunInLittleMemory) {
   EXPECT_EQ(peak, 9);
   EXPECT_EQ(falls, 1);
   EXPECT_NEAR(log.time(log.rows() - 1), 1e-3 * (kRows - 1), 4) << "the end is there";
+}
+
+// As of a sensor that says nothing for most of the time.
+TEST(ColumnLogTest, PeaksAreThoseOfTheNumbersAmongNoNumbers) {
+  internal::ColumnLog log(Thinning::kPeaks, 64, nullptr);
+  log.Begin({"time", "x", "never"}, {"s", "", ""});
+  for (int i = 0; i < 64000; ++i) {
+    const double x = i == 33333 ? 9 : i % 7 == 3 ? 1 : NAN;
+    log.Row(std::vector<double>{1e-3 * i, x, NAN});
+  }
+  float peak = -1;
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    EXPECT_FALSE(std::isnan(log.at(row, 0))) << row;
+    EXPECT_TRUE(std::isnan(log.at(row, 1))) << row;
+    peak = std::max(peak, log.at(row, 0));
+  }
+  EXPECT_EQ(peak, 9);
+  std::vector<float> drawn;
+  for (const std::size_t row : DecimatePeaks(log, {0}, 12)) drawn.push_back(log.at(row, 0));
+  EXPECT_THAT(drawn, ::testing::Contains(9.0F));
 }
 
 TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {

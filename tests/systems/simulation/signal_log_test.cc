@@ -200,6 +200,13 @@ TEST_F(SignalLogTest, HeldRowsOfWhatDidNotHappenAreGone) {
   EXPECT_EQ(log->rows(), 15U);
 }
 
+TEST_F(SignalLogTest, AreHeldForAPositiveTime) {
+  simulator_->AddLog(Hz(10), {&cart_->force});
+  for (const double seconds : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+    EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->HoldLogs(seconds); }, "logs cannot be held for",
+                                       "ReleaseLogs"));
+}
+
 class SinkOnAFullDisk final : public LogSink {
  public:
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}

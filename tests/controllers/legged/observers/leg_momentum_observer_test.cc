@@ -242,7 +242,8 @@ TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses(params, "min_singular_value_m = 0 must be positive"));
   params = Params(DogBot());
   params.gains.butterworth = ButterworthDesign{3, 100};
-  EXPECT_TRUE(refuses(params, "gains_per_s and butterworth are both given", "leave one away"));
+  EXPECT_TRUE(
+      refuses(params, "gains_per_s and butterworth are both given", "leave one away", "gains_per_s to []"));
   params = Params(DogBot(), {});
   params.gains.butterworth = ButterworthDesign{0, 100};
   EXPECT_TRUE(refuses(params, "an estimator of order 0: give 1 to 12"));

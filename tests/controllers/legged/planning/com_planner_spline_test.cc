@@ -204,6 +204,22 @@ TEST(ComPlannerSpline, KeepsTheOldPlanAndCountsIfThereIsNoNewOne) {
   EXPECT_GE(walk.diagnostics().constraint, 0);
 }
 
+/// The same from the first tick on: what it has then, at rest, stays.
+TEST(ComPlannerSpline, StandsStillIfThereIsNoFirstOne) {
+  ComPlannerParams params = SplineParams();
+  params.zmp.margin = 0.3;
+  params.robot.trunk.com[0] += 0.03;
+  ScheduledWalk walk(params);
+  walk.Command(Gait::kTrot, 0.2);
+  walk.Tick();
+  const BodyReference first = walk.reference();
+  for (int n = 0; n < 1000; ++n) {
+    walk.Tick();
+    ASSERT_EQ(walk.reference().com_W, first.com_W) << n;
+  }
+  EXPECT_GT(walk.diagnostics().failures, 2);
+}
+
 TEST(ComPlannerSpline, DoesNotAllocate) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   ScheduledWalk walk(SplineParams());

@@ -351,6 +351,25 @@ TEST(SwingPlannerTest, ShiftIsAnOption) {
   EXPECT_EQ(ShiftUnder(wrench, params, 1000), Vec<3>(Vec<3>::Zero()));
 }
 
+TEST(SwingPlannerTest, AShiftThatIsSwitchedOffFades) {
+  Trot pushed, reference;
+  pushed.wrench.force_W << 100, 0, 0;
+  for (const bool on : {true, false}) {
+    StepProperties step = Params().step;
+    step.wrench_shift = on;
+    pushed.rig().Set(pushed.rig()->step, step);
+    for (Trot* trot : {&pushed, &reference}) {
+      trot->Set(kStance);
+      for (int n = 0; n < 5000; ++n) trot->Tick();
+      trot->Set(kSwing);
+      trot->Tick();
+    }
+    const double shift = (pushed.Foothold(kFrontLeft) - reference.Foothold(kFrontLeft)).norm();
+    EXPECT_EQ(shift > 0.02, on) << shift;
+    EXPECT_EQ(shift < 1e-6, !on) << shift;
+  }
+}
+
 // Pushed along by 10 cm, of which 3 are free, and turned by 0.5 rad, of which 0.1 are: the feet stay below
 // the robot, and go where the path goes.
 TEST(SwingPlannerTest, FeetStayBelowARobotThatIsPushedOffItsPath) {

@@ -124,6 +124,7 @@ TEST(WalkDriveTest, RefusesWhatMakesNoSense) {
   refuses([](WalkDriveParams& p) { p.acceleration = 0; }, "acceleration_m_per_s2 = 0");
   refuses([](WalkDriveParams& p) { p.yaw_acceleration = -1; }, "yaw_acceleration_rad_per_s2 = -1");
   refuses([](WalkDriveParams& p) { p.height_bandwidth = 60; }, "below 50 rad/s");
+  refuses([](WalkDriveParams& p) { p.gait = Gait::kStand; }, "set `stands` instead");
 }
 
 }  // namespace
