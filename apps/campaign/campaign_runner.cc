@@ -86,16 +86,20 @@ CampaignResult Failed(CampaignRow row, const std::string& reason) {
 }
 
 CampaignResult Judged(CampaignRow row, const Summary& summary) {
+  const bool survived = summary.finished() && summary.exit_code() == kRan;
   std::string reason;
   for (auto& [name, text] : summary.Flat()) {
     if (name == "end_reason") {
       reason = text;
+    } else if (name == "finished") {
+      row.emplace_back(name, survived ? "true" : "false");
     } else if (Cell(row, name).empty()) {  // else it stands in front: the seed, what was varied
       row.emplace_back(name, text.empty() ? "NaN" : text);
     }
   }
   row.emplace_back("end_reason", std::move(reason));
-  return {std::move(row), summary.exit_code() == kRan, summary.exit_code()};
+  const bool says_so = survived || summary.exit_code() != kRan;
+  return {std::move(row), survived, says_so ? summary.exit_code() : kLimitBroken};
 }
 
 }  // namespace

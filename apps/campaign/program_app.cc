@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -54,33 +55,40 @@ struct Ended {
   bool too_long = false;  ///< because of the limit on the clock
 };
 
-/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so; at
-/// once if it does not end then.
+constexpr std::chrono::seconds kGrace{5};  // for a process to write what it has, when its time is over
+
+/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so; beyond
+/// the limit it ends, and what it runs itself, whether it hears or not.
 Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds kGrace{5};  // to write what it has
   const Clock::time_point begin = Clock::now();
+  Clock::time_point deadline;  // for all of its group to be gone, once it was too long
   Ended ended;
+  bool runs = true;
   int told = 0;  // the signal that it was sent
-  Clock::time_point told_at;
   for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-    const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
+    const ::pid_t waited = runs ? ::waitpid(process, &status, WNOHANG) : 0;
     if (waited == process) {
       ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-      return ended;
+      runs = false;
     }
     if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
+    if (!runs && (!ended.too_long || ::kill(-process, 0) != 0)) return ended;
+    if (ended.too_long) {
+      if (Clock::now() < deadline) continue;
+      ::kill(-process, SIGKILL);
+      if (!runs) return ended;
+    }
     const std::chrono::duration<double> elapsed = Clock::now() - begin;
     int signal = SignalGuard::caught();
-    if (signal == 0 && wall_limit && elapsed.count() > *wall_limit) {
+    if (signal == 0 && wall_limit && elapsed.count() > *wall_limit) signal = SIGTERM;
+    if (signal == 0 || signal == told || ended.too_long) continue;
+    if (SignalGuard::caught() == 0) {
       ended.too_long = true;
-      signal = SIGTERM;
+      deadline = Clock::now() + kGrace;
     }
-    if (told != 0 && Clock::now() - told_at > kGrace) signal = SIGKILL;
-    if (signal == 0 || signal == told) continue;
     ::kill(-process, signal);  // its group: what it runs itself, too
     told = signal;
-    told_at = Clock::now();
   }
 }
 
@@ -111,6 +119,15 @@ Ended Execute(const fs::path& program, const std::vector<std::string>& arguments
   return Wait(process, wall_limit);
 }
 
+/// The end of what a program printed, which say why it ended.
+std::string EndOf(std::string text) {
+  constexpr std::size_t kMost = 1000;  // [bytes]
+  if (text.size() <= kMost) return text;
+  text.erase(0, text.size() - kMost);
+  const auto within = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };  // a character
+  return "…" + std::string(std::ranges::find_if_not(text, within), text.end());
+}
+
 /// The scenario as a file; what it names is named from anywhere.
 std::string Written(const YamlDocument& scenario, const Scratch& scratch) {
   const fs::path file = scratch.path() / "scenario.yaml";
@@ -139,16 +156,17 @@ ScenarioApp ProgramApp(const fs::path& program) {
     std::error_code ignored;
     fs::remove(out / "summary.json", ignored);  // of an earlier run, else it would be this one's
     const Ended ended = Execute(program, arguments, printed, options.wall_limit);
-    const std::string reason =
-        ended.too_long
-            ? TookTooLong(*options.wall_limit)
-            : fmt::format("{} ended with {}: {}", program.filename().string(), ended.code, ReadText(printed));
-    if (!fs::exists(out / "summary.json")) throw RunError(reason);
+    const auto reason = [&] {
+      return ended.too_long ? TookTooLong(*options.wall_limit)
+                            : fmt::format("{} ended with {}: {}", program.filename().string(), ended.code,
+                                          EndOf(ReadText(printed)));
+    };
+    if (!fs::exists(out / "summary.json")) throw RunError(reason());
     RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
     if (ended.too_long && ended.code != kOutputFailed) {
-      result.summary.EndedBy(reason, kNumericalFailure);
+      result.summary.EndedBy(reason(), kNumericalFailure);
     } else if (ended.code != kRan && result.summary.finished()) {
-      result.summary.EndedBy(reason, ended.code);  // it survives that ends well
+      result.summary.EndedBy(reason(), ended.code);  // it survives that ends well
     }
     return result;
   };

@@ -184,8 +184,6 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   fmt::print("{:<28} {}\n", "report", (place / "report.html").string());
   if (!has_table || SignalGuard::caught() != 0) return again.exit_code;
 
-  // The page links to what is there now; a campaign that goes on has none.
-  if (!fs::exists(directory / "report.html")) return again.exit_code;
   CampaignSchedule schedule(plan, {}, 1);
   CampaignTable::Read(table, plan.size(), [&](std::size_t other, const CampaignRow& row) {
     schedule.Done(other, Cell(row, "finished") == "true");
@@ -197,7 +195,9 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
             "another one\n",
             column, Cell(row, column)));
   });
-  WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
+  // The page links to what is there now; a campaign that goes on has none yet.
+  if (fs::exists(directory / "report.html"))
+    WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
   return again.exit_code;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -195,10 +196,11 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
     if (scenario && app.check) app.check(*scenario);
     std::vector<ScenarioKey> keys = app.keys();
     for (const auto& [name, kind] : app.files) {
-      const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
-      const std::string file = scenario ? scenario->Value(name) : "";
-      for (ScenarioKey& inner : KeysOfFile(kind, {file.empty() ? key->initial : file}, name))
-        keys.push_back(std::move(inner));
+      std::string file = scenario ? scenario->WithAbsolutePaths().Value(name) : "";
+      if (const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
+          file.empty() && key != keys.end())
+        file = key->initial;
+      for (ScenarioKey& inner : KeysOfFile(kind, {file}, name)) keys.push_back(std::move(inner));
     }
     PrintKeys(keys);
   }

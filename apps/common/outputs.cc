@@ -81,7 +81,6 @@ OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
       if (file == name || (file.starts_with("." + name + ".") && file.ends_with(".part")))  // of a killed run
         left.push_back(entry.path());
   }
-  RemoveFilesOf(this->path());
   for (const fs::path& file : left) fs::remove(file, error);
 }
 

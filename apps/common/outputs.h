@@ -42,8 +42,8 @@ class OutputLock {
 bool IsVariantName(std::string_view name);
 
 /// That of a run. What an earlier run left in it is gone, and what its variants left in theirs: files of two
-/// runs never stand beside each other. Only live.jsonl stays, which may be what is replayed, and whatever
-/// runs do not write.
+/// runs never stand beside each other. `files` stays, and live.jsonl, either of which may be what is run
+/// again: who writes there removes them.
 class OutputDirectory : public OutputLock {
  public:
   /// Throws as OutputLock does.

@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <sstream>
 #include <system_error>
 #include <typeinfo>
 
@@ -16,6 +16,7 @@
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/internal/parse_number.h>
 #include <tenon/systems/io/output_file.h>
 
 namespace tenon::apps {
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kFiles = "files";  // beside scenario.yaml: copies of what it names
+constexpr const char* kFiles = "files";       // beside scenario.yaml: copies of what it names
+constexpr const char* kWritten = ".written";  // in there: their names, so that nothing else is removed
 
 fs::path FindScenario(const std::string& name, const std::string& app);
 
@@ -110,10 +112,7 @@ std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
   } else {
     // That of a scenario which says none is 1; what is no number is refused when it is read.
     const std::string text = scenario.Text("seed");
-    const std::size_t begin = text.starts_with('+') ? 1 : 0;
-    std::uint64_t own = 1;
-    std::from_chars(text.data() + begin, text.data() + text.size(), own);
-    seed = own;
+    seed = internal::NumberIn<std::uint64_t>(internal::WithoutPlus(text)).value_or(1);
   }
   return scenario.Draw(*seed);
 }
@@ -186,22 +185,25 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
   file.text = map.Keys("").size() > 1 ? map.Flow() : map.Text("file");
 }
 
-void ScenarioFiles::Write(const fs::path& directory) const {
-  std::error_code error;  // if there is none, it cannot be written into, and that is said
-  if (!files_.empty()) fs::create_directory(directory / kFiles, error);
-  for (const auto& [name, text] : files_) WriteFile(directory / kFiles / name, text);
-  WriteFile(directory / "scenario.yaml", text_);
+/// Removes what an earlier run wrote into its directory of copies.
+static void RemoveWritten(const fs::path& place) {
+  std::istringstream written(ReadText(place / kWritten));
+  std::error_code ignored;  // what stays is in nobody's way
+  for (std::string name; std::getline(written, name);) fs::remove(place / fs::path(name).filename(), ignored);
+  fs::remove(place / kWritten, ignored);
+  fs::remove(place, ignored);  // unless there is more in it
 }
 
-void RemoveFilesOf(const fs::path& directory) {
-  const std::string scenario = ReadText(directory / "scenario.yaml");
-  std::error_code error;
-  std::vector<fs::path> named;
-  for (const auto& entry : fs::directory_iterator(directory / kFiles, error))
-    if (scenario.find(fmt::format("{}/{}", kFiles, entry.path().filename().string())) != scenario.npos)
-      named.push_back(entry.path());
-  for (const fs::path& file : named) fs::remove(file, error);
-  if (!named.empty()) fs::remove(directory / kFiles, error);  // unless there is more in it
+void ScenarioFiles::Write(const fs::path& directory) const {
+  const fs::path place = directory / kFiles;
+  RemoveWritten(place);
+  std::error_code error;  // if there is none, it cannot be written into, and that is said
+  std::string written;
+  if (!files_.empty()) fs::create_directory(place, error);
+  for (const auto& [name, text] : files_) written += name + "\n";
+  if (!files_.empty()) WriteFile(place / kWritten, written);
+  for (const auto& [name, text] : files_) WriteFile(place / name, text);
+  WriteFile(directory / "scenario.yaml", text_);
 }
 
 }  // namespace tenon::apps

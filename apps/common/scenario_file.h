@@ -36,7 +36,8 @@ class ScenarioFiles {
   explicit ScenarioFiles(T scenario) {
     Take(internal::TypeInfoOf<T>(), &scenario);
   }
-  /// Writes scenario.yaml, and the files that it names into `files` beside it. Throws OutputError.
+  /// Writes scenario.yaml, and the files that it names into `files` beside it; what an earlier run wrote in
+  /// there goes, and nothing else. Throws OutputError.
   void Write(const std::filesystem::path& directory) const;
 
  private:
@@ -46,9 +47,5 @@ class ScenarioFiles {
   std::string text_;
   std::vector<std::pair<std::string, std::string>> files_;  ///< names, contents
 };
-
-/// Removes what ScenarioFiles wrote into `files` of a directory, as scenario.yaml there names it; nothing
-/// else that is in there.
-void RemoveFilesOf(const std::filesystem::path& directory);
 
 }  // namespace tenon::apps

@@ -7,8 +7,6 @@ namespace tenon::apps {
 namespace {
 
 constexpr const char* kOnlyWalks = "it is there for a robot that walks; choose torque, joint or encoders";
-constexpr const char* kOfAnotherObserver =
-    "take an observer that does, hybrid for one, or choose another place";
 constexpr const char* kOnlyGuideDogs = "it is there for tenon-guide-dog; choose another place";
 
 /// The places that a diagram has.
@@ -53,24 +51,16 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
   }
   state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
   wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
-  // Readers that make nothing of it are none.
-  const bool reads_torque =
-      loop.observer.legs != nullptr || loop.observer.ndo != nullptr || loop.foot_forces_of_legs != nullptr;
-  const bool reads_imu = loop.observer.com != nullptr || loop.estimator != nullptr;
-  FaultPoint<Vec<12>> torque_sensor(kOfAnotherObserver);
-  if (reads_torque)
-    torque_sensor = {world.measured_torque, std::move(torque_readers), world.torque_sensor.params.rate};
-  FaultPoint<ImuMeasurement> imu(kOfAnotherObserver);
-  if (reads_imu) imu = {world.inertial, std::move(imu_readers), world.imu.params.rate};
-  return {.world = &world,
-          .torque = {loop.locomotion.torque, {&world.torque}, rate},
-          .encoders = std::move(encoders),
-          .torque_sensor = std::move(torque_sensor),
-          .foot_force = std::move(foot_force),
-          .imu = std::move(imu),
-          .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
-                    rate},
-          .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
+  return {
+      .world = &world,
+      .torque = {loop.locomotion.torque, {&world.torque}, rate},
+      .encoders = std::move(encoders),
+      .torque_sensor = {world.measured_torque, std::move(torque_readers), world.torque_sensor.params.rate},
+      .foot_force = std::move(foot_force),
+      .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
+      .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
+                rate},
+      .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
 }
 
 void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {

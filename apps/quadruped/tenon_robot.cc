@@ -37,7 +37,8 @@ std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::s
   std::map<std::string, double, std::less<>> angles;
   for (const std::string& lock : locks) {
     const std::size_t equals = lock.find('=');
-    const auto angle = internal::NumberIn<double>(equals == std::string::npos ? "" : lock.substr(equals + 1));
+    const std::string text = equals == std::string::npos ? "" : lock.substr(equals + 1);
+    const auto angle = internal::NumberIn<double>(internal::WithoutPlus(text));
     if (!angle || !std::isfinite(*angle))
       throw ParameterError(fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad", lock));
     angles[lock.substr(0, equals)] = *angle;

@@ -8,11 +8,12 @@
 namespace tenon {
 
 void CablePdParams::Validate() const {
-  Demand(std::isfinite(stiffness_N_per_m) && stiffness_N_per_m > 0,
-         fmt::format("stiffness_N_per_m = {} must be positive: a length error would not be corrected",
-                     stiffness_N_per_m));
+  Demand(
+      std::isfinite(stiffness_N_per_m) && stiffness_N_per_m > 0,
+      fmt::format("stiffness_N_per_m = {} must be finite and positive: a length error would not be corrected",
+                  stiffness_N_per_m));
   Demand(std::isfinite(damping_N_s_per_m) && damping_N_s_per_m >= 0,
-         fmt::format("damping_N_s_per_m = {} must not be negative: it would feed oscillations",
+         fmt::format("damping_N_s_per_m = {} must be finite and not negative: it would feed oscillations",
                      damping_N_s_per_m));
 }
 

@@ -12,8 +12,6 @@
 namespace tenon {
 namespace {
 
-constexpr double kArmWalk = 0.05;  // of the payload's place [m/sqrt(s)]
-
 void CheckPositive(const char* name, double value, const char* unit) {
   Demand(std::isfinite(value) && value > 0, fmt::format("{} = {}{} must be positive", name, value, unit));
 }
@@ -30,6 +28,7 @@ void LoadEstimatorParams::Validate() const {
   CheckPositive("least_mass", least_mass, "");
   CheckPositive("arm_deviation", arm_deviation, " m");
   CheckPositive("torque_deviation", torque_deviation, " N m");
+  CheckPositive("arm_walk", arm_walk, " m/sqrt(s)");
 }
 
 LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
@@ -91,7 +90,7 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
 void LoadEstimator::CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B,
                                Memory& memory) const {
   Eigen::Map<Eigen::Matrix3d> P(memory.arm_covariance.data());
-  P.diagonal().array() += params.rate.period() * kArmWalk * kArmWalk;
+  P.diagonal().array() += params.rate.period() * params.arm_walk * params.arm_walk;
   P.diagonal() = P.diagonal().cwiseMin(std::pow(params.arm_deviation, 2));
   const Eigen::Matrix3d H = -CrossMatrix(force_B);  // r x F = H r
   const Eigen::Matrix3d HP = H * P;

@@ -20,6 +20,7 @@ struct LoadEstimatorParams {
   double least_mass = 0.05;       ///< over the platform's mass; below, there is no payload
   double arm_deviation = 0.5;     ///< of the payload's place, before anything is known [m]
   double torque_deviation = 0.5;  ///< of the torque, as it tells the place [N m]
+  double arm_walk = 0.05;         ///< of the payload's place, a random walk up to its deviation [m/sqrt(s)]
 
   void Validate() const;  ///< throws ParameterError
 };
@@ -29,8 +30,9 @@ struct LoadEstimatorParams {
 /// h the period and LP a low-pass filter of first order with the bandwidth b:
 ///
 ///     force   F = LP(m R f_B - (W u)_f)                   by Newton, f_B the specific force R^T (a - g)
-///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, the same low-pass
-///     place   r of R r x F = tau, by a Kalman filter: the part along F shows when the platform turns
+///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, Euler's steps
+///     place   r of R r x F = tau, by a Kalman filter of a random walk: the part along F shows when the
+///             platform turns
 ///     mass    m_L of F = -m_L y, by a low-pass of bandwidth b_m,
 ///             y = LP(R f_B) + alpha x R r + w x (w x R r),   alpha = LP(w')
 ///     rest    F + m_L y and tau + R r x m_L y, by a low-pass of bandwidth b_r

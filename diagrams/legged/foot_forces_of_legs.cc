@@ -10,9 +10,10 @@ FootForcesOfLegs::FootForcesOfLegs(const FootForcesOfLegsParams& params)
           "legs",
           LegMomentumObserverParams{.robot = params.robot, .gains = params.gains, .rate = params.rate})),
       ground_forces(Add<GroundForceObserver>(
-          "ground_forces",
-          GroundForceObserverParams{
-              .robot = params.robot, .thresholds = params.thresholds, .rate = params.rate})) {
+          "ground_forces", GroundForceObserverParams{.robot = params.robot,
+                                                     .thresholds = params.thresholds,
+                                                     .min_singular_value = params.gains.min_singular_value,
+                                                     .rate = params.rate})) {
   auto& last_state = Add<UnitDelay<LeggedState>>(
       "last_state", UnitDelayParams<LeggedState>{.initial = params.initial, .rate = params.rate});
   auto& last_torque =

@@ -8,8 +8,6 @@
 #include <tenon/plants/model/gravity.h>
 
 namespace tenon {
-namespace {}  // namespace
-
 void CdprMonitorParams::Validate() const {
   Demand(max_tension_ratio >= 1,
          fmt::format("max_tension_ratio = {} must be at least 1: commands go up to tension_max",

@@ -21,7 +21,7 @@ enum class ContactState {
   kStance,     ///< stands: carries weight, its foot does not move
   kSwing,      ///< in the air, on the way to its foothold
   kLate,       ///< the swing is over but the ground was not found: lowers, and the gait clock waits
-  kSearching,  ///< should stand but feels no ground: lowers, and the gait clock goes on
+  kSearching,  ///< should stand but feels no ground: lowers, and no leg lifts off meanwhile
 };
 constexpr auto EnumNames(ContactState) {
   return std::array{Named{ContactState::kStance, "stance"}, Named{ContactState::kSwing, "swing"},

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMaxCells = 1e6;
 constexpr double kMaxPlaces = 1e5;
-constexpr double kLeastSide = 1e-3, kMaxExtent = 1e5;  // [m]
+constexpr double kLeastSide = 1e-3, kMaxExtent = 1e5, kMaxHeight = 100;  // [m]
 constexpr double kMaxFriction = 10;
 
 void CheckFriction(double friction) {
@@ -25,9 +25,10 @@ void CheckFriction(double friction) {
 }
 
 void CheckHeight(double height) {
-  if (!(std::isfinite(height) && height > 0))
+  if (!(height > 0 && height <= kMaxHeight))
     throw ParameterError(
-        fmt::format("height_m is {} m but must be positive; boxes stand on the plane", height));
+        fmt::format("height_m is {} m but must be positive, and {} m at most; boxes stand on the plane",
+                    height, kMaxHeight));
 }
 
 void CheckSize(const Vec<2>& size) {

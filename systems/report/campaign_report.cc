@@ -105,7 +105,7 @@ Json CorrelationsJson(const CampaignReport& report) {
   for (std::size_t i = 0; i < report.axes.size(); ++i) {
     std::vector<double> values;  // of the labels
     for (const std::string& label : report.axes[i].labels)
-      values.push_back(internal::NumberIn<double>(label).value_or(NAN));
+      values.push_back(internal::NumberIn<double>(internal::WithoutPlus(label)).value_or(NAN));
     const auto finite = [](double value) { return std::isfinite(value); };
     if (std::ranges::all_of(values, finite) && values.size() > 1)
       add(report.axes[i].name, [&, i](const auto& run) { return values[run.at[i]]; });

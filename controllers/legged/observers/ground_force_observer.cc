@@ -7,12 +7,6 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 namespace tenon {
-namespace {
-
-constexpr double kMinSingularValue = 0.02;  // of a leg's Jacobian, see SolveFootForces [m]
-
-}  // namespace
-
 void ContactThresholds::Validate() const {
   Demand(std::isfinite(touch) && leave > 0 && leave < touch,
          fmt::format("leave = {} must be positive and below touch = {}: a foot would come and go", leave,
@@ -23,6 +17,9 @@ void GroundForceObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
   thresholds.Validate();
+  Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
+         fmt::format("min_singular_value = {} m must be positive: a straight leg has no inverse",
+                     min_singular_value));
 }
 
 FootForces GroundForceObserver::CalcForces(const LeggedState& state, const LegForceEstimate& leg_forces,
@@ -33,7 +30,7 @@ FootForces GroundForceObserver::CalcForces(const LeggedState& state, const LegFo
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius), normal = ground.Normal();
   for (int leg = 0; leg < kNumLegs; ++leg)
     dynamics.feet[static_cast<std::size_t>(leg)] = dynamics.Contact(leg, arm);
-  FootForces forces = SolveFootForces(dynamics, leg_forces.joint_torque, kMinSingularValue);
+  FootForces forces = SolveFootForces(dynamics, leg_forces.joint_torque, params.min_singular_value);
   const double weight = model_.mass() * params.gravity;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     bool& stance = stands[static_cast<std::size_t>(leg)];

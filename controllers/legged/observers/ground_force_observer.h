@@ -28,7 +28,8 @@ struct ContactThresholds {
 struct GroundForceObserverParams {
   QuadrupedDescription robot;  ///< what the observer believes
   ContactThresholds thresholds = {};
-  double gravity = kGravity;  ///< [m/s^2]
+  double gravity = kGravity;         ///< [m/s^2]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, as in LegMomentumObserver [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

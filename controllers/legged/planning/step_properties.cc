@@ -19,9 +19,11 @@ void StepReflex::Validate() const {
 
 void StepProperties::Validate() const {
   Demand(height > 0, fmt::format("height_m = {} must be positive", height));
-  Demand(std::isfinite(touchdown_speed) && touchdown_speed > 0,
-         fmt::format("touchdown_speed_m_per_s = {} must be positive, or a late foot never finds the ground",
-                     touchdown_speed));
+  Demand(
+      std::isfinite(touchdown_speed) && touchdown_speed > 0,
+      fmt::format(
+          "touchdown_speed_m_per_s = {} must be finite and positive, or a late foot never finds the ground",
+          touchdown_speed));
   Demand(search_depth > 0, fmt::format("search_depth_m = {} must be positive", search_depth));
   Demand(velocity_feedback >= 0,
          fmt::format("velocity_feedback_s = {} must not be negative", velocity_feedback));

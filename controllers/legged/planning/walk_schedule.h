@@ -51,8 +51,8 @@ struct WalkScheduleParams {
 ///     ports out  command   sampled
 ///
 /// A segment begins with the velocities at the end of the one before and goes over to its own on a ramp that
-/// is linear in time, as short as both accelerations allow; its duration and length include the ramp. The
-/// gait changes at once. After the last segment the robot stands.
+/// is linear in time, as short as both accelerations allow; its duration and length include the ramp; one
+/// that stands has none at once. The gait changes at once. After the last segment the robot stands.
 ///
 /// Squats are sines of the time since the segment's beginning; within their first and last period they grow
 /// and fade as a quintic, so that height, speed and acceleration do not jump.

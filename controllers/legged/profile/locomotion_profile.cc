@@ -170,6 +170,7 @@ DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const 
   params.com = {robot, tuning.com};
   params.ndo.robot = robot;
   params.ndo.gain = tuning.ndo_gain;
+  params.ndo.min_singular_value = tuning.legs.min_singular_value;
   return params;
 }
 

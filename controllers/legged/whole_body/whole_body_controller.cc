@@ -52,13 +52,13 @@ void WholeBodyGains::Validate() const {
        {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
         std::pair{"swing_stiffness", swing_stiffness}}) {
     Demand(value > 0 && std::isfinite(value),
-           fmt::format("{} = {} must be positive: errors would not be corrected", name, value));
+           fmt::format("{} = {} must be finite and positive: errors would not be corrected", name, value));
   }
   for (const auto& [name, value] :
        {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
         std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0 && std::isfinite(value),
-           fmt::format("{} = {} must not be negative: it would feed oscillations", name, value));
+           fmt::format("{} = {} must be finite and not negative: it would feed oscillations", name, value));
   }
   for (const auto& [name, value] :
        {std::pair{"com_limit", com_limit}, std::pair{"grip_limit", grip_limit},

@@ -103,10 +103,12 @@ void WholeBodyQpParams::Validate() const {
         std::pair{"yaw_weight", yaw_weight}, std::pair{"force_weight", force_weight},
         std::pair{"acceleration_weight", acceleration_weight}, std::pair{"slack_weight", slack_weight},
         std::pair{"friction", friction}}) {
-    Demand(value > 0 && std::isfinite(value), fmt::format("{} = {} must be positive", name, value));
+    Demand(value > 0 && std::isfinite(value),
+           fmt::format("{} = {} must be finite and positive", name, value));
   }
   for (const auto& [name, value] : {std::pair{"tilt_weight", tilt_weight}, std::pair{"free_tilt", free_tilt}})
-    Demand(value >= 0 && std::isfinite(value), fmt::format("{} = {} must not be negative", name, value));
+    Demand(value >= 0 && std::isfinite(value),
+           fmt::format("{} = {} must be finite and not negative", name, value));
 }
 
 WholeBodyQp::Problem::Problem(int variables, int equalities)

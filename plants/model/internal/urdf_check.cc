@@ -46,10 +46,9 @@ std::optional<std::vector<double>> ReadNumbers(std::string_view text) {
   std::vector<double> numbers;
   for (std::size_t at; (at = text.find_first_not_of(kBlanks)) != text.npos;) {
     text.remove_prefix(at);
-    std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
     text.remove_prefix(word.size());
-    if (word.size() > 1 && word.front() == '+' && word[1] != '-') word.remove_prefix(1);
-    const auto value = NumberIn<double>(word);
+    const auto value = NumberIn<double>(WithoutPlus(word));
     if (!value || !std::isfinite(*value)) return {};
     numbers.push_back(*value);
   }

@@ -15,7 +15,13 @@ std::errc ParseNumber(std::string_view text, Number& value) {
   return end == text.data() + text.size() ? error : std::errc::invalid_argument;
 }
 
-/// The same; nothing if it is none.
+/// A text without the sign of a positive number, which YAML and XML have and C++ has not.
+inline std::string_view WithoutPlus(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  return text;
+}
+
+/// The same as ParseNumber; nothing if it is none.
 template <class Number>
 std::optional<Number> NumberIn(std::string_view text) {
   Number value{};

@@ -49,9 +49,7 @@ std::string JoinKeys(const FieldList& keys) {
 template <class Number>
 std::errc ParseScalar(const YamlTree& tree, Number& value) {
   if (tree.kind != Kind::kScalar || tree.quoted) return std::errc::invalid_argument;
-  std::string_view text = tree.text;
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  return ParseNumber(text, value);
+  return ParseNumber(WithoutPlus(tree.text), value);
 }
 
 bool IsNotFiniteInYaml(std::string text) {

@@ -129,12 +129,27 @@ TEST_F(OwnAppTest, WhatEndsBadlyDoesNotSurvive) {
   EXPECT_THAT(RunCommand(run + " --replay 0").text, HasSubstr("app.sh ended with 9: no more"));
 }
 
-// A program that hears no signal is ended all the same, some seconds after its time is over.
+// A program says that it did not finish, and ends as if it had.
+TEST_F(OwnAppTest, WhatDidNotFinishDoesNotSurvive) {
+  fs::create_directories(out);
+  std::ofstream(out / "scenario.yaml") << "case: a\n";
+  std::ofstream(out / "app.sh") << "#!/bin/sh\n[ $2 = --keys ] && exit 0\nmkdir -p $3\n"
+                                   "echo '{\"case\": \"a\", \"finished\": false}' >$3/summary.json\n";
+  fs::permissions(out / "app.sh", fs::perms::owner_all);
+  std::ofstream(out / "c.yaml") << "app: ./app.sh\nscenario: scenario.yaml\n";
+  const std::string run = kCampaign + " " + (out / "c.yaml").string() + " --out " + (out / "runs").string();
+  EXPECT_THAT(RunCommand(run).text, HasSubstr("0 of 1 survived"));
+  EXPECT_EQ(RunCommand(run + " --replay 0").exit_code, 3);
+}
+
+// A program that hears no signal is ended all the same, some seconds after its time is over, and so is what
+// it runs.
 TEST_F(OwnAppTest, WhatDoesNotEndInItsTimeIsEnded) {
   fs::create_directories(out);
   std::ofstream(out / "scenario.yaml") << "case: a\n";
-  std::ofstream(out / "app.sh") << "#!/bin/sh\n[ $2 = --keys ] && exit 0\ntrap '' TERM INT\n"
-                                   "while :; do sleep 1; done\n";
+  std::ofstream(out / "app.sh")
+      << "#!/bin/sh\n[ $2 = --keys ] && exit 0\n"
+         "sh -c \"trap '' TERM INT; while :; do echo >$0.lives; sleep 0.1; done\"\n";
   fs::permissions(out / "app.sh", fs::perms::owner_all);
   std::ofstream(out / "c.yaml") << "app: ./app.sh\nscenario: scenario.yaml\nwall_limit_s: 0.2\n";
   EXPECT_THAT(RunCommand("timeout 60 " + kCampaign + " " + (out / "c.yaml").string() + " --out " +
@@ -142,6 +157,9 @@ TEST_F(OwnAppTest, WhatDoesNotEndInItsTimeIsEnded) {
                   .text,
               HasSubstr("0 of 1 survived"));
   EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr("took longer than 0.2 s on the clock"));
+  fs::remove(out / "app.sh.lives");
+  EXPECT_EQ(RunCommand("sleep 0.5").exit_code, 0);
+  EXPECT_FALSE(fs::exists(out / "app.sh.lives"));
 }
 
 using OwnAppUsageTest = test::UsageTest;

@@ -182,22 +182,23 @@ TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
   EXPECT_THAT(ReadText(home / "moved/scenario.yaml"),
               AllOf(HasSubstr("format: 1\n"), HasSubstr("files/robot.yaml"), HasSubstr("files/robot.urdf"),
                     HasSubstr("files/others.1.urdf"), Not(HasSubstr(home.string()))));
-  EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}), 3);
+  EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}), 3 + 1);  // and their list
 }
 
 TEST_F(ScenarioFileTest, AnEarlierRunsFilesGoAndNothingElse) {
-  fs::create_directories(home / "run/files");
-  Write("run/files/of_mine.yaml", "nobody's");
-  RemoveFilesOf(home / "run");
-  Write("run/files/robot.yaml", "of an earlier run");
-  Write("run/scenario.yaml", "robot: files/robot.yaml\n");
-  RemoveFilesOf(home / "run");
+  Write("run/files/mine.yaml", "robot: files/mine.yaml");
+  const auto with_robot = LoadScenario(At("deep/er/top.yaml"), {}, "mine").Read<Scenario>();
+  ScenarioFiles(with_robot).Write(home / "run");
+  EXPECT_TRUE(fs::exists(home / "run/files/robot.yaml"));
+  auto plain = with_robot;
+  plain.robot = {"dogbot"};
+  ScenarioFiles(plain).Write(home / "run");
   EXPECT_FALSE(fs::exists(home / "run/files/robot.yaml"));
-  EXPECT_TRUE(fs::exists(home / "run/files/of_mine.yaml"));
-  Write("run/scenario.yaml", "robot: files/of_mine.yaml\n");
-  RemoveFilesOf(home / "run");
+  EXPECT_TRUE(fs::exists(home / "run/files/mine.yaml"));
+  fs::remove(home / "run/files/mine.yaml");
+  ScenarioFiles(with_robot).Write(home / "run");
+  ScenarioFiles(plain).Write(home / "run");
   EXPECT_FALSE(fs::exists(home / "run/files"));
-  EXPECT_NO_THROW(RemoveFilesOf(home / "nowhere"));
 }
 
 TEST_F(ScenarioFileTest, ASeedMayHaveASign) {

@@ -68,12 +68,12 @@ TEST(CablePdParamsTest, GainsThatMakeNoSenseAreRefused) {
       [&] {
         CablePd(CablePdParams{robot, 0, 50});
       },
-      "stiffness_N_per_m = 0", "must be positive"));
+      "stiffness_N_per_m = 0", "finite and positive"));
   EXPECT_TRUE(Throws<ParameterError>(
       [&] {
         CablePd(CablePdParams{robot, 100, -1});
       },
-      "damping_N_s_per_m = -1", "must not be negative"));
+      "damping_N_s_per_m = -1", "finite and not negative"));
 }
 
 TEST_F(CablePdTest, GainsAreSetInARun) {

@@ -136,6 +136,7 @@ TEST(LoadEstimatorTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.least_mass = 0; }, "least_mass = 0", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.arm_deviation = NAN; }, "arm_deviation = nan m", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.torque_deviation = 0; }, "torque_deviation = 0 N m", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.arm_walk = -1; }, "arm_walk = -1 m/sqrt(s)", "positive"));
 }
 
 TEST(LoadEstimatorTest, RefusesSignalsOfAnotherNumberOfCables) {

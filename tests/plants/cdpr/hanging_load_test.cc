@@ -94,10 +94,11 @@ TEST(HangingLoadTest, RefusesNonsense) {
   const auto refuses = [](const HangingLoadParams& params, const char* what) {
     return Throws<ParameterError>([&] { HangingLoad load(params); }, what);
   };
-  EXPECT_TRUE(refuses({.mass = 0}, "mass = 0 kg must be positive"));
-  EXPECT_TRUE(refuses({.length = -1}, "length = -1 m must be positive"));
-  EXPECT_TRUE(refuses({.axial_stiffness = 0}, "axial_stiffness = 0 N must be positive"));
-  EXPECT_TRUE(refuses({.axial_damping = -1}, "axial_damping = -1 N s must not be negative"));
+  EXPECT_TRUE(refuses({.mass = 0}, "mass = 0 kg must be finite and positive"));
+  EXPECT_TRUE(refuses({.gravity = NAN}, "gravity = nan m/s^2 must be finite and positive"));
+  EXPECT_TRUE(refuses({.length = -1}, "length = -1 m must be finite and positive"));
+  EXPECT_TRUE(refuses({.axial_stiffness = 0}, "axial_stiffness = 0 N must be finite and positive"));
+  EXPECT_TRUE(refuses({.axial_damping = -1}, "axial_damping = -1 N s must be finite and not negative"));
   EXPECT_TRUE(refuses({.p_W = {NAN, 0, 0}}, "is not finite"));
 }
 

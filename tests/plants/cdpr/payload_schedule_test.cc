@@ -25,8 +25,8 @@ TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
 TEST(PayloadScheduleTest, RefusesNonsense) {
   PayloadScheduleParams params;
   params.payload.mass = -1;
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { PayloadSchedule block(params); }, "mass of -1 kg", "not be negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { PayloadSchedule block(params); }, "mass of -1 kg",
+                                     "finite and not negative"));
   params.payload.mass = 1;
   params.attach_s = 3;
   EXPECT_TRUE(

@@ -121,6 +121,14 @@ TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
   }
 }
 
+TEST(TerrainTest, HeightsAreBounded) {
+  TerrainParams params;
+  params.grade = {0.01, 0};
+  params.boxes = {{{1, 0}, {0.2, 0.2}, 1e12, 0.4}};
+  EXPECT_TRUE(Throws<ParameterError>([&] { Terrain terrain(params); }, "height_m is 1000000000000 m",
+                                     "100 m at most"));
+}
+
 TerrainParams Field(std::uint64_t seed) {
   TerrainParams params;
   BoxField field;

@@ -90,6 +90,9 @@ TEST(GroundForceObserverTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(
       Throws<ParameterError>([] { GroundForceObserverParams().Validate(); }, "the robot has no mass"));
   EXPECT_TRUE(Throws<ParameterError>(
+      [] { GroundForceObserverParams{.robot = test::DogBot(), .min_singular_value = 0}.Validate(); },
+      "min_singular_value = 0 m"));
+  EXPECT_TRUE(Throws<ParameterError>(
       [] { GroundForceObserverParams{.robot = test::DogBot(), .gravity = 0}.Validate(); },
       "gravity is 0 m/s^2"));
 }
