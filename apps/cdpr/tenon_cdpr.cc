@@ -28,8 +28,6 @@ int RunOnce(const CommonArguments& arguments, const std::string& controller, boo
   auto scenario = document.Read<CdprScenario>();
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
-    if (options.live && compare)
-      throw ParameterError("--live and --replay run one controller: leave --compare away");
     if (compare) return CompareControllers(options, scenario);
     const Summary summary = RunCdpr(scenario, options).summary;
     summary.Print();
@@ -39,6 +37,8 @@ int RunOnce(const CommonArguments& arguments, const std::string& controller, boo
 
 int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
   if (PrintsInstead(arguments, CdprApp())) return kRan;
+  if (compare && (!arguments.live.empty() || !arguments.replay.empty()))
+    throw ParameterError("--live and --replay run one controller: leave --compare away");
   return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
     return RunOnce(now, controller, compare, options);
   });

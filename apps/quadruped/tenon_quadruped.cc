@@ -76,8 +76,8 @@ int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const R
   return RunBlaming(document, [&] {
     if (!options.live && scenario.walk)
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
-    if (options.live && (walk.compare || scenario.sweep))
-      throw ParameterError("--live and --replay run one scenario: leave --compare away, set sweep to null");
+    if (options.live && scenario.sweep)
+      throw KeyError("sweep", "--live and --replay run one scenario: set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
     if (walk.compare && scenario.sweep)
@@ -92,6 +92,8 @@ int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const R
 
 int Run(const CommonArguments& arguments, const WalkArguments& walk) {
   if (PrintsInstead(arguments, QuadrupedApp())) return kRan;
+  if (walk.compare && (!arguments.live.empty() || !arguments.replay.empty()))
+    throw ParameterError("--live and --replay run one scenario: leave --compare away");
   return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
     return RunOnce(now, walk, options);
   });

@@ -28,7 +28,9 @@ int WrenchRows(const CdprDescription& robot) {
   if (robot.num_cables() < rows) {
     throw ParameterError(fmt::format(
         "robot '{}' has {} cables, too few for a wrench-feasible workspace, which takes six: with fewer the "
-        "platform's attitude cannot be prescribed, and it rests at single attitudes",
+        "platform's attitude cannot be prescribed, and it rests at single attitudes; take another robot, or "
+        "let "
+        "tenon-cdpr find them along a path",
         robot.name, robot.num_cables()));
   }
   return rows;
