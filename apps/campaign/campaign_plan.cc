@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 
-#include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/framework/errors.h>
 #include <tenon/systems/framework/internal/excerpt.h>

@@ -86,7 +86,8 @@ CampaignResult Failed(CampaignRow row, const std::string& reason) {
 }
 
 CampaignResult Judged(CampaignRow row, const Summary& summary) {
-  const bool survived = summary.finished() && summary.exit_code() == kRan;
+  const int code = summary.exit_code();
+  const bool survived = summary.finished() && code == kRan;
   std::string reason;
   for (auto& [name, text] : summary.Flat()) {
     if (name == "end_reason") {
@@ -98,8 +99,7 @@ CampaignResult Judged(CampaignRow row, const Summary& summary) {
     }
   }
   row.emplace_back("end_reason", std::move(reason));
-  const bool says_so = survived || summary.exit_code() != kRan;
-  return {std::move(row), survived, says_so ? summary.exit_code() : kLimitBroken};
+  return {std::move(row), survived, code == kRan && !survived ? kLimitBroken : code};
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <functional>
 #include <ios>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>

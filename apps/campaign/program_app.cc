@@ -55,39 +55,47 @@ struct Ended {
   bool too_long = false;  ///< because of the limit on the clock
 };
 
-constexpr std::chrono::seconds kGrace{5};  // for a process to write what it has, when its time is over
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kLook{5};  // between two looks at a process
+constexpr std::chrono::seconds kGrace{5};      // for it to write what it has, when its time is over
 
-/// Waits for a process, and ends it in good order when a signal or the limit on the clock [s] says so; beyond
-/// the limit it ends, and what it runs itself, whether it hears or not.
+/// The code of a process that has ended, once.
+std::optional<int> CodeOf(::pid_t process) {
+  int status = 0;
+  const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
+  if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
+  if (waited != process) return {};
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// Ends a process and what it runs itself, its group: in good order, and at once what does not hear.
+int End(::pid_t process) {
+  ::kill(-process, SIGTERM);
+  std::optional<int> code;
+  for (const Clock::time_point deadline = Clock::now() + kGrace; Clock::now() < deadline;
+       std::this_thread::sleep_for(kLook)) {
+    if (!code) code = CodeOf(process);
+    if (code && ::kill(-process, 0) != 0) return *code;
+  }
+  ::kill(-process, SIGKILL);
+  while (!code) {
+    std::this_thread::sleep_for(kLook);
+    code = CodeOf(process);
+  }
+  return *code;
+}
+
+/// Waits for a process, and tells it to end in good order when a signal says so; ends it when the limit on
+/// the clock [s] does.
 Ended Wait(::pid_t process, std::optional<double> wall_limit) {
-  using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
-  Clock::time_point deadline;  // for all of its group to be gone, once it was too long
-  Ended ended;
-  bool runs = true;
-  int told = 0;  // the signal that it was sent
-  for (int status = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-    const ::pid_t waited = runs ? ::waitpid(process, &status, WNOHANG) : 0;
-    if (waited == process) {
-      ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-      runs = false;
-    }
-    if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
-    if (!runs && (!ended.too_long || ::kill(-process, 0) != 0)) return ended;
-    if (ended.too_long) {
-      if (Clock::now() < deadline) continue;
-      ::kill(-process, SIGKILL);
-      if (!runs) return ended;
-    }
+  for (int told = 0;; std::this_thread::sleep_for(kLook)) {
+    if (const auto code = CodeOf(process)) return {*code, false};
     const std::chrono::duration<double> elapsed = Clock::now() - begin;
-    int signal = SignalGuard::caught();
-    if (signal == 0 && wall_limit && elapsed.count() > *wall_limit) signal = SIGTERM;
-    if (signal == 0 || signal == told || ended.too_long) continue;
-    if (SignalGuard::caught() == 0) {
-      ended.too_long = true;
-      deadline = Clock::now() + kGrace;
-    }
-    ::kill(-process, signal);  // its group: what it runs itself, too
+    const int signal = SignalGuard::caught();
+    if (signal == 0 && wall_limit && elapsed.count() > *wall_limit) return {End(process), true};
+    if (signal == told) continue;
+    ::kill(-process, signal);
     told = signal;
   }
 }

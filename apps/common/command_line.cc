@@ -194,9 +194,10 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
     std::optional<YamlDocument> scenario;
     if (!arguments.scenario.empty()) scenario = LoadScenario(arguments, app.name);
     if (scenario && app.check) app.check(*scenario);
+    if (scenario) scenario = scenario->WithAbsolutePaths();
     std::vector<ScenarioKey> keys = app.keys();
     for (const auto& [name, kind] : app.files) {
-      std::string file = scenario ? scenario->WithAbsolutePaths().Value(name) : "";
+      std::string file = scenario ? scenario->Value(name) : "";
       if (const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
           file.empty() && key != keys.end())
         file = key->initial;

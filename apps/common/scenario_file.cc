@@ -197,11 +197,13 @@ static void RemoveWritten(const fs::path& place) {
 void ScenarioFiles::Write(const fs::path& directory) const {
   const fs::path place = directory / kFiles;
   RemoveWritten(place);
-  std::error_code error;  // if there is none, it cannot be written into, and that is said
-  std::string written;
-  if (!files_.empty()) fs::create_directory(place, error);
-  for (const auto& [name, text] : files_) written += name + "\n";
-  if (!files_.empty()) WriteFile(place / kWritten, written);
+  if (!files_.empty()) {
+    std::error_code ignored;  // if there is none, it cannot be written into, and that is said
+    fs::create_directory(place, ignored);
+    std::string names;
+    for (const auto& [name, text] : files_) names += name + "\n";
+    WriteFile(place / kWritten, names);
+  }
   for (const auto& [name, text] : files_) WriteFile(place / name, text);
   WriteFile(directory / "scenario.yaml", text_);
 }

@@ -3,14 +3,13 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <string>
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/robot_drawing.h>
 #include <tenon/plants/model/mesh_file.h>
@@ -72,8 +71,7 @@ int Run(const RobotArguments& arguments) {
   std::error_code error;
   const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
   if (!fs::equivalent(urdf, beside, error)) {
-    std::ifstream in(urdf, std::ios::binary);
-    WriteFile(beside, WithMeshesFound(std::string(std::istreambuf_iterator<char>(in), {}), urdf));
+    WriteFile(beside, WithMeshesFound(ReadText(urdf), urdf));
   }
   WriteFile(yaml, proposal.yaml);
   const QuadrupedDescription robot = LoadQuadruped(yaml.string());

@@ -33,9 +33,14 @@ void SlidingLoadParams::Validate() const {
          "the sliding load's position and reach must be finite, the reach not negative: give metres");
 }
 
+/// The motion of a point that is fixed to the trunk.
+static LoadMotion OnTrunk(const LeggedState& robot, const Vec<3>& p_B) {
+  const Eigen::Vector3d arm = robot.R_WB() * p_B;
+  return {robot.p_WB + arm, robot.v_W + robot.w_W.cross(arm)};
+}
+
 LoadMotion SlidingLoad::Start(const SlidingLoadParams& params) {
-  const Eigen::Vector3d arm = params.robot.R_WB() * params.position_B;
-  return {params.robot.p_WB + arm, params.robot.v_W + params.robot.w_W.cross(arm)};
+  return OnTrunk(params.robot, params.position_B);
 }
 
 Vec<3> SlidingLoad::CalcPlace(const LeggedState& robot, const LoadMotion& motion) const {
@@ -70,8 +75,8 @@ ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion&
 LoadMotion SlidingLoad::CalcDerivative(const LeggedState& robot, const LoadMotion& motion,
                                        const ExternalForce& force, double mass) const {
   if (mass == 0) {
-    const Vec<3> arm = robot.R_WB() * params.position_B, velocity = robot.v_W + robot.w_W.cross(arm);
-    return {velocity + kFollow * (robot.p_WB + arm - motion.p_W), kFollow * (velocity - motion.v_W)};
+    const LoadMotion place = OnTrunk(robot, params.position_B);
+    return {place.v_W + kFollow * (place.p_W - motion.p_W), kFollow * (place.v_W - motion.v_W)};
   }
   return {motion.v_W, Vec<3>(0, 0, -params.gravity) - force.force_W / mass};
 }

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <map>
 #include <optional>
 #include <utility>
@@ -325,8 +324,7 @@ bool IsName(const YamlTree& tree) {
   if (tree.kind != Kind::kScalar || tree.text.empty() || tree.text == "true" || tree.text == "false")
     return false;
   double number = 0;
-  const char* end = tree.text.data() + tree.text.size();
-  return std::from_chars(tree.text.data(), end, number).ptr != end;
+  return ParseNumber(tree.text, number) == std::errc::invalid_argument;
 }
 
 std::string Describe(const YamlTree& tree) {
