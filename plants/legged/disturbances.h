@@ -42,6 +42,9 @@ class SineForce final : public LeafSystem<SineForceParams> {
   Parameter<double> end{this, {"end", "s"}, params.end, "when it ends"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Uses(time, amplitude, angular_frequency, start, end), &SineForce::CalcForce};
+  NextJump next_jump{this, "next_jump", Uses(time, start, end), [](double time, double start, double end) {
+                       return time < start ? start : time < end ? end : kNever;
+                     }};
 
  private:
   ExternalForce CalcForce(double time, const ExternalForce& amplitude, double angular_frequency, double start,

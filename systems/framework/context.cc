@@ -96,6 +96,7 @@ Context::Context(const Context& other, const internal::Program& program)
       failure_(other.failure_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),
+      witness_memory_(other.witness_memory_),
       step_start_(other.step_start_) {
   std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, made next
   for (const Cell& cell : program.objects) {
@@ -148,11 +149,17 @@ bool Context::IsKnown(const Source& source) const {
   return IsFresh(diagram_->program().calculations[source.calculation_].op);
 }
 
-std::vector<double> Context::EvalDoubles(const Source& source) {
-  const void* value = EvalAddress(source);
+/// What a value holds, fresh or not.
+std::vector<double> Context::HeldNumbers(const Source& source) const {
+  const void* value = Address(source);
   std::vector<double> doubles(internal::CountScalars(*source.type_, value));
   internal::ToDoubles(*source.type_, value, doubles.data());
   return doubles;
+}
+
+std::vector<double> Context::EvalDoubles(const Source& source) {
+  EvalAddress(source);
+  return HeldNumbers(source);
 }
 
 std::vector<Element> Context::Elements(const Source& source) const {
@@ -306,6 +313,7 @@ bool Context::IsFresh(const Op& op) const {
 void Context::MarkAllStale(bool settled) {
   ++edition_;
   step_start_.valid = false;
+  witness_memory_.clear();
   const auto& calculations = diagram_->program().calculations;
   for (std::size_t i = 0; i < calculations.size(); ++i) {
     const Source& source = *calculations[i].source;
@@ -394,6 +402,7 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
 void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
   ++edition_;
   step_start_.valid = false;
+  witness_memory_.clear();
   CalcRunDerivatives(t, x, xdot);
 }
 
@@ -489,9 +498,50 @@ void Context::Invalidate(const std::vector<std::uint32_t>& calculations) {
   for (const std::uint32_t i : calculations) stamps_[i] = 0;
 }
 
+void Context::ReadWitnesses(double* values) const {
+  for (const internal::WitnessPlan& plan : diagram_->program().witness_plans) {
+    const std::byte* address = Address(*plan.witness);
+    // Pieces are small integers, which a double holds exactly.
+    *values = plan.is_kink ? static_cast<double>(*reinterpret_cast<const std::int64_t*>(address))
+                           : *reinterpret_cast<const double*>(address);
+    if (std::isnan(*values)) {
+      throw RunError(fmt::format(
+          "witness '{}' is nan at t = {} s, so that it never crosses zero: check its function and "
+          "what it uses",
+          plan.witness->path(), time()));
+    }
+    ++values;
+  }
+}
+
+bool Context::AllFinite(std::span<const internal::ScalarRun> doubles) const {
+  // A sum of 0 x is 0 unless one is not finite.
+  double zero = 0;
+  for (const internal::ScalarRun& run : doubles) {
+    const auto* x = reinterpret_cast<const double*>(memory_.get() + run.offset);
+    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
+  }
+  return zero == 0;
+}
+
+/// A NaN in any state, or an infinity in one that is integrated, is reported where it enters.
+void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
+  if (!checks_values_ || (AllFinite(plan.doubles) && plan.movable.empty())) return;
+  for (const internal::Commit& commit : plan.commits) {
+    const Finiteness found = internal::FinitenessOf(*commit.next->type_, Address(*commit.next));
+    const bool integrated = commit.state->kind() == SourceKind::kContinuous;
+    if (found == Finiteness::kNan || (integrated && found != Finiteness::kFinite)) {
+      throw RunError(
+          fmt::format("state {} at t = {} s, set so by its update: correct the update, or what it uses",
+                      DescribeNonFinite(*commit.state, *commit.next), time()));
+    }
+  }
+}
+
 void Context::Apply(const internal::UpdatePlan& plan) {
   if (plan.empty()) return;
   RunStale(plan.ops);
+  CheckUpdates(plan);
   for (const internal::Commit& commit : plan.commits) {
     commit.state->type_->assign(memory_.get() + commit.state->offset_, memory_.get() + commit.next->offset_);
   }
@@ -506,20 +556,25 @@ void Context::Mute(const Source& publish, bool muted) {
   reinterpret_cast<internal::Published*>(memory_.get() + publish.offset_)->muted = muted;
 }
 
-std::string Context::DescribeNonFinite() const {
-  const internal::Program& program = diagram_->program();
-  const auto describe = [&](const Source& source) {
-    const void* value = Address(source);
-    const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
-    std::vector<double> doubles(elements.size());
-    internal::ToDoubles(*source.type_, value, doubles.data());
+std::string Context::DescribeNonFinite(const Source& source, const Source& holder) const {
+  const void* value = Address(holder);
+  const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
+  std::vector<double> doubles(elements.size());
+  internal::ToDoubles(*source.type_, value, doubles.data());
+  // A NaN before an infinity, which is legitimate in a bound.
+  for (const bool nan : {true, false}) {
     for (std::size_t i = 0; i < doubles.size(); ++i) {
-      if (std::isfinite(doubles[i])) continue;
+      if (nan ? !std::isnan(doubles[i]) : !std::isinf(doubles[i])) continue;
       const std::string element = elements[i].name.empty() ? "" : "." + elements[i].name;
       return fmt::format("'{}{}' is {}", source.path(), element, doubles[i]);
     }
-    return std::string();
-  };
+  }
+  return "";
+}
+
+std::string Context::DescribeNonFinite() const {
+  const internal::Program& program = diagram_->program();
+  const auto describe = [&](const Source& source) { return DescribeNonFinite(source, source); };
   // A NaN before an infinity: infinite bounds are legitimate.
   for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
     for (const Source* state : program.continuous) {
@@ -531,7 +586,7 @@ std::string Context::DescribeNonFinite() const {
     for (const CalculationInfo& info : program.calculations) {
       const Source& source = *info.source;
       if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor ||
-          source.kind() == SourceKind::kPublish) {
+          source.kind() == SourceKind::kPublish || source.kind() == SourceKind::kNextJump) {
         continue;
       }
       if (internal::FinitenessOf(*source.type_, Address(source)) == sought) return describe(source);

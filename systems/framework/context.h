@@ -174,8 +174,15 @@ class Context {
   void CalcRunDerivatives(double t, const double* x, double* xdot);
   void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;
-  /// The first value in dataflow order that is not finite, as "pd.u[1] is nan", or nothing.
+  [[gnu::visibility("hidden")]] bool AllFinite(std::span<const internal::ScalarRun> doubles) const;
+  /// What the witnesses and kinks hold; throws RunError for one that is not a number.
+  void ReadWitnesses(double* values) const;
+  std::vector<double> HeldNumbers(const Source& source) const;
+  void CheckUpdates(const internal::UpdatePlan& plan) const;
+  /// The first value in dataflow order that is not finite, as "'pd.u[1]' is nan", or nothing.
   std::string DescribeNonFinite() const;
+  /// The same of one value, which `holder` holds.
+  std::string DescribeNonFinite(const Source& source, const Source& holder) const;
 
   std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<std::byte, Free> memory_;
@@ -186,6 +193,7 @@ class Context {
   std::vector<bool> fixed_;  ///< which open inputs have been set
 
   internal::Profiler* profiler_ = nullptr;  ///< of the simulator that runs it
+  bool checks_values_ = true;               ///< see SimulatorOptions::check_values
 
   /// Counts what anybody but the run has changed.
   std::uint64_t edition_ = 0;
@@ -201,19 +209,19 @@ class Context {
   std::string failure_;  ///< why the run cannot go on
   double next_step_ = 0;
   double last_error_ = 0;
+  /// The sides on which witnesses are, see internal::EventFinder; empty where they follow from their values.
+  std::vector<double> witness_memory_;
   /// Where the integrator has to begin to come here again, if the context is inside a step or at its end:
-  /// with these states, a step of this size and these memories of the step size control.
+  /// with these states, a step of this size and these memories of the step size control and of witnesses.
   struct StepStart {
     bool valid = false;
     double time = 0, size = 0, next_step = 0, last_error = 0;
-    std::vector<double> states = {};
+    std::vector<double> states = {}, witnesses = {};
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},
-              {"size", &StepStart::size},
-              {"next_step", &StepStart::next_step},
-              {"last_error", &StepStart::last_error},
-              {"states", &StepStart::states}};
+      return {{"time", &StepStart::time},           {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step}, {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states},       {"witnesses", &StepStart::witnesses}};
     }
   } step_start_;
 };

@@ -69,6 +69,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(progress_, archive);
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
+  internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
   internal::Save(step_start_.valid, archive);
   if (step_start_.valid) internal::Save(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
   for (const Cell& cell : program.saved) {
@@ -115,6 +116,7 @@ void Context::Load(std::span<const std::byte> bytes) {
     throw RunError("the snapshot is damaged: its time, or what has happened by then, makes no sense");
   SetTime(time);
   failure_.clear();
+  internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
   internal::Load(step_start_.valid, archive);
   if (step_start_.valid) {
     internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);

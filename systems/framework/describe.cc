@@ -75,6 +75,10 @@ const char* KindName(SourceKind kind) {
       return "random";
     case SourceKind::kWitness:
       return "witness";
+    case SourceKind::kKink:
+      return "kink";
+    case SourceKind::kNextJump:
+      return "next jump";
     case SourceKind::kMonitor:
       return "monitor";
     case SourceKind::kPublish:

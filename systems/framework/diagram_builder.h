@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <unordered_map>
@@ -113,12 +114,24 @@ class Assembly {
   /// `Uses(builder.time, plant.state)` may name outputs of other blocks and own inputs.
   template <class... A, class F>
   auto& AddFunction(Spec spec, UsesList<A...> uses, F function) {
-    return AddFunctionBlock(std::move(spec), uses, std::move(function));
+    return MakeFunctionBlock(std::move(spec), uses, std::move(function)).output;
+  }
+  /// The same for a function that jumps or bends at instants that are known, see NextJump: steps of the
+  /// integrator end exactly there.
+  ///
+  ///     builder.AddFunction({"force", "N"}, JumpsAt{{5, 6}}, Uses(builder.time),
+  ///                         [](double t) { return t >= 5 && t < 6 ? 1.0 : 0.0; });
+  template <class... A, class F>
+  auto& AddFunction(Spec spec, JumpsAt jumps, UsesList<A...> uses, F function) {
+    auto& block = MakeFunctionBlock(std::move(spec), uses, std::move(function));
+    block.next_jump.emplace(&block, "next_jump", Uses(block.time),
+                            [jumps = std::move(jumps)](double time) { return jumps.Next(time); });
+    return block.output;
   }
   /// The same, sampled.
   template <class... A, class F>
   auto& AddFunction(Spec spec, Sampled sampled, UsesList<A...> uses, F function) {
-    return AddFunctionBlock(std::move(spec), uses, std::move(function), sampled);
+    return MakeFunctionBlock(std::move(spec), uses, std::move(function), sampled).output;
   }
 
   const std::vector<std::unique_ptr<System>>& blocks() const { return blocks_; }
@@ -138,7 +151,7 @@ class Assembly {
   friend class Compiler;
 
   template <class... A, class F, class... When>
-  auto& AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
+  auto& MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
   template <class Block, class... Args>
   static std::unique_ptr<Block> Make(const std::string& name, Args&&... args) {
     if constexpr (!std::is_base_of_v<System, Block>) {
@@ -214,17 +227,18 @@ class FunctionBlock final : public Leaf {
 
   FunctionInputs<A...> in;
   OutputPort<R> output;
+  std::optional<NextJump> next_jump = {};
 };
 
 template <class... A, class F, class... When>
-auto& Assembly::AddFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
+auto& Assembly::MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
   using R = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
   if (uses.undeclared > 0) ThrowUndeclared("the function '" + spec.name + "'", "a member");
   auto& block = Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), when...);
   for (std::size_t i = 0; i < uses.slots.size(); ++i) {
     if (block.in.inputs[i] != nullptr) Join(*uses.slots[i].source, *block.in.inputs[i]);
   }
-  return block.output;
+  return block;
 }
 
 }  // namespace internal

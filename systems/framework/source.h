@@ -105,6 +105,8 @@ enum class SourceKind {
   kWorkspace,   ///< memory of one calculation, made anew for every context
   kRandom,      ///< a stream of random numbers
   kWitness,     ///< a function whose zero crossing is an event
+  kKink,        ///< the number of the smooth piece on which a block's calculations are
+  kNextJump,    ///< the next instant at which a block's calculations jump
   kMonitor,     ///< a check that can end a run
   kPublish,     ///< a side effect
 };

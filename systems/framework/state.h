@@ -1,9 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <tenon/systems/framework/ports.h>
 #include <tenon/systems/framework/random_stream.h>
@@ -78,8 +83,22 @@ struct AtStart {};
 
 enum class Crossing { kRising, kFalling, kBoth };
 
-/// A function w(t, x, …) whose zero crossing is an event; give it to an Update as trigger. Crossings are
-/// located by the integrator's root finding inside steps, and by a comparison of signs around each tick.
+/// A function w(t, x, …) whose zero crossing is an event; give it to an Update as trigger.
+///
+/// A witness is on one side of zero, and a crossing is the first instant at which it is on zero or beyond.
+/// Crossings are located inside the integrator's steps to the rounding of the time, on its dense output, and
+/// looked for after each tick, declared jump and update. An event makes the witness start anew from where the
+/// update sent it: if that is within rounding of zero, the witness takes the side to which it leaves, and
+/// neither leaving zero nor resting on it is a crossing. The updates of one event take effect together, once,
+/// for `kBoth` too.
+///
+/// Each step is looked at in at least five places, and in more where those show that the witness bends in
+/// between. Two crossings that lie closer together than that, and leave no trace there, are missed: bound the
+/// step with SimulatorOptions::max_step.
+///
+/// Events that accumulate (a ball that bounces ever faster) end the run with a RunError that names the
+/// witness; so does a witness that fires more than SimulatorOptions::max_events times at one instant, or that
+/// is not a number.
 class Witness : public Calculated<double> {
  public:
   using Value = double;
@@ -94,6 +113,63 @@ class Witness : public Calculated<double> {
 
  private:
   Crossing crossing_;
+};
+
+/// The number of the smooth piece on which the block's calculations are: -1 below a saturation, 0 inside it,
+/// 1 above; the segment of a table; the multiple of a quantizer. Where a derivative depends on this block,
+/// the integrator ends a step where the number changes and starts again behind it, so that no step spans a
+/// kink or a jump. Costs as much as a Witness there, and nothing in a diagram without such a derivative.
+///
+///     Kink kink{this, "kink", Uses(u), [](double u) { return u < -1 ? -1 : u > 1 ? 1 : 0; }};
+///
+/// A state that slides along a discontinuity, because both pieces send it back to the other, ends the run
+/// with a RunError that names the kink: give the block a Mode for the sliding motion.
+class Kink : public Calculated<std::int64_t> {
+ public:
+  using Value = std::int64_t;
+  using Argument = const std::int64_t&;
+  template <class... A, class F>
+  Kink(Leaf* owner, std::string name, UsesList<A...> uses, F function,
+       std::uint64_t tag = internal::TagOf<F>::value)
+      : Calculated<std::int64_t>(owner, SourceKind::kKink, Spec{std::move(name)}) {
+    Calculate(std::move(uses), std::move(function), tag);
+  }
+};
+
+/// The next instant [s], later than `time`, at which the block's calculations jump or bend in time; infinity
+/// if there is none. Steps of the integrator end exactly there and start again, and what is evaluated before
+/// the instant gets a time before it. The function may use `time`, Parameters and discrete states.
+///
+///     NextJump next{this, "next", Uses(time), [](double t) { return t < 5 ? 5.0 : kNever; }};
+///
+/// Throws RunError, in a run, if the instant is not later than the time, or not a number.
+class NextJump : public Calculated<double> {
+ public:
+  using Value = double;
+  using Argument = const double&;
+  template <class... A, class F>
+  NextJump(Leaf* owner, std::string name, UsesList<A...> uses, F function,
+           std::uint64_t tag = internal::TagOf<F>::value)
+      : Calculated<double>(owner, SourceKind::kNextJump, Spec{std::move(name), "s"}) {
+    Calculate(std::move(uses), std::move(function), tag);
+  }
+};
+
+/// A NextJump's answer if no jump is left.
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// The first of increasing `instants` [s] that is later than `time`, for a NextJump; kNever if none is.
+inline double NextOf(const std::vector<double>& instants, double time) {
+  const auto next = std::upper_bound(instants.begin(), instants.end(), time);
+  return next == instants.end() ? kNever : *next;
+}
+
+/// Instants at which a function jumps, for DiagramBuilder::AddFunction: increasing, or a rule for the next
+/// one that is later than a time.
+struct JumpsAt {
+  std::vector<double> instants = {};             ///< [s]
+  std::function<double(double time)> rule = {};  ///< used if there is one
+  double Next(double time) const { return rule ? rule(time) : NextOf(instants, time); }
 };
 
 /// The next value of a state, discrete or continuous, when its trigger fires. All updates of one instant read

@@ -23,8 +23,9 @@ struct MultiportSwitchParams {
 ///     | u[0], …    | input  | T each | unit |
 ///     | y          | output | T      | unit |
 ///
-/// T is any copyable type, Index an integer or an enumeration. All inputs have feedthrough. Throws
-/// ParameterError if there is nothing to choose from, RunError if `select` is the number of none.
+/// T is any copyable type, Index an integer or an enumeration. All inputs have feedthrough. The choice is a
+/// Kink. Throws ParameterError if there is nothing to choose from, RunError if `select` is the number of
+/// none.
 template <class T = double, class Index = int>
 class MultiportSwitch final : public LeafSystem<MultiportSwitchParams> {
   static_assert(std::is_integral_v<Index> || std::is_enum_v<Index>,
@@ -46,6 +47,8 @@ class MultiportSwitch final : public LeafSystem<MultiportSwitchParams> {
                     }
                     return u[static_cast<std::size_t>(i)];
                   }};
+  Kink kink{this, "kink", Uses(select),
+            [](const Index& select) { return static_cast<std::int64_t>(select); }};
 };
 
 }  // namespace tenon

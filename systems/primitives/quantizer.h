@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -29,8 +30,9 @@ struct QuantizerParams {
 ///     | step | Parameter | T    | unit |
 ///     | y    | output    | T    | unit |
 ///
-/// T is double or Vec<N>. Halves are rounded away from zero. Its jumps are no events: what is integrated
-/// should see it behind a ZeroOrderHold. Throws ParameterError if a step is not positive or not finite.
+/// T is double or Vec<N>. Halves are rounded away from zero. Its jumps are a Kink: each ends a step
+/// of the integrator, if a derivative depends on y. Throws ParameterError if a step is not positive or not
+/// finite.
 template <internal::DoubleOrMatrix T = double>
 class Quantizer final : public LeafSystem<QuantizerParams<T>> {
  public:
@@ -43,6 +45,13 @@ class Quantizer final : public LeafSystem<QuantizerParams<T>> {
         return internal::Elementwise([](double u, double step) { return step * std::round(u / step); }, u,
                                      step);
       }};
+  Kink kink{this, "kink", Uses(u, step), [](const T& u, const T& step) {
+              return internal::PieceOf(
+                  [](double u, double step) {
+                    return std::isfinite(u) ? std::clamp(std::round(u / step), -1e15, 1e15) : 0.0;
+                  },
+                  u, step);
+            }};
 };
 
 }  // namespace tenon

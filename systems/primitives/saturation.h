@@ -31,8 +31,9 @@ struct SaturationParams {
 ///     | lower, upper | Parameter | T each | unit |
 ///     | y            | output    | T      | unit |
 ///
-/// T is double or Vec<N>. A u that is not a number passes as it is. Throws ParameterError if a lower limit
-/// exceeds its upper one or either is not a number.
+/// T is double or Vec<N>. The limits are a Kink: no step of the integrator spans one. A u that is not a
+/// number passes as it is. Throws ParameterError if a lower limit exceeds its upper one or either is not a
+/// number.
 template <internal::DoubleOrMatrix T = double>
 class Saturation final : public LeafSystem<SaturationParams<T>> {
  public:
@@ -50,6 +51,12 @@ class Saturation final : public LeafSystem<SaturationParams<T>> {
                     };
                     return internal::Elementwise(limit, u, lower, upper);
                   }};
+  Kink kink{this, "kink", Uses(u, lower, upper), [](const T& u, const T& lower, const T& upper) {
+              const auto piece = [](double u, double low, double high) {
+                return u < low ? -1 : u > high ? 1 : 0;
+              };
+              return internal::PieceOf(piece, u, lower, upper);
+            }};
 };
 
 }  // namespace tenon

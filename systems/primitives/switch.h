@@ -22,7 +22,7 @@ struct SwitchParams {
 ///     | on, off | input  | T    | unit |
 ///     | y       | output | T    | unit |
 ///
-/// T is any copyable type. All inputs have feedthrough.
+/// T is any copyable type. All inputs have feedthrough. The choice is a Kink.
 template <class T = double>
 class Switch final : public LeafSystem<SwitchParams> {
  public:
@@ -34,6 +34,7 @@ class Switch final : public LeafSystem<SwitchParams> {
                   {"y", params.unit, params.elements},
                   Uses(select, on, off),
                   [](bool select, const T& on, const T& off) -> const T& { return select ? on : off; }};
+  Kink kink{this, "kink", Uses(select), [](bool select) { return std::int64_t{select}; }};
 };
 
 struct ThresholdSwitchParams {
@@ -54,7 +55,8 @@ struct ThresholdSwitchParams {
 ///     | on, off   | input     | T      | unit         |
 ///     | y         | output    | T      | unit         |
 ///
-/// T is any copyable type. All inputs have feedthrough. Throws ParameterError if the threshold is not finite.
+/// T is any copyable type. All inputs have feedthrough. The choice is a Kink. Throws ParameterError if the
+/// threshold is not finite.
 template <class T = double>
 class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
  public:
@@ -69,6 +71,8 @@ class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
                   [](double control, double threshold, const T& on, const T& off) -> const T& {
                     return control >= threshold ? on : off;
                   }};
+  Kink kink{this, "kink", Uses(control, threshold),
+            [](double control, double threshold) { return std::int64_t{control >= threshold}; }};
 };
 
 }  // namespace tenon

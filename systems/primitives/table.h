@@ -33,8 +33,9 @@ struct TableParams {
 ///     | u    | input  | double | u_unit |
 ///     | y    | output | T      | y_unit |
 ///
-/// T is double or Vec<N>. An input that is not a number gives such an output. Throws ParameterError if there
-/// are fewer than two points, if u does not increase, if the numbers differ, or if a value is not finite.
+/// T is double or Vec<N>. The points are Kinks. An input that is not a number gives such an output. Throws
+/// ParameterError if there are fewer than two points, if u does not increase, if the numbers differ, or if a
+/// value is not finite.
 template <internal::DoubleOrMatrix T = double>
 class Table final : public LeafSystem<TableParams<T>> {
  public:
@@ -49,6 +50,9 @@ class Table final : public LeafSystem<TableParams<T>> {
                     const double w = (inside - points[i - 1]) / (points[i] - points[i - 1]);
                     return (1 - w) * params.y[i - 1] + w * params.y[i];
                   }};
+  Kink kink{this, "kink", Uses(u), [this](double u) {
+              return std::int64_t{std::upper_bound(params.u.begin(), params.u.end(), u) - params.u.begin()};
+            }};
 };
 
 }  // namespace tenon

@@ -50,8 +50,8 @@ struct TrajectoryPoint {
 ///     | dy   | output | T    | unit/s   |
 ///     | ddy  | output | T    | unit/s^2 |
 ///
-/// T is double or Vec<N>. Throws ParameterError if there are fewer than two times, if they do not increase,
-/// if the numbers of times and values differ, or if one is not finite.
+/// T is double or Vec<N>. The given times are NextJumps. Throws ParameterError if there are fewer than two
+/// times, if they do not increase, if the numbers of times and values differ, or if one is not finite.
 template <internal::DoubleOrMatrix T = double>
 class Trajectory final : public LeafSystem<TrajectoryParams<T>> {
   using Point = TrajectoryPoint<T>;
@@ -76,6 +76,8 @@ class Trajectory final : public LeafSystem<TrajectoryParams<T>> {
                     {"ddy", internal::Per(params.unit, "s^2"), params.elements},
                     Uses(point_),
                     [](const Point& p) -> const T& { return p.ddy; }};
+  NextJump next_bend{this, "next_bend", Uses(this->time),
+                     [this](double time) { return NextOf(params.times, time); }};
 
  private:
   static std::vector<T> SolveVelocities(const TrajectoryParams<T>& p);

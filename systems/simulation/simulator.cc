@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include <tenon/systems/framework/internal/profiler.h>
 #include <tenon/systems/framework/internal/program.h>
 #include <tenon/systems/framework/internal/schedule.h>
+#include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
 
 namespace tenon {
@@ -47,6 +49,11 @@ double Rounding(double time) {
 /// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
 constexpr double kInstant = 1e-7;
 
+/// Events accumulate if so many intervals between them have shrunk in succession, and the time in which
+/// infinitely many more would follow, were they to go on as a geometric series, is this part of the first.
+constexpr int kShrinking = 2;
+constexpr double kAccumulated = 2e-6;
+
 }  // namespace
 
 Simulator::Simulator(const Diagram& diagram, SimulatorOptions options)
@@ -79,13 +86,31 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   for (const internal::CalculationInfo& info : program_.calculations) {
     if (info.source->kind() == SourceKind::kPublish) context_->Mute(*info.source, !options_.publish);
   }
-  witness_values_.resize(program_.witness_plans.size());
-  new_witness_values_.resize(program_.witness_plans.size());
-  events_.resize(program_.witness_plans.size());
+  context_->checks_values_ = options_.check_values;
+  MakeEventFinder();
   RebuildSchedule();
 }
 
 Simulator::~Simulator() = default;
+
+void Simulator::MakeEventFinder() {
+  using Kind = internal::EventFinder::Kind;
+  std::vector<Kind> kinds;
+  for (const internal::WitnessPlan& plan : program_.witness_plans) {
+    const Crossing crossing =
+        plan.is_kink ? Crossing::kBoth : static_cast<const Witness*>(plan.witness)->crossing();
+    kinds.push_back(plan.is_kink                     ? Kind::kPiece
+                    : crossing == Crossing::kRising  ? Kind::kRising
+                    : crossing == Crossing::kFalling ? Kind::kFalling
+                                                     : Kind::kBoth);
+  }
+  finder_ = std::make_unique<internal::EventFinder>(
+      std::move(kinds), [this](double time, double* values) { integrator_->EvaluateWitnesses(time, values); },
+      &context_->witness_memory_);
+  witness_values_.resize(program_.witness_plans.size());
+  events_.resize(program_.witness_plans.size());
+  fired_.reserve(program_.witness_plans.size());
+}
 
 IntegratorStatistics Simulator::statistics() const {
   return integrator_->statistics();
@@ -186,7 +211,7 @@ void Simulator::Synchronize() {
   for (const RatedLog& log : logs_) {
     for (const auto& each : log.logs) each->DropFrom(context_->time(), tick_done);
   }
-  step_ends_ = false;
+  stop_is_due_ = false;
   end_reason_.reset();
   ended_by_ = nullptr;
   pace_start_.reset();
@@ -223,7 +248,6 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
   const Profiled advance(profiler_.get(), Profiler::kTicks);
   try {
     Synchronize();
-    steps_ = 0;
     if (options_.real_time_rate != 0 && !pace_start_) {
       pace_start_ =
           std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -286,28 +310,21 @@ void Simulator::IntegrateTo(double target) {
     return;
   }
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
-  const double horizon = schedule_->next_feeding_time();
-  const bool by_step = each_step || !program_.witness_plans.empty() || horizon - target > Tiny(target);
+  const bool watches = each_step || !finder_->empty();
   while (!end_reason_) {
-    // What rounding leaves over, behind a root say, is no interval that could be integrated.
-    if (!step_ends_ && target - context_->time() <= Tiny(target)) break;
-    if (!integrator_->can_go_on()) {
-      context_->RunStale(program_.held);
-      steps_ = 0;
-      root_ = integrator_->Start(horizon) == SundialsIntegrator::Stop::kRoot;
-      step_ends_ = integrator_->finish() > context_->time();
-    }
-    if (integrator_->finish() > target + Tiny(target)) {
+    // What rounding leaves over, behind an event say, is no interval that could be integrated.
+    if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
+    if (!integrator_->can_go_on()) StartIntegrator();
+    if (next_stop_ > target + Tiny(target)) {
       integrator_->MoveContext(target);
       return;
     }
-    if (step_ends_) {
+    if (stop_is_due_) {
       EndStep();
       continue;
     }
-    if (by_step && ++steps_ > options_.max_steps) integrator_->ThrowTooManySteps();
-    root_ = integrator_->Advance(by_step) == SundialsIntegrator::Stop::kRoot;
-    step_ends_ = true;
+    integrator_->Advance(watches || horizon_ - target > Tiny(target));
+    FindEvent(integrator_->begin());
   }
   if (context_->time() < target && !end_reason_) {
     context_->SetRunTime(target);
@@ -315,26 +332,101 @@ void Simulator::IntegrateTo(double target) {
   }
 }
 
-/// Moves to where the integrator has come, and does what follows a step.
+/// From the present time and states, up to the next instant at which what is integrated changes.
+void Simulator::StartIntegrator() {
+  context_->RunStale(program_.held);
+  if (!finder_->empty() && !finder_->started()) {
+    EvaluateWitnesses();
+    finder_->Start(witness_values_.data());
+  }
+  const double jump = NextJump(), tick = schedule_->next_feeding_time();
+  horizon_ = std::min(jump, tick);
+  ends_at_jump_ = jump <= tick && std::isfinite(jump);
+  const double time = context_->time();
+  const bool again = integrator_->Start(horizon_, ends_at_jump_);
+  next_stop_ = integrator_->finish();
+  stop_is_due_ = next_stop_ > time;
+  is_event_ = ends_before_event_ = false;
+  if (!again || finder_->empty()) return;
+  // The step has been taken again: so are its events, but for those that have been handled.
+  FindEvent(integrator_->begin());
+  while (is_event_ && next_stop_ <= time) {
+    for (const std::size_t i : fired_) finder_->StartAgain(i, 0, true);
+    FindEvent(next_stop_);
+  }
+  stop_is_due_ = next_stop_ > time;
+  integrator_->MoveContext(time);
+}
+
+/// The next instant at which a block that feeds the integrator jumps, by its own declaration.
+double Simulator::NextJump() {
+  double next = std::numeric_limits<double>::infinity();
+  if (program_.next_jumps.empty()) return next;
+  const double time = context_->time();
+  context_->RunStale(program_.jumps);
+  for (const Source* source : program_.next_jumps) {
+    const double jump = *reinterpret_cast<const double*>(context_->Address(*source));
+    if (!(jump > time)) {
+      throw RunError(
+          fmt::format("'{}' is {} s at t = {} s: a next jump must be later than the time, or kNever",
+                      source->path(), jump, time));
+    }
+    next = std::min(next, jump);
+  }
+  return next;
+}
+
+/// Looks at the last step from `from` on: the run stops at the first event, or at the end.
+void Simulator::FindEvent(double from) {
+  next_stop_ = integrator_->finish();
+  stop_is_due_ = true;
+  const bool whole = from == integrator_->begin();
+  if (whole) memory_at_begin_ = context_->witness_memory_;
+  is_event_ = !finder_->empty() && from < next_stop_ &&
+              finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
+  if (!is_event_ || !whole || !EventFeeds()) return;
+  const bool kink = std::any_of(fired_.begin(), fired_.end(),
+                                [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
+  // A restart costs a multistep method more than a witness where the derivatives may jump, or not.
+  if (!kink && (options_.method == Method::kBdf || options_.method == Method::kAdams)) return;
+  if (!integrator_->RetakeBefore(next_stop_)) return;
+  context_->witness_memory_ = memory_at_begin_;
+  next_stop_ = integrator_->finish();
+  stop_is_due_ = is_event_ = false;
+  ends_before_event_ = true;
+  integrator_->MoveContext(next_stop_);  // from where the event was looked for
+}
+
+/// Moves to the next stop, and does what is due there.
 void Simulator::EndStep() {
   const Profiled end(profiler_.get(), Profiler::kTicks);
-  step_ends_ = false;
-  integrator_->MoveContext(integrator_->finish());
-  // A root inside a step ends it if the integrator has to start again there.
-  if (!root_ || !integrator_->in_step() || RootsFeed()) {
+  stop_is_due_ = false;
+  integrator_->MoveContext(next_stop_);
+  const bool at_end = next_stop_ >= integrator_->finish() - Tiny(next_stop_);
+  // An event inside a step ends it if the integrator has to start again there.
+  if (at_end || EventFeeds()) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
     AskMonitors();
     Apply(program_.each_step);
   }
-  if (root_) HandleRoots();
+  if (is_event_) HandleEvent();
+  if (!integrator_->can_go_on()) return;
+  if (!at_end) {
+    FindEvent(next_stop_);
+  } else if (ends_before_event_) {
+    integrator_->Halt();
+  } else if (ends_at_jump_ && next_stop_ >= horizon_) {
+    integrator_->Halt();
+    HandleJumps();
+  }
 }
 
-bool Simulator::RootsFeed() const {
-  const std::vector<int>& roots = integrator_->roots();
-  for (std::size_t i = 0; i < roots.size(); ++i) {
-    if (roots[i] != 0 && program_.witness_plans[i].updates.feeds) return true;
-  }
-  return false;
+bool Simulator::EventFeeds() const {
+  if (!is_event_) return false;
+  return std::any_of(fired_.begin(), fired_.end(), [this](std::size_t i) {
+    const internal::WitnessPlan& plan = program_.witness_plans[i];
+    return plan.is_kink || plan.updates.feeds;
+  });
 }
 
 void Simulator::Apply(const internal::UpdatePlan& plan) {
@@ -365,7 +457,6 @@ void Simulator::Tick(bool first) {
     if (!due_.empty()) plan = &PlanFor(due_);
   }
   const bool feeds = plan != nullptr && plan->feeds;
-  if (feeds && !first) EvaluateWitnesses(witness_values_);
   if (plan != nullptr) {
     context_->Invalidate(plan->invalidates);
     context_->RunStale(plan->outputs);
@@ -375,7 +466,10 @@ void Simulator::Tick(bool first) {
     const Profiled logging(profiler_.get(), Profiler::kLogs);
     for (const auto& each : logs_[static_cast<std::size_t>(*log - num_groups)].logs) each->Sample();
   }
-  if (first) EvaluateWitnesses(witness_values_);
+  if (first && !finder_->empty()) {
+    EvaluateWitnesses();
+    finder_->Start(witness_values_.data());
+  }
   if (plan != nullptr) {
     Judge(plan->monitors, plan->verdicts);
     context_->Apply(plan->updates);
@@ -388,13 +482,8 @@ void Simulator::Tick(bool first) {
 
 /// A sampled NaN would be held and spoil everything downstream: it is reported where it arises.
 void Simulator::CheckSamples(const TickPlan& plan) const {
-  // A sum of 0 x is 0 unless one is not finite; infinite bounds are legitimate.
-  double zero = 0;
-  for (const internal::ScalarRun& run : plan.doubles) {
-    const auto* x = reinterpret_cast<const double*>(context_->memory_.get() + run.offset);
-    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
-  }
-  if (zero == 0 && plan.movable.empty()) return;
+  // Infinite bounds are legitimate.
+  if (!options_.check_values || (context_->AllFinite(plan.doubles) && plan.movable.empty())) return;
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
       continue;
@@ -414,58 +503,70 @@ void Simulator::Judge(const internal::OpList& ops, const std::vector<const Sourc
   }
 }
 
-void Simulator::EvaluateWitnesses(std::vector<double>& values) {
-  if (values.empty()) return;
+void Simulator::EvaluateWitnesses() {
   context_->RunStale(program_.held);
   context_->RunStale(program_.witnesses);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = *reinterpret_cast<const double*>(context_->Address(*program_.witness_plans[i].witness));
-  }
+  context_->ReadWitnesses(witness_values_.data());
 }
 
 void Simulator::Fire(std::size_t witness) {
   const internal::WitnessPlan& plan = program_.witness_plans[witness];
   const double now = context_->time();
   Events& events = events_[witness];
-  events.count = std::abs(now - events.instant) <= kInstant ? events.count + 1 : 1;
+  const double interval = now - events.instant;
+  events.count = interval <= kInstant ? events.count + 1 : 1;
+  const double ratio = interval / events.interval;
+  events.shrinking = ratio < 1 && std::isfinite(events.interval) ? events.shrinking + 1 : 0;
+  if (events.shrinking == 0) events.first_interval = interval;
+  events.interval = interval;
   events.instant = now;
-  if (events.count > options_.max_events) {
-    throw RunError(
-        fmt::format("witness '{}' fires for the {}th time at t = {} s: its updates must move the state away "
-                    "from the crossing",
-                    plan.witness->path(), events.count, now));
+  const bool accumulate =
+      events.shrinking >= kShrinking && interval * ratio / (1 - ratio) < kAccumulated * events.first_interval;
+  if (accumulate || events.count > options_.max_events) {
+    const std::string what =
+        accumulate ? "accumulate" : fmt::format("come {} times at one instant", events.count);
+    if (plan.is_kink) {
+      throw RunError(fmt::format(
+          "changes of kink '{}' {} at t = {} s: the state slides along the discontinuity, as both sides send "
+          "it back to the other. Give the block a Mode for the sliding motion, or make the jump a steep "
+          "slope",
+          plan.witness->path(), what, now));
+    }
+    throw RunError(fmt::format(
+        "events of witness '{}' {} at t = {} s: its updates must move the state away from the crossing. Add "
+        "a "
+        "Mode for the motion that follows (rest, contact), and enter it when the events come fast",
+        plan.witness->path(), what, now));
   }
-  Apply(plan.updates);
+  if (plan.is_kink) {
+    integrator_->Halt();
+  } else {
+    Apply(plan.updates);
+  }
 }
 
-void Simulator::HandleRoots() {
-  EvaluateWitnesses(witness_values_);
-  const std::vector<int>& roots = integrator_->roots();
-  for (std::size_t i = 0; i < roots.size(); ++i) {
-    if (roots[i] == 0) continue;
-    if (witness_values_[i] == 0) integrator_->Halt();  // SUNDIALS would find the same root again
-    Fire(i);
-    witness_values_[i] = 0;  // on its crossing, whatever the last digit says: no jump
-  }
+void Simulator::HandleEvent() {
+  for (const std::size_t i : fired_) Fire(i);
+  EvaluateWitnesses();
+  for (const std::size_t i : fired_) finder_->StartAgain(i, witness_values_[i], true);
   HandleJumps();
 }
 
-/// Fires the witnesses whose sign differs from the last look, until none does.
+/// Fires the witnesses that have come to another side at one instant, until none has. A kink that a tick or
+/// an update moves to another piece is no event: the integrator starts again there anyway.
 void Simulator::HandleJumps() {
-  if (witness_values_.empty()) return;
-  for (bool fired = true; fired;) {
-    fired = false;
-    EvaluateWitnesses(new_witness_values_);
-    for (std::size_t i = 0; i < witness_values_.size(); ++i) {
-      const double before = witness_values_[i], after = new_witness_values_[i];
-      const Crossing crossing = static_cast<const Witness*>(program_.witness_plans[i].witness)->crossing();
-      const bool rose = before < 0 && after >= 0, fell = before > 0 && after <= 0;
-      witness_values_[i] = after;
-      if (!(rose && crossing != Crossing::kFalling) && !(fell && crossing != Crossing::kRising)) continue;
+  if (finder_->empty()) return;
+  for (;;) {
+    EvaluateWitnesses();
+    const std::size_t i = finder_->FindJump(witness_values_.data());
+    if (i == finder_->size()) break;
+    if (!program_.witness_plans[i].is_kink) {
       Fire(i);
-      fired = true;
+      EvaluateWitnesses();
     }
+    finder_->StartAgain(i, witness_values_[i], false);
   }
+  finder_->Settle(witness_values_.data());
 }
 
 /// Waits for the time on the clock: a tick takes what comes from outside, and sends, when it is due.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ namespace tenon {
 class SundialsIntegrator;
 
 namespace internal {
+class EventFinder;
 class Profiler;
 class Schedule;
 struct UpdatePlan;
@@ -99,17 +101,21 @@ class Simulator {
   void RebuildSchedule();
   void MoveSchedule();
   void IntegrateTo(double target);
+  void StartIntegrator();
+  double NextJump();
+  void MakeEventFinder();
+  void FindEvent(double from);
   void EndStep();
-  bool RootsFeed() const;
+  bool EventFeeds() const;
   RunStatus Advance(double time, bool before_tick);
   void FirstTick();
   void Tick(bool first = false);
   const internal::TickPlan& PlanFor(const std::vector<int>& due);
   void Apply(const internal::UpdatePlan& plan);
-  void HandleRoots();
+  void HandleEvent();
   void HandleJumps();
   void Fire(std::size_t witness);
-  void EvaluateWitnesses(std::vector<double>& values);
+  void EvaluateWitnesses();
   void AskMonitors();
   void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
   void CheckSamples(const internal::TickPlan& plan) const;
@@ -125,9 +131,12 @@ class Simulator {
   std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< those that have occurred
   std::vector<int> due_;                                    ///< groups at a tick, logs left out
   std::uint64_t known_edition_ = 0;                         ///< of the context, when an advance last began
-  bool step_ends_ = false;  ///< what follows a step is due where the integrator has come to
-  bool root_ = false;       ///< and it is a root
-  long steps_ = 0;          ///< since the integrator started or the advance began
+  double horizon_ = 0;                                      ///< what is integrated changes here at the latest
+  bool ends_at_jump_ = false;                               ///< by a declared jump
+  bool ends_before_event_ = false;                          ///< the interval that is integrated
+  double next_stop_ = 0;                                    ///< the first event in the last step, or its end
+  bool stop_is_due_ = false;                                ///< what happens at next_stop_ has yet to happen
+  bool is_event_ = false;                                   ///< at next_stop_ witnesses or kinks fire
 
   struct RatedLog {
     Rate rate;
@@ -138,13 +147,18 @@ class Simulator {
   std::vector<std::function<Verdict(Context&)>> monitors_;
   std::unique_ptr<internal::Profiler> profiler_;
 
+  std::unique_ptr<internal::EventFinder> finder_;
   std::vector<double> witness_values_;
-  std::vector<double> new_witness_values_;
+  std::vector<double> memory_at_begin_;  ///< of the finder, where the last step began
+  std::vector<std::size_t> fired_;       ///< the witnesses and kinks of the event at next_stop_
   struct Events {
-    double instant = -1;
-    int count = 0;  ///< at this instant
+    double instant = -std::numeric_limits<double>::infinity();  ///< of the last one [s]
+    int count = 0;                                              ///< at this instant
+    double interval = 0;                                        ///< between the last two [s]
+    double first_interval = 0;                                  ///< where intervals began to shrink
+    int shrinking = 0;  ///< intervals in succession, each shorter than the one before
   };
-  std::vector<Events> events_;  ///< of each witness
+  std::vector<Events> events_;  ///< of each witness and kink
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

@@ -236,7 +236,8 @@ void Compiler::LayOut() {
     const bool integrated =
         source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
     if ((integrated && source->type_->fixed) || passes_on || shared.contains(source)) continue;
-    const bool added = source->kind() == SourceKind::kParameter || source->kind() == SourceKind::kPublish;
+    const bool added = source->kind() == SourceKind::kParameter || source->kind() == SourceKind::kPublish ||
+                       source->kind() == SourceKind::kKink || source->kind() == SourceKind::kNextJump;
     (added ? last : stored).push_back(source);
   }
   for (const Source* input : default_inputs_) stored.push_back(const_cast<Source*>(input));

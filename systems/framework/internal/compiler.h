@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include <tenon/systems/framework/internal/program.h>
@@ -47,6 +48,9 @@ class Compiler {
   void FindGroups();
   void FindFeeders();
   void MakePlans();
+  std::unordered_set<const System*> FindVaryingBlocks(bool derivatives_alone) const;
+  std::vector<const Source*> FindKinks() const;
+  void FindJumps();
 
   bool open_inputs_;
   Program program_;

@@ -287,6 +287,11 @@ void Compiler::CheckArguments(const Source& calculation) {
       Fault(fmt::format("'{}' uses '{}', which belongs to another block: declare an input and connect it",
                         calculation.path(), slot.source->path()));
     }
+    if (calculation.kind() == SourceKind::kNextJump && slot.source->kind() != SourceKind::kParameter &&
+        slot.source->kind() != SourceKind::kDiscrete) {
+      Fault(fmt::format("'{}' uses '{}': a NextJump may use `time`, Parameters and discrete states",
+                        calculation.path(), slot.source->name()));
+    }
     if (slot.source->kind() == SourceKind::kRandom && !calculation.is_sampled() &&
         calculation.kind() != SourceKind::kUpdate) {
       Fault(

@@ -73,11 +73,15 @@ void Compiler::MakePlans() {
     return program_.calculations[op.calculation].source->is_copy_ && op.row[0] == op.row[1];
   });
   program_.derivatives = program_.Batched(ops);
-  ops = program_.Needed(witnesses, Which::kVarying);
-  program_.AppendSinks(witnesses, ops);
+  const std::vector<const Source*> kinks = FindKinks();
+  std::vector<const Source*> watched = witnesses;
+  watched.insert(watched.end(), kinks.begin(), kinks.end());
+  ops = program_.Needed(watched, Which::kVarying);
+  program_.AppendSinks(watched, ops);
   program_.witnesses = program_.Batched(ops);
+  FindJumps();
   continuing = derivatives;
-  continuing.insert(continuing.end(), witnesses.begin(), witnesses.end());
+  continuing.insert(continuing.end(), watched.begin(), watched.end());
   program_.held = program_.Needed(continuing, Which::kHeld);
 
   program_.at_start = program_.MakeUpdates(at_start);
@@ -92,8 +96,43 @@ void Compiler::MakePlans() {
     for (const Source* source : sources_) {
       if (source->run_ != nullptr && source->trigger().witness == witness) updates.push_back(source);
     }
-    program_.witness_plans.push_back({witness, program_.MakeUpdates(updates)});
+    program_.witness_plans.push_back({witness, program_.MakeUpdates(updates), false});
   }
+  for (const Source* kink : kinks) program_.witness_plans.push_back({kink, {}, true});
+}
+
+/// Blocks that derivatives or witnesses depend on between ticks.
+std::unordered_set<const System*> Compiler::FindVaryingBlocks(bool derivatives_alone) const {
+  std::unordered_set<const System*> blocks;
+  const auto add = [&](const BatchedOps& list) {
+    for (const Op& op : list.ops) blocks.insert(&program_.calculations[op.calculation].source->owner());
+  };
+  add(program_.derivatives);
+  if (!derivatives_alone) add(program_.witnesses);
+  return blocks;
+}
+
+/// Kinks that lie in the way of an integration: of blocks that derivatives depend on, and that may change
+/// between ticks.
+std::vector<const Source*> Compiler::FindKinks() const {
+  std::vector<const Source*> kinks;
+  const std::unordered_set<const System*> blocks = FindVaryingBlocks(true);
+  for (const Source* source : sources_) {
+    if (source->kind() == SourceKind::kKink && program_.calculations[source->calculation_].varies &&
+        blocks.contains(&source->owner()))
+      kinks.push_back(source);
+  }
+  return kinks;
+}
+
+void Compiler::FindJumps() {
+  const std::unordered_set<const System*> blocks = FindVaryingBlocks(false);
+  for (const Source* source : sources_) {
+    if (source->kind() == SourceKind::kNextJump && blocks.contains(&source->owner()))
+      program_.next_jumps.push_back(source);
+  }
+  program_.jumps = program_.Needed(program_.next_jumps, Which::kAll);
+  program_.AppendSinks(program_.next_jumps, program_.jumps);
 }
 
 }  // namespace tenon::internal

@@ -59,6 +59,15 @@ std::vector<std::uint32_t> Program::Downstream(std::vector<int> changed) const {
   return {found.begin(), found.end()};
 }
 
+/// Where the numbers of `source` lie: doubles in places that never move, or a value to look into.
+static void AppendNumbers(const Source& source, Offset offset, const TypeInfo& type,
+                          std::vector<ScalarRun>* doubles, std::vector<const Source*>* movable) {
+  if (!type.fixed) movable->push_back(&source);
+  for (const ScalarRun& run : type.runs) {
+    if (run.kind == ScalarKind::kDouble) doubles->push_back({offset + run.offset, run.count, run.kind});
+  }
+}
+
 UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const {
   UpdatePlan plan;
   if (updates.empty()) return plan;
@@ -68,6 +77,7 @@ UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const
   for (const Source* update : updates) {
     if (update->kind() == SourceKind::kPublish) continue;
     plan.commits.push_back({update->target_, update});
+    AppendNumbers(*update, update->offset_, *update->type_, &plan.doubles, &plan.movable);
     plan.feeds |= calculations[update->calculation_].feeds;
     if (update->target_->kind() == SourceKind::kContinuous) {
       plan.changes_continuous = true;
@@ -99,11 +109,7 @@ TickPlan Program::MakeTick(const Groups& due) const {
     if (source->kind() == SourceKind::kPublish) publishes.push_back(source);
   }
   for (const Source* source : plan.due) {
-    if (!source->type_->fixed) plan.movable.push_back(source);
-    for (const ScalarRun& run : source->type_->runs) {
-      if (run.kind == ScalarKind::kDouble)
-        plan.doubles.push_back({source->offset_ + run.offset, run.count, run.kind});
-    }
+    AppendNumbers(*source, source->offset_, *source->type_, &plan.doubles, &plan.movable);
   }
   plan.invalidates = Downstream(changed);
   publishes.insert(publishes.end(), plan.due.begin(), plan.due.end());

@@ -74,6 +74,8 @@ struct UpdatePlan {
   OpList ops;  ///< what they need, then the updates themselves
   std::vector<Commit> commits;
   std::vector<std::uint32_t> invalidates;  ///< held calculations that the new values make stale
+  std::vector<ScalarRun> doubles;      ///< of the next values, from the memory's start, for the check of them
+  std::vector<const Source*> movable;  ///< next values with others
   bool changes_continuous = false;
   bool feeds = false;  ///< the integrator has to start again afterwards
   bool empty() const { return ops.empty(); }
@@ -93,9 +95,11 @@ struct TickPlan {
   UpdatePlan updates;
 };
 
+/// A Witness with its updates, or a Kink without.
 struct WitnessPlan {
   const Source* witness;
   UpdatePlan updates;
+  bool is_kink;
 };
 
 /// What is stored where in a context's memory.
@@ -164,6 +168,9 @@ struct Program {
   std::vector<SampleGroup> groups;
   /// Discrete state -> calculations, other than samples, that read it.
   std::unordered_map<const Source*, std::vector<int>> readers;
+  OpList jumps;                           ///< what the NextJumps of blocks that feed need, and they
+  std::vector<const Source*> next_jumps;  ///< those
+
   UpdatePlan at_start;
   OpList published_at_start;
   UpdatePlan each_step;

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include <tenon/systems/framework/signal.h>
@@ -67,6 +68,21 @@ bool Everywhere(F condition, const T& first, const More&... more) {
       },
       first, more...);
   return all;
+}
+
+/// One number for the pieces on which all elements of the values are, for a Kink: it changes if one does.
+template <class F, DoubleOrMatrix T, std::same_as<T>... More>
+std::int64_t PieceOf(F piece, const T& first, const More&... more) {
+  if constexpr (std::same_as<T, double>) {
+    return static_cast<std::int64_t>(piece(first, more...));
+  } else {
+    std::uint64_t combined = 0;
+    for (Eigen::Index i = 0; i < first.size(); ++i) {
+      const auto each = static_cast<std::int64_t>(piece(first.data()[i], more.data()[i]...));
+      combined = combined * 1000003 + static_cast<std::uint64_t>(each);
+    }
+    return static_cast<std::int64_t>(combined >> 12);  // a double holds 53 bits exactly
+  }
 }
 
 inline double* DoublesAt(void* value, std::size_t offset) {

@@ -25,7 +25,15 @@ constexpr double kProportional = 0.7, kIntegral = 0.4;  // over the order: expon
 /// it may; rounded down from (kSafety / kMaxGrowth)^(order / (kProportional - kIntegral)).
 constexpr std::array<double, 6> kNegligible{0, 0, 1e-5, 3.5e-8, 1.1e-10, 0};
 constexpr int kMaxRefused = 50;
+/// The derivatives jump in an interval if this part of their change stays in ever smaller halves of it.
+constexpr double kStays = 0.2;
+/// A change between two stages that is so much faster than beside them may be a jump.
+constexpr double kJumps = 3;
+/// Error of a step, in tolerances, that a jump must be able to cause.
+constexpr double kShows = 0.1;
 constexpr double kFirstTry = 1e-3;  // s, where nothing is known; the error test corrects it
+/// A run that takes SimulatorOptions::max_steps steps within this time [s] makes no progress.
+constexpr double kProgress = 0.1;
 
 void CheckOptions(const SimulatorOptions& options) {
   const auto demand = [](bool holds, const std::string& text) {
@@ -67,17 +75,14 @@ std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Di
   return tolerances;
 }
 
-std::vector<int> RootDirections(const internal::Program& program) {
-  std::vector<int> directions;
-  for (const internal::WitnessPlan& plan : program.witness_plans) {
-    const Crossing crossing = static_cast<const Witness*>(plan.witness)->crossing();
-    directions.push_back(crossing == Crossing::kRising ? 1 : crossing == Crossing::kFalling ? -1 : 0);
-  }
-  return directions;
-}
+/// The end of an interval without end, for SUNDIALS, from the present [s].
+constexpr double kFarAway = 1e6;
 
-/// What SUNDIALS is told of an interval without end.
-constexpr double kFarAway = 1e6;  // s
+/// Whether a tick can restart the integrator: open tables are sound only up to one.
+bool HasFeedingTicks(const internal::Program& program) {
+  return std::any_of(program.groups.begin(), program.groups.end(),
+                     [](const internal::SampleGroup& group) { return group.feeds; });
+}
 
 bool AllFinite(const double* values, int size) {
   // The sum of 0 x is 0 unless one is not finite.
@@ -100,16 +105,30 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
       : context(c),
         program(c.diagram().program()),
         options((CheckOptions(o), o)),
-        roots(program.witness_plans.size(), 0),
         tolerances(AbsoluteTolerances(options, c.diagram())),
-        solver(options, c.time(), tolerances, RootDirections(program), *this),
+        open(HasFeedingTicks(program)),
+        solver(options, open, c.time(), tolerances, *this),
         interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
-        before(static_cast<std::size_t>(program.num_continuous)) {}
+        before(static_cast<std::size_t>(program.num_continuous)),
+        step_states(before.size()),
+        checks_stages(
+            options.fixed_step == 0 &&
+            (options.method == Method::kDirk ||
+             ((options.method == Method::kErk || options.method == Method::kErkOpen) && options.order > 3))) {
+    if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
+  }
 
-  Stop Start(double to);
+  bool Start(double to, bool jumps);
   void Restart(double time, double first_step);
-  Stop Advance(bool one_step);
+  void Advance(bool one_step);
+  void CheckProgress(double t);
+  void KeepStage(double t, const double* xdot);
+  bool StagesJump() const;
+  void Retake(double time);
+  bool RetakeBefore(double event);
   void MoveContext(double t);
+  void LoadInside(double t);
+  void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
   bool has_past() const { return !internal::IsExplicit(options.method); }
@@ -117,11 +136,16 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double LargestStep(double time) const;
   void Count(double step);
   [[noreturn]] void ThrowFailure(int flag);
-  std::string DescribeWorstState(int flag, double h);
+  [[noreturn]] void ThrowFailure(double t, double h, const std::string& what);
+  std::string DescribeFailure(double t, double h);
+  std::string DescribeJump(double t, double h);
+  bool FindJump(double t, double from, double to, double shows = kShows);
+  double StepRoundJump(double t, double h, bool accepted);
+  double FastestRate(double t);
+  std::string DescribeWorstState(double h);
   void FindWorstState();
 
   int Derivatives(double t, const double* y, double* ydot) override;
-  int Roots(double t, const double* y, double* g) override;
   double ChooseStep(double t, double h, double error, int order) override;
   void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
@@ -129,31 +153,47 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   Context& context;
   const internal::Program& program;
   SimulatorOptions options;
-  std::vector<int> roots;
   std::vector<double> tolerances;  // absolute, one per state
+  bool open;                       // tables may be
   internal::SundialsSolver solver;
 
   bool live = false;          // the solver stands at `finish` and can go on
   std::uint64_t edition = 0;  // of the context that it knows
   double finish = 0;
   internal::StepInterpolant interpolant;
-  std::vector<double> before;     // the states where the last Advance began
-  double begin = 0;               // and when
-  bool in_step = false;           // the last Advance ended at a root, inside a step
+  std::vector<double> before;       // the states where the last Advance began
+  double begin = 0;                 // and when
+  std::vector<double> step_states;  // where the last step began
+  double step_begin = 0;            // and when
+  // Whether an accepted step is looked at for a jump that its table sees badly.
+  const bool checks_stages;
+  struct {
+    std::size_t count = 0;
+    std::array<double, 16> times{};
+    std::vector<double> slopes;   // derivatives at those, one after another
+  } stages;                       // of the present step, the first at its beginning
   double end = 0;                 // of the interval
+  double last_instant = 0;        // at which the dynamics of the interval may be evaluated
+  long steps = 0;                 // in the present window of progress
+  double window = 0;              // when that began
   double step = 0;                // the first one after the restart; if fixed, all
   int refused = 0;                // evaluations since the restart that were not finite
   bool first_evaluation = false;  // after the restart
-  bool at_end = false;            // the last evaluation was for the end of the interval
-  // The methods of order 2 and 3 have no stage at the end of a step. SUNDIALS evaluates there all the same,
-  // to find roots by interpolation and to start the next step: without roots, and with a restart to come, for
-  // nothing.
-  const bool needs_end = has_past() || options.order > 3 || !roots.empty();
+  struct {
+    bool known = false;
+    double from = 0, to = 0;  // it lies in between
+    double step = 0;          // that met it
+  } jump;
+  bool at_end = false;  // the last evaluation was for the end of the interval
+  // Open tables have no stage at the end of a step. SUNDIALS evaluates there all the same, to start the next
+  // step: for nothing if a restart comes first.
+  const bool needs_end = !open ||
+                         (options.method != Method::kErkOpen && options.method != Method::kStabilized) ||
+                         options.order > 3;
   struct {
     int index = 0;
     double error = 0;
   } worst;
-  bool seeks_worst = false;
   std::exception_ptr thrown;
   std::string not_finite;
   long evaluations = 0, interpolant_evaluations = 0;
@@ -162,88 +202,198 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
 
 double SundialsIntegrator::Run::FirstStep() const {
   const double remaining = end - context.time();
-  double wanted = options.fixed_step > 0 ? options.fixed_step : context.next_step_;
+  if (options.fixed_step > 0) return EvenStep(remaining, options.fixed_step);
+  double wanted = context.next_step_;
   if (wanted <= 0) wanted = std::min(remaining, kFirstTry);
   return EvenStep(remaining, std::min(wanted, LargestStep(context.time())));
 }
 
-/// Where no tick ends the interval, a step doubles the time at most: what is exact for a while (a free fall)
-/// would take steps in which roots could not be told apart.
+/// Without a limit, and where no tick ends the interval, a step at most doubles the time: a motion that is
+/// integrated exactly for a while would otherwise take steps in which events could not be told apart.
 double SundialsIntegrator::Run::LargestStep(double time) const {
-  double largest = options.max_step > 0 ? options.max_step : std::numeric_limits<double>::infinity();
-  if (std::isinf(end) && options.fixed_step == 0) largest = std::min(largest, kFirstTry + std::abs(time));
-  return largest;
+  if (options.max_step > 0) return options.max_step;
+  if (std::isinf(end)) return kFirstTry + std::abs(time);
+  return std::numeric_limits<double>::infinity();
 }
 
 void SundialsIntegrator::Run::Restart(double time, double first_step) {
   step = first_step;
   first_evaluation = true;
   refused = 0;
+  jump.known = false;
   finish = time;
   live = true;
-  in_step = false;
   edition = context.edition_;
   interpolant.Restart();
+  for (int i = 0; i < program.num_continuous; ++i) {
+    if (!std::isfinite(solver.states()[i])) {
+      throw RunError(fmt::format("state '{}' is {} at t = {} s: set it to a finite value",
+                                 context.diagram().ContinuousStateNames()[static_cast<std::size_t>(i)],
+                                 solver.states()[i], time));
+    }
+  }
   solver.Restart(time, end, step);
 }
 
-SundialsIntegrator::Stop SundialsIntegrator::Run::Start(double to) {
+bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   end = to;
+  last_instant = jumps ? to - 8 * Tiny(to) : to;
   Context::StepStart& from = context.step_start_;
   if (!from.valid) {
     std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
     Restart(context.time(), FirstStep());
-    return Stop::kStep;
+    return false;
   }
   // The context is inside a step, or at the end of one that the solver does not know.
   const double time = context.time();
   std::copy(from.states.begin(), from.states.end(), solver.states());
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
+  context.witness_memory_ = from.witnesses;
   Restart(from.time, from.size);
   first_evaluation = false;  // what the context holds is of another time
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
-  Stop stop = Stop::kStep;
-  while (finish < time - Tiny(time)) stop = Advance(true);
+  while (finish < time - Tiny(time)) Advance(true);
   MoveContext(time);
-  if (std::equal(held.begin(), held.end(), context.continuous_data())) return stop;
+  if (std::equal(held.begin(), held.end(), context.continuous_data())) return true;
   // With other options it is another step: what the context held counts.
   from.valid = false;
   context.LoadStates(held.data());
   std::copy(held.begin(), held.end(), solver.states());
   context.SetRunTime(time);
   Restart(time, FirstStep());
-  return Stop::kStep;
+  return false;
 }
 
-SundialsIntegrator::Stop SundialsIntegrator::Run::Advance(bool one_step) {
-  begin = finish;
+void SundialsIntegrator::Run::Advance(bool one_step) {
   thrown = nullptr;
   not_finite.clear();
   if (one_step) {
+    begin = finish;
     std::copy_n(solver.states(), program.num_continuous, before.data());
-    if (!in_step) KeepStepStart();
+    KeepStepStart();
   } else {
     context.step_start_.valid = false;
   }
-  double t = finish;
-  if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
-  const int flag = solver.Evolve(Target(), &t, one_step);
-  if (flag < 0) ThrowFailure(flag);
-  const bool root = solver.IsRoot(flag);
-  const bool arrived = !root && (solver.IsStopTime(flag) || t >= end - Tiny(end));
-  finish = arrived ? end : t;
-  in_step = root && solver.current_time() - finish > Tiny(finish);
-  if (solver.multistep()) {
-    Count(solver.last_step());
-  } else if (options.fixed_step > 0) {
-    Count(step);
-  }
+  bool arrived = false;
+  do {
+    double t = finish;
+    step_begin = finish;
+    std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    if (checks_stages) KeepStage(finish, nullptr);
+    if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
+    const int flag = solver.Step(Target(), &t);
+    if (flag < 0) ThrowFailure(flag);
+    if (checks_stages && StagesJump() && FindJump(finish, finish, t) && jump.from > finish + 4 * Tiny(t)) {
+      // Another attempt, which ends before the jump.
+      const auto found = jump;
+      Retake(jump.from);
+      jump = found;
+      jump.step = t - step_begin;
+      continue;
+    }
+    arrived = solver.IsStopTime(flag) || t >= end - Tiny(end);
+    finish = arrived ? end : t;
+    if (solver.multistep()) {
+      Count(solver.last_step());
+    } else if (options.fixed_step > 0) {
+      Count(step);
+    }
+    if (++steps > options.max_steps) CheckProgress(finish);
+  } while (!one_step && !arrived);
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
-  if (!root) return arrived ? Stop::kArrived : Stop::kStep;
-  solver.GetRoots(&roots);
-  return Stop::kRoot;
+}
+
+/// Keeps a derivative of the present step; with null, a new attempt begins at `t`, of whose derivatives the
+/// last one of the step before may be the first.
+void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
+  const std::size_t n = before.size();
+  if (xdot == nullptr) {
+    std::size_t kept = 0;
+    for (std::size_t k = stages.count; k-- > 0 && kept == 0;) {
+      if (std::abs(stages.times[k] - t) > Tiny(t)) continue;
+      std::copy_n(stages.slopes.data() + k * n, n, stages.slopes.data());
+      stages.times[0] = t;
+      kept = 1;
+    }
+    stages.count = kept;
+    return;
+  }
+  if (stages.count == stages.times.size()) return;
+  stages.times[stages.count] = t;
+  std::copy_n(xdot, n, stages.slopes.data() + stages.count * n);
+  ++stages.count;
+}
+
+/// Whether the derivatives change between two stages of the step, by what matters to the error, much faster
+/// than beside them. They do so at a jump, and now and then where there is none.
+bool SundialsIntegrator::Run::StagesJump() const {
+  const std::size_t n = before.size();
+  std::array<std::size_t, 16> order{};
+  for (std::size_t k = 0; k < stages.count; ++k) order[k] = k;
+  std::stable_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(stages.count),
+                   [this](std::size_t a, std::size_t b) { return stages.times[a] < stages.times[b]; });
+  std::size_t count = 0;  // of the last derivative at each time
+  for (std::size_t k = 0; k < stages.count; ++k) {
+    const double time = stages.times[order[k]];
+    const bool again = count > 0 && time - stages.times[order[count - 1]] <= Tiny(time);
+    order[again ? count - 1 : count++] = order[k];
+  }
+  if (count < 3) return false;
+  const double h = stages.times[order[count - 1]] - stages.times[order[0]];
+  std::array<double, 16> rates{};  // between two stages, of the state that changes fastest
+  double largest_change = 0;
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const double* const a = stages.slopes.data() + order[k] * n;
+    const double* const b = stages.slopes.data() + order[k + 1] * n;
+    double change = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+      change = std::max(change, std::abs(b[i] - a[i]) / tolerance);
+    }
+    largest_change = std::max(largest_change, change);
+    rates[k] = change / (stages.times[order[k + 1]] - stages.times[order[k]]);
+  }
+  if (largest_change * h < kShows) return false;
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const double beside = std::max(k > 0 ? rates[k - 1] : 0, k + 2 < count ? rates[k + 1] : 0);
+    if (rates[k] > kJumps * beside) return true;
+  }
+  return false;
+}
+
+/// Goes back to where the last step began, to take one up to `time`.
+void SundialsIntegrator::Run::Retake(double time) {
+  std::copy(step_states.begin(), step_states.end(), solver.states());
+  context.last_error_ = 0;
+  Restart(step_begin, time - step_begin);
+  first_evaluation = false;  // what the context holds is of another time
+}
+
+/// The step that a kink lies in, or a witness where the derivatives jump, has used derivatives from both
+/// sides. Unless it lies at the very beginning, goes back, to end the interval just before. Returns whether
+/// it did.
+bool SundialsIntegrator::Run::RetakeBefore(double event) {
+  constexpr double kBefore = 1e-3, kBeginning = 1e-2;
+  if (options.fixed_step > 0 || event - step_begin <= kBeginning * (finish - step_begin)) return false;
+  const double size = (1 - kBefore) * (event - step_begin);
+  if (size <= 100 * Tiny(event)) return false;
+  const double next = finish - step_begin;
+  end = last_instant = step_begin + size;
+  Retake(end);
+  context.next_step_ = next;
+  return true;
+}
+
+/// A long run takes many steps; one that takes too many of them on the spot fails.
+void SundialsIntegrator::Run::CheckProgress(double t) {
+  if (t - window < kProgress && options.fixed_step == 0) {
+    ThrowFailure(t, solver.last_step(),
+                 fmt::format("it makes no progress: {} steps since t = {} s", steps, window));
+  }
+  steps = 0;
+  window = t;
 }
 
 /// What it takes to come here again: of an explicit Runge-Kutta method the step, of methods with a past that
@@ -257,6 +407,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.size = step;
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
+  from.witnesses = context.witness_memory_;
 }
 
 /// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
@@ -267,6 +418,14 @@ void SundialsIntegrator::Run::MoveContext(double t) {
     const bool there =
         at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
     if (there) return;
+  }
+  LoadInside(t);
+  context.SetRunTime(t);
+}
+
+/// The states at `t`, in the last step.
+void SundialsIntegrator::Run::LoadInside(double t) {
+  if (std::abs(t - finish) <= Tiny(t)) {
     context.LoadStates(solver.states());
   } else if (solver.multistep()) {
     solver.Interpolate(t, program.num_continuous, before.data());
@@ -275,12 +434,19 @@ void SundialsIntegrator::Run::MoveContext(double t) {
     interpolant.At(t, *this, before.data());
     context.LoadStates(before.data());
   }
-  context.SetRunTime(t);
+}
+
+void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
+  LoadInside(t);
+  context.SetRunTime(std::min(t, last_instant));
+  context.RunAll(program.witnesses);
+  ++context.instant_;  // RunAll leaves no stamps
+  context.ReadWitnesses(values);
 }
 
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
-  context.CalcRunDerivatives(t, x, xdot);
+  context.CalcRunDerivatives(std::min(t, last_instant), x, xdot);
   if (AllFinite(xdot, program.num_continuous)) return;
   throw RunError(
       fmt::format("{} at t = {} s, inside a step of the integrator: the run cannot go on; check that "
@@ -304,7 +470,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   // its end is kept for the next tick. Sums of steps miss the end by their rounding.
   const bool first = first_evaluation && t == context.time();
   first_evaluation = false;
-  at_end = !first && std::abs(t - end) <= Tiny(t);
+  at_end = !first && last_instant == end && std::abs(t - end) <= Tiny(t);
   if (at_end && !needs_end) {
     at_end = false;
     std::fill_n(ydot, size, 0.0);
@@ -319,13 +485,14 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
       context.PackDerivatives();
       std::copy_n(context.derivative_data(), size, ydot);
     } else {
-      context.CalcRunDerivatives(t, y, ydot);
+      context.CalcRunDerivatives(std::min(t, last_instant), y, ydot);
     }
   } catch (...) {
     thrown = std::current_exception();
     return -1;
   }
   if (AllFinite(ydot, size)) {
+    if (checks_stages) KeepStage(t, ydot);
     not_finite.clear();
     return 0;
   }
@@ -334,32 +501,21 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   return first || ++refused > kMaxRefused ? -1 : 1;
 }
 
-int SundialsIntegrator::Run::Roots(double t, const double* y, double* g) {
-  try {
-    context.LoadStates(y);
-    const double now = context.time();
-    *reinterpret_cast<double*>(context.memory_.get()) = t;
-    context.RunAll(program.witnesses);
-    ++context.instant_;  // what was computed here is not for the time of the tick
-    *reinterpret_cast<double*>(context.memory_.get()) = now;
-  } catch (...) {
-    thrown = std::current_exception();
-    return -1;
-  }
-  for (std::size_t i = 0; i < roots.size(); ++i) {
-    g[i] = *reinterpret_cast<const double*>(context.Address(*program.witness_plans[i].witness));
-  }
-  return 0;
-}
-
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
+  // Open tables meet jumps at the ticks that end their steps.
+  const bool seeks_jumps =
+      !(open && internal::IsExplicit(options.method) && options.order <= 3 && options.method != Method::kErk);
+  if (seeks_jumps && (jump.known || measured > 1)) {
+    if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
+  }
   // A step cut short by the end of its interval says little of the next one.
   const bool cut = t >= end - 1e-12 * (1 + std::abs(t)) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
   double factor = kMaxGrowth;
   const bool accepted = measured <= 1;
+  if (!accepted && checks_stages) KeepStage(step_begin, nullptr);
   if (accepted) {
     if (!has_past()) {
       context.step_start_.size = h;
@@ -371,7 +527,6 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
       if (context.last_error_ > 0) factor *= std::pow(context.last_error_, kIntegral / order);
     }
     if (!cut) context.last_error_ = error;
-    if (seeks_worst) FindWorstState();
     Count(h);
   } else {
     factor = std::min(kSafety, kSafety * std::pow(error, -1.0 / order));
@@ -384,6 +539,37 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
 }
 
+/// Where the derivatives jump at an instant that nobody has declared, or at a state, the error test alone
+/// would creep up to it in ever smaller steps, and some tables see little of it: a step ends just before,
+/// another one leads just behind it, and then the step size is what it was. Returns 0 if there is no such
+/// jump.
+double SundialsIntegrator::Run::StepRoundJump(double t, double h, bool accepted) {
+  if (!jump.known) {
+    if (!FindJump(t, t, t + h)) return 0;
+    jump.step = h;
+  }
+  if (accepted) {
+    Count(h);
+    if (!has_past()) {
+      context.step_start_.size = h;
+      context.step_start_.next_step = context.next_step_;
+    }
+  } else if (t + h <= jump.to + 64 * Tiny(t)) {
+    jump.known = false;  // it was not that jump
+    return 0;
+  }
+  double next = jump.from - t;
+  if (next <= 4 * Tiny(t)) {
+    next = t < jump.to ? jump.to - t + 8 * Tiny(t) : jump.step;
+    jump.known = t < jump.to;
+  }
+  next = std::min(next, end - t);
+  if (!(next > 0)) return 0;
+  context.next_step_ = next;
+  context.last_error_ = 0;
+  return next;
+}
+
 void SundialsIntegrator::Run::ErrorWeights(const double* y, double* weights) {
   const double* const absolute = tolerances.data();
   double* const __restrict__ out = weights;
@@ -391,20 +577,12 @@ void SundialsIntegrator::Run::ErrorWeights(const double* y, double* weights) {
   for (std::size_t i = 0; i < tolerances.size(); ++i) out[i] = 1 / (relative * std::abs(y[i]) + absolute[i]);
 }
 
-/// The state with the largest error estimate in units of its tolerance; where there is no estimate, the one
-/// that changes most in a step of `h`.
-std::string SundialsIntegrator::Run::DescribeWorstState(int flag, double h) {
+/// The state with the largest error estimate in units of its tolerance; without an estimate, the state that
+/// changes most in a step of `h`.
+std::string SundialsIntegrator::Run::DescribeWorstState(double h) {
   if (program.num_continuous == 0) return "none";
   worst = {};
-  if (solver.multistep() || solver.IsErrorTestFailure(flag)) {
-    FindWorstState();
-  } else if (solver.IsTooMuchWork(flag) && options.fixed_step == 0) {
-    // ARKODE keeps no estimate from step to step: ChooseStep looks at that of one step more.
-    double t = 0;
-    seeks_worst = true;
-    solver.Evolve(Target(), &t, true);
-    seeks_worst = false;
-  }
+  if (options.fixed_step == 0) FindWorstState();
   const std::vector<std::string> names = context.diagram().ContinuousStateNames();
   if (worst.error > 0)
     return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
@@ -432,12 +610,142 @@ void SundialsIntegrator::Run::ThrowFailure(int flag) {
   if (!not_finite.empty()) {
     throw RunError(fmt::format("{}: the run cannot go on; check that block and what feeds it", not_finite));
   }
-  const std::string flag_text = solver.Describe(flag);
-  const double t = solver.current_time(), h = solver.current_step();
-  throw RunError(fmt::format(
-      "the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: worst state {} [{}]. Loosen the "
-      "tolerance, or use Method::kBdf or kDirk if the system is stiff",
-      t, h, options.rtol, DescribeWorstState(flag, h), flag_text));
+  ThrowFailure(solver.current_time(), solver.current_step(), solver.Describe(flag));
+}
+
+void SundialsIntegrator::Run::ThrowFailure(double t, double h, const std::string& what) {
+  ++context.instant_;  // the context holds values of different times
+  throw RunError(fmt::format("the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: {} [{}]",
+                             t, h, options.rtol, DescribeFailure(t, h), what));
+}
+
+/// The cause, as far as it can be found, the worst state, and the remedy.
+std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
+  const std::string worst_state = "worst state " + DescribeWorstState(h);
+  const bool for_smooth = internal::IsExplicit(options.method) || options.method == Method::kAdams;
+  try {
+    const std::string jump = DescribeJump(t, h);
+    if (!jump.empty()) return jump + "; " + worst_state;
+    const double rate = FastestRate(t);
+    if (for_smooth && std::abs(h) * rate > 0.5) {
+      return fmt::format(
+          "{}. The system is stiff: its fastest rate there is about {:.2g} /s. Use Method::kBdf or kDirk, or "
+          "loosen the tolerance",
+          worst_state, rate);
+    }
+  } catch (const std::exception&) {
+    // The search for the cause evaluates blocks where the run does not: what they throw there says nothing.
+  }
+  if (std::abs(h) <= 100 * Tiny(t)) {
+    return worst_state +
+           ". The step is within rounding of the time: check the blocks on which that derivative depends. "
+           "Loosen the tolerance if they are right";
+  }
+  return worst_state + ". Loosen the tolerance" +
+         (for_smooth ? ", or use Method::kBdf or kDirk if the system is stiff" : "");
+}
+
+/// Looks for a jump of the derivatives from `from` to `to`, on the line through the states at `t` along the
+/// derivatives there, by halving the interval that holds the largest change. Keeps it in `jump`. Smaller ones
+/// than could cause an error of `shows` tolerances do not count.
+bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double shows) {
+  const auto n = static_cast<std::size_t>(program.num_continuous);
+  if (n == 0) return false;
+  const double* const y = solver.states();
+  std::vector<double> slope(n), x(n), low(n), high(n), middle(n);
+  const auto evaluate = [&](double at, std::vector<double>& f) {
+    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
+    context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
+  };
+  evaluate(t, slope);
+  evaluate(from, low);
+  evaluate(to, high);
+  const auto change = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double tolerance = options.rtol * std::abs(y[i]) + tolerances[i];
+      largest = std::max(largest, std::abs(b[i] - a[i]) / tolerance);
+    }
+    return largest;
+  };
+  const double first = change(low, high);
+  // A jump that would not show in the error test is none, whatever rounding does.
+  jump.known = first * (to - from) > shows;
+  while (jump.known && to - from > 8 * Tiny(t)) {
+    const double at = from + (to - from) / 2;
+    evaluate(at, middle);
+    if (change(low, middle) >= change(middle, high)) {
+      to = at, high.swap(middle);
+    } else {
+      from = at, low.swap(middle);
+    }
+    jump.known = change(low, high) >= kStays * first;
+  }
+  jump.from = from;
+  jump.to = to;
+  return jump.known;
+}
+
+/// The first block that jumps near `t`, and when; empty if none does.
+std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
+  const double reach = 4 * std::max(std::abs(h), 100 * Tiny(t));
+  if (!FindJump(t, t - reach, t + reach, 0)) return "";
+  const auto n = static_cast<std::size_t>(program.num_continuous);
+  const std::vector<double> y(solver.states(), solver.states() + n);
+  std::vector<double> slope(n), x(n), f(n);
+  context.CalcRunDerivatives(std::min(t, last_instant), y.data(), slope.data());
+  const auto evaluate = [&](double at) {
+    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
+    context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
+  };
+  // The first calculation in dataflow order whose value jumps.
+  const auto& calculations = program.calculations;
+  std::vector<std::vector<double>> before_jump(calculations.size());
+  evaluate(jump.from);
+  for (const internal::Op& op : program.derivatives.ops)
+    before_jump[op.calculation] = context.HeldNumbers(*calculations[op.calculation].source);
+  evaluate(jump.to);
+  std::uint32_t first_jump = UINT32_MAX;
+  for (const internal::Op& op : program.derivatives.ops) {
+    const std::vector<double>& a = before_jump[op.calculation];
+    const std::vector<double> b = context.HeldNumbers(*calculations[op.calculation].source);
+    const bool jumps = !std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double a, double b) {
+      return std::abs(b - a) <= 1e-6 * std::max(std::abs(a), std::abs(b));
+    });
+    if (jumps) first_jump = std::min(first_jump, op.calculation);
+  }
+  if (first_jump == UINT32_MAX) return "";
+  return fmt::format(
+      "'{}' jumps at t = {} s. If it jumps in time, declare a NextJump in that block; if in state, a Kink, "
+      "or "
+      "a Witness with a Mode",
+      calculations[first_jump].source->path(), jump.to);
+}
+
+/// A lower estimate of the Lipschitz constant of the derivatives [1/s], along the present derivatives.
+double SundialsIntegrator::Run::FastestRate(double t) {
+  const auto n = static_cast<std::size_t>(program.num_continuous);
+  std::vector<double> x(solver.states(), solver.states() + n), f(n), g(n);
+  context.CalcRunDerivatives(std::min(t, last_instant), x.data(), f.data());
+  double rate = 0;
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    double size = 0, norm = 0, difference = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      size = std::max(size, std::abs(solver.states()[i]) + tolerances[i]);
+      norm = std::max(norm, std::abs(g[i]) + (iteration == 0 ? std::abs(f[i]) : 0));
+    }
+    if (!(norm > 0)) return rate;
+    const double epsilon = 1e-6 * size / norm;
+    for (std::size_t i = 0; i < n; ++i) x[i] = solver.states()[i] + epsilon * (iteration == 0 ? f[i] : g[i]);
+    std::vector<double> moved(n);
+    context.CalcRunDerivatives(std::min(t, last_instant), x.data(), moved.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      g[i] = moved[i] - f[i];
+      difference = std::max(difference, std::abs(g[i]));
+    }
+    rate = difference / (epsilon * norm);
+  }
+  return rate;
 }
 
 SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
@@ -446,18 +754,21 @@ SundialsIntegrator::~SundialsIntegrator() = default;
 bool SundialsIntegrator::can_go_on() const {
   return run_->live && run_->edition == run_->context.edition_;
 }
-SundialsIntegrator::Stop SundialsIntegrator::Start(double end) {
-  return run_->Start(end);
-}
-bool SundialsIntegrator::in_step() const {
-  return run_->in_step;
+bool SundialsIntegrator::Start(double end, bool jumps) {
+  return run_->Start(end, jumps);
 }
 void SundialsIntegrator::Halt() {
   run_->live = false;
   run_->context.step_start_.valid = false;
 }
-SundialsIntegrator::Stop SundialsIntegrator::Advance(bool one_step) {
-  return run_->Advance(one_step);
+void SundialsIntegrator::Advance(bool one_step) {
+  run_->Advance(one_step);
+}
+bool SundialsIntegrator::RetakeBefore(double event) {
+  return run_->RetakeBefore(event);
+}
+double SundialsIntegrator::begin() const {
+  return run_->begin;
 }
 double SundialsIntegrator::finish() const {
   return run_->finish;
@@ -465,11 +776,8 @@ double SundialsIntegrator::finish() const {
 void SundialsIntegrator::MoveContext(double time) {
   run_->MoveContext(time);
 }
-void SundialsIntegrator::ThrowTooManySteps() {
-  run_->ThrowFailure(internal::SundialsSolver::kTooMuchWork);
-}
-const std::vector<int>& SundialsIntegrator::roots() const {
-  return run_->roots;
+void SundialsIntegrator::EvaluateWitnesses(double time, double* values) {
+  run_->EvaluateWitnesses(time, values);
 }
 
 IntegratorStatistics SundialsIntegrator::statistics() const {

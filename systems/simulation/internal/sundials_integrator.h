@@ -11,42 +11,40 @@ namespace tenon {
 
 using internal::Tiny;
 
-/// Moves a context's continuous states in time with SUNDIALS, by way of internal::SundialsSolver. It
-/// integrates ahead: up to `finish`, to which and to any time on the way the context can be moved then. A
-/// Simulator uses it between the ticks that change what is integrated.
+/// Moves a context's continuous states in time with SUNDIALS, through internal::SundialsSolver. It integrates
+/// ahead, to `finish`; the context can then be moved to any time in the last step. A Simulator uses it
+/// between the instants that change what is integrated.
 class SundialsIntegrator {
  public:
   /// Throws ParameterError for an order that the method does not have, or tolerances that are not positive.
   SundialsIntegrator(Context& context, const SimulatorOptions& options);
   ~SundialsIntegrator();
 
-  enum class Stop { kArrived, kRoot, kStep };
-
   /// Whether it can go on from where it has come. If not (at first, after Halt, and when the context was
   /// changed by hand) Start is due.
   bool can_go_on() const;
-  /// Starts at the context's time and states; or, if the context says in which step it was (a clone, or one
-  /// that was restored), takes that step again and goes on from there, bit for bit; methods with a past of
-  /// their own (implicit ones, multistep ones) begin where they started last. `end` is when what is
-  /// integrated will change; infinity if it never does. Returns how the last step that was taken again ended;
-  /// kStep if there was none.
-  Stop Start(double end);
-  /// What is integrated changes here.
+  /// Starts at the context's time and states. If the context says in which step it was (a clone, or one that
+  /// was restored), takes that step again and goes on from there, bit for bit; implicit and multistep
+  /// methods, which have a past, begin where they started last. `end` is when the integrated dynamics change
+  /// next, infinity if never; `jumps` says whether a declared jump is what changes them, so that they must
+  /// not be evaluated at `end`. Returns whether a step was taken again.
+  bool Start(double end, bool jumps);
+  /// The integrated dynamics change here: the next advance begins with Start.
   void Halt();
-  /// Integrates on: to the end of the interval, to a root of a witness, or (`one_step`) for one step. Throws
-  /// RunError: what a block threw, the first value that is not finite, or the worst state by name. The
-  /// context is at no certain time until it is moved.
-  Stop Advance(bool one_step);
-  /// Whether it stands at a root inside a step, which goes on behind it.
-  bool in_step() const;
-  /// How far it has come [s].
+  /// Integrates to the end of the interval or, with `one_step`, by one step. Throws RunError: what a block
+  /// threw, the first value that is not finite, or the cause of the failure. The context is at an undefined
+  /// time until MoveContext is called.
+  void Advance(bool one_step);
+  /// Goes back to the beginning of the last step, to end the interval just before an event in it that changes
+  /// the derivatives; not if the event lies at the very beginning. Returns whether it did.
+  bool RetakeBefore(double event);
+  /// The beginning and the end of the last step [s]; the beginning is known after one_step alone.
+  double begin() const;
   double finish() const;
-  /// Moves the context to `time`, between where Advance began and the finish.
+  /// Moves the context to `time`, in the last step.
   void MoveContext(double time);
-  /// Throws RunError: it takes more steps than SimulatorOptions::max_steps.
-  [[noreturn]] void ThrowTooManySteps();
-  /// After kRoot: +1 or -1 for witnesses that rose or fell, else 0.
-  const std::vector<int>& roots() const;
+  /// Computes the values of all witnesses and kinks at `time`, in the last step.
+  void EvaluateWitnesses(double time, double* values);
   IntegratorStatistics statistics() const;
 
  private:

@@ -16,61 +16,56 @@ inline double Tiny(double time) {
 
 /// Whether ERKStep runs it.
 inline bool IsExplicit(Method method) {
-  return method == Method::kErk || method == Method::kStabilized;
+  return method == Method::kErk || method == Method::kErkOpen || method == Method::kStabilized;
 }
 
-/// What SUNDIALS asks of who uses it. The first two return 0, a positive number for "try a smaller step", or
-/// a negative one for "give up".
+/// The callbacks of a SundialsSolver.
 class SundialsClient {
  public:
+  /// Computes ydot = f(t, y). Returns 0; a positive number asks for a smaller step, a negative one gives up.
   virtual int Derivatives(double t, const double* y, double* ydot) = 0;
-  virtual int Roots(double t, const double* y, double* g) = 0;
-  /// The step to take at `t`, after one of size `h` whose error is `error` tolerances; `order` is that of the
-  /// error estimate.
+  /// Returns the step to take at `t`, after one of size `h` whose error is `error` tolerances; `order` is
+  /// that of the error estimate. Called by Runge-Kutta methods without a fixed step.
   virtual double ChooseStep(double t, double h, double error, int order) = 0;
-  /// What an error of each state counts in the norm that ChooseStep gets; explicit Runge-Kutta methods alone.
+  /// Computes the weight of an error of each state in the norm that ChooseStep gets. Called by explicit
+  /// Runge-Kutta methods.
   virtual void ErrorWeights(const double* y, double* weights) = 0;
 
  protected:
   ~SundialsClient() = default;
 };
 
-/// ERKStep, ARKStep or CVODE behind one interface: owns every SUNDIALS handle, and knows which function of
-/// which of the three does what. No header of SUNDIALS is included anywhere but in its .cc.
+/// ERKStep, ARKStep or CVODE behind one interface. It owns every SUNDIALS handle and checks every call; only
+/// its .cc includes headers of SUNDIALS.
 ///
-/// Explicit Runge-Kutta tables, by order: 2 midpoint with Euler embedded, 3 Ralston with one of order 2
-/// embedded, 4 Zonneveld, 5 Dormand-Prince; stabilized ones of order 2 and 3.
+/// Explicit Runge-Kutta tables, see sundials_solver.cc: pairs of order 2(1), 3(2), 4(3) and 5(4) for
+/// Method::kErk, and tables of one stage less for kErkOpen and kStabilized.
 class SundialsSolver {
  public:
-  /// `absolute_tolerances` one per state; `directions` one per root function: +1, -1 or 0 for both.
-  SundialsSolver(const SimulatorOptions& options, double time, const std::vector<double>& absolute_tolerances,
-                 const std::vector<int>& directions, SundialsClient& client);
+  /// `absolute_tolerances` has one entry per state. `open` allows tables without a stage at the step's end.
+  /// Throws RunError that names the call if SUNDIALS refuses one.
+  SundialsSolver(const SimulatorOptions& options, bool open, double time,
+                 const std::vector<double>& absolute_tolerances, SundialsClient& client);
   ~SundialsSolver();
   SundialsSolver(const SundialsSolver&) = delete;
   SundialsSolver& operator=(const SundialsSolver&) = delete;
 
-  /// The states: set them before Restart, find them here after Evolve.
+  /// The states: set them before Restart, find them here after Step.
   double* states();
 
   /// Starts again at `time` with what is in states(), towards `end`, with a first step of `step`: with all
   /// steps of that size if the options fix them, while CVODE takes one of its own.
   void Restart(double time, double end, double step);
-  /// No step of a multistep method is larger; infinity for no limit.
+  /// Limits the steps of a multistep method; infinity removes the limit.
   void SetMaxStep(double step);
   /// The states at a time within the last step, from CVODE's history; multistep methods alone.
   void Interpolate(double time, int num_states, double* states);
-  /// Up to the end of the interval, a root or, if asked, one step on. Returns SUNDIALS's flag.
-  int Evolve(double end, double* time, bool one_step);
+  /// Takes one step towards `end`. Returns SUNDIALS's flag, which is negative if it failed.
+  int Step(double end, double* time);
 
   bool multistep() const { return options_.method == Method::kBdf || options_.method == Method::kAdams; }
-  /// The same in all three solvers.
-  static bool IsRoot(int flag);
   static bool IsStopTime(int flag);
-  static bool IsErrorTestFailure(int flag);
-  static bool IsTooMuchWork(int flag);
-  static const int kTooMuchWork;
 
-  void GetRoots(std::vector<int>* roots) const;
   /// |local error estimate| times error weight, one per state.
   std::vector<double> WeightedErrors() const;
   double current_time() const;
@@ -79,26 +74,26 @@ class SundialsSolver {
   int last_order() const;
   long steps() const;
   long failed_steps() const;
-  /// What `flag` is called, and what SUNDIALS said last.
+  /// The name of `flag`, and the last message of SUNDIALS.
   std::string Describe(int flag) const;
 
  private:
   struct Api;
   struct Handles;
-  /// Its steps, all chosen by the client, end where the interval does: SUNDIALS need not look for that.
-  bool ends_by_steps() const {
-    return IsExplicit(options_.method) && options_.fixed_step == 0 && directions_.empty();
-  }
-  void CreateRungeKutta(double time, SundialsClient& client);
+  /// Whether its steps, all chosen by the client, end where the interval does.
+  bool ends_by_steps() const { return IsExplicit(options_.method) && options_.fixed_step == 0; }
+  void CreateRungeKutta(bool open, double time, SundialsClient& client);
   void CreateMultistep(double time);
+  void CreateLinearSolver();
+  /// Throws RunError if `flag`, which the function named returned, is negative.
+  void Check(int flag, const char* function) const;
 
   const Api& api_;
   SimulatorOptions options_;
   std::unique_ptr<Handles> handles_;
-  void* memory_ = nullptr;  ///< of ERKStep, ARKStep or CVODE
-  std::vector<int> directions_;
-  std::string message_;
-  long earlier_steps_ = 0, earlier_failures_ = 0;  // CVodeReInit sets its counters back
+  void* memory_ = nullptr;                         ///< of ERKStep, ARKStep or CVODE
+  std::string message_;                            ///< the last one of SUNDIALS
+  long earlier_steps_ = 0, earlier_failures_ = 0;  ///< CVodeReInit resets its counters
 };
 
 }  // namespace tenon::internal

@@ -226,7 +226,7 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
     EXPECT_LT(statistics.steps, 2000);
     EXPECT_LT(statistics.failed_steps, statistics.steps);
     EXPECT_GT(statistics.evaluations, statistics.steps);
-    EXPECT_GT(statistics.smallest_step, 1e-9);
+    EXPECT_GT(statistics.smallest_step, 1e-12);  // of CVODE, behind a tick
     EXPECT_LE(statistics.largest_step, 0.1);
     EXPECT_GE(statistics.last_order, 1);
     EXPECT_LE(statistics.last_order, 3);
@@ -234,10 +234,11 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
 }
 
 TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
-  // And no evaluation at its end, where the tick changes the derivatives.
+  // And, with an open table, no evaluation at its end, where the tick changes the derivatives.
   using Case = std::tuple<Method, int, int>;  // order, evaluations
   for (const auto& [method, order, evaluations] :
-       {Case{Method::kErk, 2, 2}, Case{Method::kErk, 3, 3}, Case{Method::kStabilized, 2, 3},
+       {Case{Method::kErk, 2, 3}, Case{Method::kErk, 3, 4}, Case{Method::kErkOpen, 2, 2},
+        Case{Method::kErkOpen, 3, 3}, Case{Method::kStabilized, 2, 3},
         Case{Method::kStabilized, 3, 4}}) {
     DiagramBuilder builder;
     AddRestarts(builder, "ticks", Hz(1000), builder.Add<Oscillator>("plant").u);
@@ -304,13 +305,13 @@ TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
               ThrowsMessage<RunError>(AllOf(HasSubstr("'stiff.x'"), HasSubstr("use Method::kBdf or kDirk"))));
 }
 
-TEST(SundialsIntegratorTest, TooManyStepsBetweenTwoTicksAreAnError) {
+TEST(SundialsIntegratorTest, ALongAdvanceMayTakeMoreSteps) {
+  // max_steps counts those within a tenth of a second: 10 here.
   DiagramBuilder builder;
   AddRestarts(builder, "ticks", Hz(1), builder.Add<Oscillator>("plant").u);
   Simulator simulator(builder.Build(), {.max_step = 0.01, .max_steps = 50});
-  EXPECT_THAT(
-      [&] { simulator.RunTo(1); },
-      ThrowsMessage<RunError>(AllOf(HasSubstr("'plant.x"), HasSubstr("the interval takes too many steps"))));
+  simulator.RunTo(3);
+  EXPECT_GE(simulator.statistics().steps, 300);
 }
 
 TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {

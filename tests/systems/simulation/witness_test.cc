@@ -69,10 +69,8 @@ TEST(WitnessTest, ZenoIsAnErrorThatNamesTheWitness) {
   builder.Add<Ball>("ball");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  EXPECT_THAT(
-      [&] { simulator.RunTo(4); },
-      ThrowsMessage<RunError>(AllOf(HasSubstr("witness 'ball.impact' fires for the 101th time at t = 3.0000"),
-                                    HasSubstr("move the state away from the crossing"))));
+  EXPECT_THAT([&] { simulator.RunTo(4); },
+              ThrowsMessage<RunError>(AllOf(HasSubstr("'ball.impact'"), HasSubstr("accumulate"))));
 }
 
 /// Notes the times at which sin(w t) crosses zero; has no continuous state.
@@ -213,13 +211,14 @@ class Flip final : public LeafSystem<void> {
   Update<double> flip{s, w, Uses(s), [](double s) { return -s; }};
 };
 
-TEST(WitnessTest, UpdateThatFlipsItsOwnWitnessIsAnError) {
+TEST(WitnessTest, UpdateThatFlipsItsOwnWitnessIsOneEvent) {
+  // The witness starts anew on the side that the update has sent it to.
   DiagramBuilder builder;
-  builder.Add<Flip>("flip");
+  auto& flip = builder.Add<Flip>("flip");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.max_events = 10});
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(HasSubstr("witness 'flip.w' fires for the 11th time at t = 0.5 s")));
+  simulator.RunTo(1);
+  EXPECT_EQ(simulator.context().Eval(flip.s), 1);  // disturbed once, and flipped back once
 }
 
 enum class Heater { kOff, kOn };
