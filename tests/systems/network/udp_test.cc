@@ -1,6 +1,7 @@
 #include <tenon/systems/network/udp.h>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
