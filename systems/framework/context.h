@@ -95,7 +95,7 @@ class Context {
   std::vector<std::byte> Save() const;
   /// Takes over what Save gave, from a context of the same diagram; throws RunError that says why, and
   /// changes nothing, if it is of another diagram or version, cut short or changed: it carries a checksum.
-  /// Logs of the run drop what then did not happen as soon as it goes on, see LogSink.
+  /// When the run goes on, its logs drop the rows after the restored time, see LogSink.
   void Restore(std::span<const std::byte> bytes);
   /// The same with a file, written as a whole; throws RunError (OutputError) that names the file if it cannot
   /// be written or read.

@@ -25,7 +25,7 @@ void Assembly::MarkBuilt() {
   built_ = true;
   for (const auto* blocks : {&blocks_, &replaced_}) {
     for (const auto& block : *blocks) {
-      if (self_ == nullptr) block->holder_ = nullptr;  // another builder may come to lie where this one is
+      if (self_ == nullptr) block->holder_ = nullptr;  // another builder may be created at this address
       if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) nested->MarkBuilt();
     }
   }

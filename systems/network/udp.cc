@@ -41,8 +41,7 @@ class UdpInbox final : public Inbox {
   int port() const { return socket_.port(); }
 
  private:
-  /// The system drops what comes when a socket's buffer is full, that is, the newest: so it is emptied at
-  /// once.
+  /// Empties the socket: the system drops new datagrams while its buffer is full.
   void Collect() {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < kMostMessages; ++i) {  // a sender that never pauses does not hold this up

@@ -17,10 +17,10 @@ namespace tenon {
 
 /// Takes the rows of a log as the run goes. Time is the first column.
 ///
-/// A log holds one run, without what then did not happen: when the run goes on after Context::Restore has set
-/// it back, the sinks first drop the rows at or after the present time (those after it, if the tick at it
-/// belongs to the snapshot). Rows before it stay, and time never goes back in MemoryLog, CsvLog and reports.
-/// A restored time that lies ahead leaves a gap. Sinks that cannot take rows back need Simulator::HoldLogs.
+/// A log holds one run. When the run goes on after Context::Restore has set it back, each sink first drops
+/// the rows after the restored time, and the row at that time if its tick has yet to happen. Earlier rows
+/// stay, so time never goes back in MemoryLog, CsvLog and reports. A restored time that lies ahead leaves a
+/// gap. For sinks that cannot drop rows, use Simulator::HoldLogs.
 class LogSink {
  public:
   virtual ~LogSink() = default;

@@ -7,9 +7,10 @@
 
 namespace tenon::internal {
 
-/// Turns into whatever a member is initialised with, into a matrix only if `IsMatrix`. Never evaluated. (What
-/// turns into a matrix makes compilers instantiate a constructor of std::optional<Matrix> that does not
-/// compile; so no optional is ever initialised by it.)
+/// Converts to the type of any member, to a matrix only if `IsMatrix`. Never evaluated.
+///
+/// An optional must not be initialised by one that converts to matrices: compilers would instantiate a
+/// constructor of std::optional<Matrix> that does not compile. AnyMember<false> initialises any optional.
 template <bool IsMatrix>
 struct AnyMember {
   template <class Member>
@@ -17,7 +18,7 @@ struct AnyMember {
       const;  // NOLINT(google-explicit-constructor)
 };
 
-/// Turns into a base of T.
+/// Converts to a base of T.
 template <class T>
 struct AnyBase {
   template <class Base>

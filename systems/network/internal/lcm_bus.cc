@@ -84,7 +84,7 @@ LcmBus::Subscription::Subscription(std::shared_ptr<LcmBus> bus, const std::strin
   mail_ = &bus_->mails_.emplace_back(Mail{bus_.get()});
   subscription_ = lcm_subscribe(bus_->lcm_, Quoted(channel).c_str(), &Handle, mail_);
   if (subscription_ == nullptr) ThrowNotOpen(bus_->url_);
-  // LCM drops what comes when a queue is full, that is, the newest: where that counts, 0 is without limit.
+  // A full queue of LCM drops new messages. 0 means no limit: the watcher empties it.
   lcm_subscription_set_queue_capacity(subscription_, on_demand ? static_cast<int>(kMostMessages) : 0);
   if (on_demand || bus_->watcher_) return;
   bus_->watcher_.emplace(lcm_get_fileno(bus_->lcm_), [bus = bus_.get()] {

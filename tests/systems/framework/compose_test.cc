@@ -286,7 +286,7 @@ TEST(ComposeTest, ABuilderThatHasBuiltIsDone) {
   EXPECT_EQ(diagram->CreateContext()->Save().size(), size);
 }
 
-// Another builder may come to lie at the address of the one that is gone.
+// A builder may be created at the address of one that is gone.
 TEST(ComposeTest, ABuilderKnowsNoBlocksOfTheOneThatWasThereBefore) {
   std::optional<DiagramBuilder> builder;
   builder.emplace();
