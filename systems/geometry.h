@@ -102,11 +102,10 @@ struct Shape {
 
   /// What moves.
   static FieldList Fields() {
-    return {{"p_W", &Shape::p_W, "m"},
-            {"q_W", &Shape::q_W, "", "w,x,y,z"},
-            {"vector_W", &Shape::vector_W},
-            {"value", &Shape::value},
-            {"visible", &Shape::visible}};
+    return {{"p_W", &Shape::p_W, "m"},  {"q_W", &Shape::q_W, "", "w,x,y,z"}, {"vector_W", &Shape::vector_W},
+            {"value", &Shape::value},   {"visible", &Shape::visible},        Undescribed(&Shape::kind),
+            Undescribed(&Shape::role),  Undescribed(&Shape::name),           Undescribed(&Shape::size),
+            Undescribed(&Shape::scale), Undescribed(&Shape::unit),           Undescribed(&Shape::mesh)};
   }
 };
 

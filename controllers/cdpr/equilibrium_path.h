@@ -144,7 +144,7 @@ class EquilibriumPath {
 struct FollowedPath {
   std::shared_ptr<const EquilibriumPath> path;
 
-  static FieldList Fields() { return {}; }
+  static FieldList Fields() { return {Undescribed(&FollowedPath::path)}; }
 };
 
 }  // namespace tenon

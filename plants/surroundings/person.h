@@ -63,7 +63,8 @@ struct PersonParams {
             {"felt_tension_N", &PersonParams::felt_tension},
             {"hand_height_m", &PersonParams::hand_height},
             {"start_m", &PersonParams::start},
-            Required("phases", &PersonParams::phases)};
+            Required("phases", &PersonParams::phases),
+            Undescribed(&PersonParams::rate)};
   }
   void Validate() const;  ///< throws ParameterError
 };

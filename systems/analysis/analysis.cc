@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include <tenon/systems/analysis/internal/numbers.h>
@@ -41,6 +42,35 @@ double Step(double value) {
   return 1e-6 * (1 + std::abs(value));
 }
 
+/// Difference quotients of all derivatives and outputs: over a step up, a step down, and both.
+struct Slopes {
+  double step;
+  Eigen::VectorXd above, below, central;
+
+  /// Whether the sides differ by more than rounding errors, which come with the scale of the values.
+  bool Differ(Eigen::Index row, double scale) const {
+    const double difference = std::abs(above[row] - below[row]);
+    return difference > 1e-3 * std::max(std::abs(above[row]), std::abs(below[row])) &&
+           difference > 1e-6 * scale;
+  }
+  /// Whether the change over the step is large for a value, as in a jump, and more than rounding errors.
+  bool MayJump(Eigen::Index row, double value, double scale) const {
+    return std::abs(central[row]) * step > 1e-3 * std::abs(value) && std::abs(central[row]) > 1e-3 * scale;
+  }
+};
+
+enum class Smoothness { kSmooth, kKink, kJump };
+
+/// With a tenth of the step, the difference of the slopes that comes from curvature is a tenth; that of a
+/// kink stays, and that of a kink which lies inside the longer step alone is gone. The slope at a jump grows.
+Smoothness Judge(const Slopes& slopes, const Slopes& nearer, Eigen::Index row, double value, double scale) {
+  if (slopes.MayJump(row, value, scale) && std::abs(nearer.central[row]) > 2 * std::abs(slopes.central[row]))
+    return Smoothness::kJump;
+  const double ratio = (nearer.above[row] - nearer.below[row]) / (slopes.above[row] - slopes.below[row]);
+  const bool kink = std::abs(ratio) < 0.02 || (ratio > 0.5 && ratio < 2);  // or else values are noisy
+  return kink && slopes.Differ(row, scale) ? Smoothness::kKink : Smoothness::kSmooth;
+}
+
 }  // namespace
 
 LinearModel Linearize(const Context& original, const std::vector<const Source*>& inputs,
@@ -63,24 +93,58 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
   model.outputs = internal::NumberNames(*context, outputs);
 
   const Eigen::Index n = model.x0.size(), m = model.u0.size(), p = model.y0.size();
-  Eigen::MatrixXd dynamics(n, n + m), readout(p, n + m);
   const Eigen::VectorXd center = variables.Get();
+  Eigen::VectorXd middle(n + p);
+  middle << model.xdot0, model.y0;
+  const auto values_at = [&](Eigen::Index i, double value) {
+    Eigen::VectorXd point = center, values(n + p);
+    point[i] = value;
+    variables.Set(point);
+    values << context->EvalTimeDerivatives(), evaluate_outputs();
+    return values;
+  };
+  Eigen::MatrixXd slopes(n + p, n + m);
+  std::vector<Slopes> sides;
+  const auto differentiate = [&](Eigen::Index i, double step) -> Slopes {
+    const double high = center[i] + step, low = center[i] - step;
+    const Eigen::VectorXd above = values_at(i, high), below = values_at(i, low);
+    return {step, (above - middle) / (high - center[i]), (middle - below) / (center[i] - low),
+            (above - below) / (high - low)};
+  };
   for (Eigen::Index i = 0; i < n + m; ++i) {
-    Eigen::VectorXd point = center;
-    point[i] = center[i] + Step(center[i]);
-    const double above = point[i];
-    variables.Set(point);
-    const Eigen::VectorXd dynamics_above = context->EvalTimeDerivatives(), readout_above = evaluate_outputs();
-    point[i] = center[i] - Step(center[i]);
-    const double width = above - point[i];
-    variables.Set(point);
-    dynamics.col(i) = (dynamics_above - context->EvalTimeDerivatives()) / width;
-    readout.col(i) = (readout_above - evaluate_outputs()) / width;
+    sides.push_back(differentiate(i, Step(center[i])));
+    slopes.col(i) = sides.back().central;
   }
-  model.A = dynamics.leftCols(n);
-  model.B = dynamics.rightCols(m);
-  model.C = readout.leftCols(n);
-  model.D = readout.rightCols(m);
+
+  const Eigen::VectorXd scales =
+      middle.cwiseAbs().cwiseMax(slopes.cwiseAbs() * (1 + center.array().abs()).matrix());
+  for (Eigen::Index i = 0; i < n + m; ++i) {
+    const Slopes& side = sides[static_cast<std::size_t>(i)];
+    std::optional<Slopes> nearer;
+    for (Eigen::Index row = 0; row < n + p; ++row) {
+      if (!side.Differ(row, scales[row]) && !side.MayJump(row, middle[row], scales[row])) continue;
+      if (!nearer) nearer = differentiate(i, side.step / 10);
+      const Smoothness smoothness = Judge(side, *nearer, row, middle[row], scales[row]);
+      if (smoothness == Smoothness::kSmooth) continue;
+      const auto name = [](const std::vector<std::string>& names, Eigen::Index k) {
+        return "'" + names[static_cast<std::size_t>(k)] + "'";
+      };
+      const std::string moved = i < n ? name(model.states, i) : name(model.inputs, i - n);
+      throw RunError(fmt::format(
+          "Linearize: {} has no derivative with respect to {} at {}: {}. Linearise beside that point: move "
+          "{} "
+          "by more than {:.3g} to the side that counts",
+          row < n ? "d/dt of " + name(model.states, row) : name(model.outputs, row - n), moved, center[i],
+          smoothness == Smoothness::kJump
+              ? std::string("it jumps")
+              : fmt::format("its slope is {:.6g} above and {:.6g} below", side.above[row], side.below[row]),
+          moved, side.step));
+    }
+  }
+  model.A = slopes.topLeftCorner(n, n);
+  model.B = slopes.topRightCorner(n, m);
+  model.C = slopes.bottomLeftCorner(p, n);
+  model.D = slopes.bottomRightCorner(p, m);
   return model;
 }
 

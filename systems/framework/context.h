@@ -95,6 +95,7 @@ class Context {
   std::vector<std::byte> Save() const;
   /// Takes over what Save gave, from a context of the same diagram; throws RunError that says why, and
   /// changes nothing, if it is of another diagram or version, cut short or changed: it carries a checksum.
+  /// When the run goes on, its logs drop the rows after the restored time, see LogSink.
   void Restore(std::span<const std::byte> bytes);
   /// The same with a file, written as a whole; throws RunError (OutputError) that names the file if it cannot
   /// be written or read.
@@ -219,9 +220,13 @@ class Context {
     std::vector<double> states = {}, witnesses = {};
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},           {"size", &StepStart::size},
-              {"next_step", &StepStart::next_step}, {"last_error", &StepStart::last_error},
-              {"states", &StepStart::states},       {"witnesses", &StepStart::witnesses}};
+      return {{"time", &StepStart::time},
+              {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step},
+              {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states},
+              {"witnesses", &StepStart::witnesses},
+              Undescribed(&StepStart::valid)};  // saved apart, before the others
     }
   } step_start_;
 };

@@ -12,7 +12,27 @@ namespace tenon {
 
 namespace internal {
 
+void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const {
+  if (!built_) return;
+  throw BuildError(fmt::format(
+      "{}({}): {} built already, and what is built does not change; call it before Build, or make "
+      "another builder",
+      call, subject.empty() ? "" : "'" + subject + "'",
+      self_ == nullptr ? "this builder has" : fmt::format("the diagram with '{}' is", self_->path())));
+}
+
+void Assembly::MarkBuilt() {
+  built_ = true;
+  for (const auto* blocks : {&blocks_, &replaced_}) {
+    for (const auto& block : *blocks) {
+      if (self_ == nullptr) block->holder_ = nullptr;  // another builder may be created at this address
+      if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) nested->MarkBuilt();
+    }
+  }
+}
+
 void Assembly::CheckName(const std::string& name) const {
+  CheckNotBuilt("Add", name);
   if (name.empty() || name.find_first_of(". \t\n,") != std::string::npos) {
     throw BuildError(fmt::format(
         "a block cannot be named '{}': names are not empty and hold no dot, comma or blank", name));
@@ -49,6 +69,7 @@ bool Assembly::IsBelow(const System& block) const {
 }
 
 void Assembly::CheckBelow(const System& block) const {
+  CheckNotBuilt("Replace", block.path());
   if (!IsBelow(block)) {
     throw BuildError(fmt::format(
         "block '{}' cannot be replaced here: it was not added to this builder or nested diagram, or is built "
@@ -134,6 +155,7 @@ System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
 }
 
 void Assembly::Splice(const Source& output, Source& in, const Source& out) {
+  CheckNotBuilt("Insert", in.path());
   for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
   if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
     throw BuildError(
@@ -161,6 +183,7 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
 }
 
 void Assembly::Disconnect(Source& input) {
+  CheckNotBuilt("Disconnect", input.path());
   CheckStands(input);
   const bool port =
       input.kind() == SourceKind::kInput || (input.kind() == SourceKind::kOutput && input.run_ == nullptr &&
@@ -173,6 +196,7 @@ void Assembly::Disconnect(Source& input) {
 }
 
 void Assembly::Join(const Source& from, Source& to) {
+  CheckNotBuilt("Connect", to.path());
   for (const Source* port : {&from, static_cast<const Source*>(&to)}) {
     if (const std::string fault = DescribeReplacement(*port); !fault.empty()) throw BuildError(fault);
   }
@@ -236,18 +260,20 @@ const Source& Source::Current() const {
                   path(), replaced->path(), name(), type_name()));
 }
 
-std::shared_ptr<const Diagram> DiagramBuilder::Compile(bool open_inputs) {
+std::shared_ptr<const Diagram> DiagramBuilder::Compile(const char* call, bool open_inputs) {
+  CheckNotBuilt(call, "");
   auto program =
       std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks(), open_inputs));
+  MarkBuilt();
   return std::shared_ptr<const Diagram>(new Diagram(TakeBlocks(), TakeReplaced(), std::move(program)));
 }
 
 std::shared_ptr<const Diagram> DiagramBuilder::Build() {
-  return Compile(false);
+  return Compile("Build", false);
 }
 
 std::shared_ptr<const Diagram> DiagramBuilder::BuildWithOpenInputs() {
-  return Compile(true);
+  return Compile("BuildWithOpenInputs", true);
 }
 
 }  // namespace tenon

@@ -36,7 +36,8 @@ struct ParamsOfBlock<Block> {
 template <class Block>
 using ParamsOf = typename ParamsOfBlock<Block>::Type;
 
-/// What DiagramBuilder and Subdiagram share: blocks, and connections between them.
+/// What DiagramBuilder and Subdiagram share: blocks, and connections between them. As soon as the diagram is
+/// built, whatever would change it throws BuildError.
 class Assembly {
  public:
   Assembly(const Assembly&) = delete;
@@ -141,11 +142,11 @@ class Assembly {
  protected:
   explicit Assembly(System* self) : self_(self) {}
   ~Assembly() = default;
-  std::vector<std::unique_ptr<System>> TakeBlocks() {
-    by_name_.clear();
-    return std::move(blocks_);
-  }
+  std::vector<std::unique_ptr<System>> TakeBlocks() { return std::move(blocks_); }
   std::vector<std::unique_ptr<System>> TakeReplaced() { return std::move(replaced_); }
+  void CheckNotBuilt(const char* call, const std::string& subject) const;
+  /// From now on nothing changes it, or a diagram nested in it.
+  void MarkBuilt();
 
  private:
   friend class Compiler;
@@ -183,6 +184,7 @@ class Assembly {
   [[noreturn]] static void RethrowWithName(const std::string& name);
 
   System* self_;  ///< the subdiagram, or null at top level
+  bool built_ = false;
   std::vector<std::unique_ptr<System>> blocks_;
   std::unordered_map<std::string, const System*> by_name_;  ///< the same
   std::vector<std::unique_ptr<System>> replaced_;
@@ -233,6 +235,7 @@ class FunctionBlock final : public Leaf {
 template <class... A, class F, class... When>
 auto& Assembly::MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
   using R = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
+  CheckNotBuilt("AddFunction", spec.name);
   if (uses.undeclared > 0) ThrowUndeclared("the function '" + spec.name + "'", "a member");
   auto& block = Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), when...);
   for (std::size_t i = 0; i < uses.slots.size(); ++i) {
@@ -247,16 +250,19 @@ auto& Assembly::MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F funct
 class DiagramBuilder : public internal::Assembly {
  public:
   DiagramBuilder() : Assembly(nullptr) {}
-  /// Checks and compiles the diagram, which owns the blocks from then on; the builder is empty. Throws
-  /// BuildError with all faults that it finds: unconnected inputs, units or sizes that differ, algebraic
-  /// loops (with every hop), states without derivative, offsets without initial value. Then the builder is as
-  /// before: mend the diagram and build again.
+  /// Checks and compiles the diagram, which owns the blocks from then on. The builder is empty and done: Add,
+  /// Connect, Build and whatever else would change it throw BuildError, also those of nested diagrams; for
+  /// another diagram make another builder.
+  ///
+  /// Throws BuildError with all faults that it finds: unconnected inputs, units or sizes that differ,
+  /// algebraic loops (with every hop), states without derivative, offsets without initial value. Then the
+  /// builder is as before: mend the diagram and build again.
   std::shared_ptr<const Diagram> Build();
   /// The same, but leaves inputs that are not connected open, to be fixed by hand in each context.
   std::shared_ptr<const Diagram> BuildWithOpenInputs();
 
  private:
-  std::shared_ptr<const Diagram> Compile(bool open_inputs);
+  std::shared_ptr<const Diagram> Compile(const char* call, bool open_inputs);
 };
 
 /// A block made of blocks. Derive from it, declare ports as members, and add and connect inside the

@@ -22,6 +22,10 @@ std::size_t OffsetOf(Member Struct::*member) {
                                   reinterpret_cast<const std::byte*>(somewhere));
 }
 
+/// How many initialisers a member takes in the braces of its struct: a C array as many as it has items.
+template <class Member>
+inline constexpr std::size_t kInitializers = sizeof(Member) / sizeof(std::remove_all_extents_t<Member>);
+
 }  // namespace internal
 
 /// One member of a struct that describes itself: its name, its units and the names of its elements if it has
@@ -38,21 +42,35 @@ std::size_t OffsetOf(Member Struct::*member) {
 ///     };
 ///
 /// A struct of parameters carries the unit in the key (`mass_kg`) and marks what has no default as Required.
+///
+/// Every member must be listed, as Undescribed if it is meant to stay out of logs and snapshots: the first
+/// use of a struct whose list lacks a member throws BuildError. The members of an aggregate are counted. In a
+/// class with constructors, private members or bases, the listed members must fill the object except for
+/// padding; a forgotten member that is small enough to lie in padding is not noticed there.
 class Field {
  public:
   template <class Struct, class Member>
   Field(const char* name, Member Struct::*member, const char* units = "", const char* elements = "")
-      : name(name),
-        units(units),
-        elements(elements),
-        offset(internal::OffsetOf(member)),
-        type(&internal::TypeInfoOf<Member>) {}
+      : Field(member) {
+    this->name = name;
+    this->units = units;
+    this->elements = elements;
+    type = &internal::TypeInfoOf<Member>;
+  }
+  /// A member that is not described: see Undescribed.
+  template <class Struct, class Member>
+  explicit Field(Member Struct::*member)
+      : offset(internal::OffsetOf(member)),
+        size(sizeof(Member)),
+        initializers(internal::kInitializers<Member>) {}
 
-  const char* name;
-  const char* units;
-  const char* elements;                 ///< names of a vector's elements or of an array's items, as in a Spec
-  std::size_t offset;                   ///< of the member in the struct [bytes]
-  const internal::TypeInfo& (*type)();  ///< of the member
+  const char* name = "";
+  const char* units = "";
+  const char* elements = "";  ///< names of a vector's elements or of an array's items, as in a Spec
+  std::size_t offset;         ///< of the member in the struct [bytes]
+  std::size_t size;           ///< of the member [bytes]
+  std::size_t initializers;   ///< of the member, in the braces of its struct
+  const internal::TypeInfo& (*type)() = nullptr;  ///< of the member; null if it is not described
   bool required = false;
 };
 
@@ -65,6 +83,13 @@ Field Required(const char* name, Member Struct::*member) {
   Field field(name, member);
   field.required = true;
   return field;
+}
+
+/// A member that logs, files and snapshots leave out: a pointer to shared data, say, or what is computed from
+/// the others. A clone of a context has it; a context that is restored keeps its own.
+template <class Struct, class Member>
+Field Undescribed(Member Struct::*member) {
+  return Field(member);
 }
 
 /// True for structs with a static `FieldList Fields()`.

@@ -74,6 +74,12 @@ void GrowingFile::Append(std::string_view text) {
   size_ += text.size();
 }
 
+void GrowingFile::Truncate(std::size_t size) {
+  const auto end = static_cast<::off_t>(size);
+  if (::ftruncate(descriptor_, end) != 0 || ::lseek(descriptor_, end, SEEK_SET) < 0) Fail(path_, errno);
+  size_ = size;
+}
+
 void GrowingFile::Sync() const {
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
     Fail(path_, errno);  // no disk behind it

@@ -33,6 +33,10 @@ class GrowingFile {
 
   /// Writes at its end. Throws OutputError with the cause; then the file is as it was before.
   void Append(std::string_view text);
+  /// Takes back all behind the first `size` bytes. Throws OutputError if that is not possible: a pipe keeps
+  /// what it has.
+  void Truncate(std::size_t size);
+  std::size_t size() const { return size_; }  ///< [bytes]
   /// Waits until all of it is on the disk, so that a power failure does not take it. Throws OutputError.
   void Sync() const;
   const std::filesystem::path& path() const { return path_; }

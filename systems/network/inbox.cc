@@ -14,9 +14,6 @@ namespace tenon {
 namespace internal {
 namespace {
 
-/// A sender that never pauses does not keep a tick for ever.
-constexpr int kMostAtATick = 4096;
-
 /// Both sides count the same ticks; only rounding tells their times apart.
 double Rounding(double time) {
   return 1e-9 * (1 + std::abs(time));
@@ -49,10 +46,8 @@ bool Inbox::ReadOrRefuse(std::span<const char> message, double* timestamp, void*
 bool Inbox::TakeNewest(void* value, RefusedMessages& refused) {
   bool taken = false;
   double timestamp = 0;
-  for (int i = 0; i < kMostAtATick; ++i) {
-    const auto message = Receive(0);
-    if (!message) break;
-    if (ReadOrRefuse(*message, &timestamp, value, refused)) taken = true;
+  for (const std::vector<char>& message : TakeAll()) {
+    if (ReadOrRefuse(message, &timestamp, value, refused)) taken = true;
   }
   return taken;
 }

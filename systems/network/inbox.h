@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <tenon/systems/framework/fields.h>
 #include <tenon/systems/io/recording.h>
@@ -40,7 +43,14 @@ class Inbox {
   bool Take(double time, void* value, RefusedMessages& refused);
 
  protected:
-  /// The next message, waiting for it as long [s]; nothing if none comes. It is read before the next.
+  /// How many messages wait for a tick at most; of more, the oldest are dropped unread.
+  static constexpr std::size_t kMostMessages = 4096;
+  using Messages = std::deque<std::vector<char>>;
+
+  /// All messages that wait, in their order: whatever the rates are, the newest is among them.
+  virtual Messages TakeAll() = 0;
+  /// In lock-step: the next message, waiting for it as long [s]; nothing if none comes. It is read before the
+  /// next.
   virtual std::optional<std::span<const char>> Receive(double timeout_s) = 0;
   /// Returns why the message is refused, with `value` as it was; empty if it is not.
   virtual std::string Read(std::span<const char> message, double* timestamp, void* value) = 0;

@@ -10,9 +10,13 @@ namespace {
 class LcmInbox final : public Inbox {
  public:
   LcmInbox(const std::string& channel, const std::string& url, Reception reception, const TypeInfo& type)
-      : Inbox(reception), channel_(channel), type_(type), subscription_(LcmBus::Open(url), channel) {}
+      : Inbox(reception),
+        channel_(channel),
+        type_(type),
+        subscription_(LcmBus::Open(url), channel, reception.lock_step) {}
 
  private:
+  Messages TakeAll() override { return subscription_.TakeAll(); }
   std::optional<std::span<const char>> Receive(double timeout_s) override {
     if (!subscription_.Take(timeout_s, message_)) return {};
     return message_;

@@ -2,8 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <mutex>
+#include <optional>
+#include <utility>
+
 #include <tenon/systems/network/internal/json_reader.h>
 #include <tenon/systems/network/internal/udp_socket.h>
+#include <tenon/systems/network/internal/watcher.h>
 
 namespace tenon::internal {
 namespace {
@@ -30,10 +35,27 @@ class UdpInbox final : public Inbox {
       : Inbox(reception.reception),
         name_(reception.name),
         reader_(reception.name, type, model, reception.spec),
-        socket_(UdpSocket::Use::kReceive, reception.address, reception.port) {}
+        socket_(UdpSocket::Use::kReceive, reception.address, reception.port) {
+    if (!reception.reception.lock_step) watcher_.emplace(socket_.file(), [this] { return Collect(), true; });
+  }
   int port() const { return socket_.port(); }
 
  private:
+  /// Empties the socket: the system drops new datagrams while its buffer is full.
+  void Collect() {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < kMostMessages; ++i) {  // a sender that never pauses does not hold this up
+      const auto message = socket_.Receive(0);
+      if (!message) return;
+      if (messages_.size() == kMostMessages) messages_.pop_front();
+      messages_.emplace_back(message->begin(), message->end());
+    }
+  }
+  Messages TakeAll() override {
+    Collect();
+    const std::lock_guard lock(mutex_);
+    return std::exchange(messages_, {});
+  }
   std::optional<std::span<const char>> Receive(double timeout_s) override {
     return socket_.Receive(timeout_s);
   }
@@ -47,6 +69,9 @@ class UdpInbox final : public Inbox {
   const std::string name_;
   JsonReader reader_;
   UdpSocket socket_;
+  std::mutex mutex_;  ///< of what follows, and of the socket without lock-step
+  Messages messages_;
+  std::optional<Watcher> watcher_;
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ struct UdpInputParams {
 ///
 /// `timestamp` is the time of the run [s]. The elements have the names that logs give them, a dot being a
 /// level. Numbers are written so that they read back bit for bit; "NaN", "Infinity" and "-Infinity" are
-/// texts, since JSON has no such numbers. What is no number is left out.
+/// texts, since JSON has no such numbers: a UdpInput refuses them. What is no number is left out.
 ///
 ///     builder.Connect(cart.state, builder.Add<UdpPublisher<Vec<2>>>("to_plots", {.name = "cart"}).u);
 ///
@@ -72,18 +72,20 @@ class UdpPublisher final : public LeafSystem<UdpPublisherParams> {
 ///
 ///     auto& speed = builder.Add<UdpInput<double>>("speed", {.name = "speed", .rate = Hz(100)});
 ///
-/// At each of its ticks the message that came last is taken over, and held until the next. With `lock_step` a
-/// tick waits for the message that carries its own time: two programs that send at each tick and receive in
-/// lock-step go on together, however fast they are, and are one simulation (docs/network.md). Since all that
-/// does not depend on it is sent before, it can wait for the answer to what is sent at the same tick.
+/// At each of its ticks the message that came last is taken over, and held until the next; this holds for any
+/// rate of the sender, since a thread of the block empties the socket all the time. Of more than 4096
+/// messages between two ticks the oldest are not looked at. With `lock_step` a tick waits for the message
+/// that carries its own time: two programs that send at each tick and receive in lock-step go on together,
+/// however fast they are, and are one simulation (docs/network.md). Since all that does not depend on it is
+/// sent before, it can wait for the answer to what is sent at the same tick.
 ///
 ///     | port | kind            | size | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// A message must have all elements of the signal, flat ("cart.position") or nested, a number "timestamp",
-/// and nothing else. Others are refused: `context.Eval(speed.refused)` says how many there were, and why the
-/// last was. Recording and replay are those of ExternalInput. The port belongs to the block: let one context
-/// run at a time.
+/// A message must have all elements of the signal as numbers, flat ("cart.position") or nested, a number
+/// "timestamp", and nothing else. Others are refused, also those with the text "NaN" for a number:
+/// `context.Eval(speed.refused)` says how many there were, and why the last was. Recording and replay are
+/// those of ExternalInput. The port belongs to the block: let one context run at a time.
 ///
 /// Throws ParameterError if the address does not exist or the port is taken, or if T holds no numbers; in
 /// lock-step RunError, if the message of a tick does not come in time or was lost.

@@ -1,30 +1,15 @@
 #include <tenon/systems/simulation/background_log.h>
 
 #include <algorithm>
-#include <csignal>
 #include <system_error>
+
+#include <tenon/systems/io/internal/no_signals.h>
 
 namespace tenon {
 namespace {
 
 constexpr std::size_t kBlockSize = 1 << 13;  // numbers
 constexpr auto kLongestWait = std::chrono::milliseconds(500);
-
-/// While it lives, threads that are started get no signals: those are for who runs.
-class NoSignals {
- public:
-  NoSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  NoSignals(const NoSignals&) = delete;
-  NoSignals& operator=(const NoSignals&) = delete;
-  ~NoSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_;
-};
 
 }  // namespace
 
@@ -48,7 +33,7 @@ void BackgroundLog::Begin(const std::vector<std::string>& names, const std::vect
   columns_ = names.size();
   for (Block& block : blocks_) block.reserve(std::max(kBlockSize, columns_));
   try {
-    const NoSignals no_signals;
+    const internal::NoSignals no_signals;
     thread_ = std::thread([this] { RunThread(); });
   } catch (const std::system_error&) {
     // There is none to be had: who adds rows does all the work.
@@ -117,12 +102,21 @@ void BackgroundLog::RunThread() {
 }
 
 void BackgroundLog::Flush() {
+  Finish([](LogSink& sink) { sink.Flush(); });
+}
+
+void BackgroundLog::DropFrom(double time, bool after) {
+  Finish([&](LogSink& sink) { sink.DropFrom(time, after); });
+}
+
+/// Waits until the sinks have all rows, then calls `then` for each of them.
+void BackgroundLog::Finish(const std::function<void(LogSink&)>& then) {
   if (columns_ == 0) return;
   if (!blocks_[handed_ % kBlocks].empty()) HandOver();
   Work();
   {
     const std::lock_guard working(working_);
-    for (const auto& sink : sinks_) sink->Flush();
+    for (const auto& sink : sinks_) then(*sink);
   }
   ThrowFailure();
 }

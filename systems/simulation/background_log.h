@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -33,10 +34,12 @@ class BackgroundLog final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
   void Flush() override;
+  void DropFrom(double time, bool after) override;
 
  private:
   using Clock = std::chrono::steady_clock;
   using Block = std::vector<double>;  ///< whole rows
+  void Finish(const std::function<void(LogSink&)>& then);
   void HandOver();
   void Work();
   void RunThread();

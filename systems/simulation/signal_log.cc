@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <tenon/systems/framework/diagram.h>
@@ -29,6 +31,12 @@ void MemoryLog::Reserve(std::size_t rows) {
 
 void MemoryLog::Row(std::span<const double> row) {
   data_.insert(data_.end(), row.begin(), row.end());
+}
+
+void MemoryLog::DropFrom(double time, bool after) {
+  std::size_t kept = rows();
+  while (kept > 0 && (row(kept - 1)[0] > time || (!after && row(kept - 1)[0] == time))) --kept;
+  data_.resize(kept * names_.size());
 }
 
 std::vector<double> MemoryLog::column(const std::string& name) const {
@@ -60,6 +68,7 @@ void CsvLog::Begin(const std::vector<std::string>& names, const std::vector<std:
   }
   header += '\n';
   file_.Append(header);
+  first_row_ = header.size();
   longest_row_ = names.size() * 32;
   buffer_.resize(std::max<std::size_t>(1 << 16, longest_row_));
 }
@@ -82,6 +91,41 @@ void CsvLog::Flush() {
   file_.Append({buffer_.data(), std::exchange(used_, 0)});
 }
 
+void CsvLog::DropFrom(double time, bool after) {
+  Flush();
+  file_.Truncate(FindRow(time, after));
+}
+
+/// Where the first row to be dropped begins, by bisection: rows are in the order of time.
+std::size_t CsvLog::FindRow(double time, bool after) const {
+  std::ifstream file(file_.path(), std::ios::binary);
+  std::string row;
+  const double rounding = 1e-14 * std::abs(time);         // of the digits in the file
+  std::size_t kept = first_row_, dropped = file_.size();  // where a row begins that may be dropped; that is
+  while (kept < dropped) {
+    std::size_t begin = kept + (dropped - kept) / 2;
+    file.seekg(static_cast<std::streamoff>(begin));
+    if (std::getline(file, row)) begin += row.size() + 1;  // the rest of a row
+    if (begin >= dropped) begin = kept;
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(begin));
+    double of_row = 0;
+    if (!std::getline(file, row) ||
+        std::from_chars(row.data(), row.data() + row.size(), of_row).ec != std::errc()) {
+      throw OutputError(fmt::format(
+          "cannot set '{}' back to t = {} s: it was changed, or cannot be read; log into a file of "
+          "its own, or call HoldLogs",
+          file_.path().string(), time));
+    }
+    if (of_row < time - rounding || (after && of_row <= time + rounding)) {
+      kept = begin + row.size() + 1;
+    } else {
+      dropped = begin;
+    }
+  }
+  return dropped;
+}
+
 SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
                      std::vector<std::shared_ptr<LogSink>> sinks)
     : context_(context),
@@ -97,24 +141,42 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
                     "Fields(), or read it by a Publish",
                     signal->path(), signal->type_name()));
   }
+  static_cast<void>(ListColumns());
 }
 
 SignalLog::~SignalLog() = default;
 
-/// Sizes known at run time only show in the values, not in the ports: so the header waits for the first row.
-void SignalLog::Begin() {
-  std::vector<std::string> names{"time"}, units{"s"};
-  for (const Source* signal : signals_) {
+SignalLog::Columns SignalLog::ListColumns() const {
+  Columns columns{{"time"}, {"s"}, {}};
+  std::map<std::string, std::size_t> signal_of;
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const Source& signal = *signals_[i];
     const std::vector<Element> elements =
-        internal::ListElements(*signal->type_, context_.EvalAddress(*signal), signal->spec());
-    sizes_.push_back(elements.size());
+        internal::ListElements(*signal.type_, context_.Address(signal), signal.spec());
+    columns.sizes.push_back(elements.size());
     for (const Element& element : elements) {
-      names.push_back(signal->path() + (element.name.empty() ? "" : "." + element.name));
-      units.push_back(element.unit);
+      const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
+      if (const auto [first, is_new] = signal_of.emplace(name, i); !is_new) {
+        throw ParameterError(
+            fmt::format("a log cannot have two columns '{}': of '{}' (signal {}) and of '{}' (signal {}); "
+                        "log each signal "
+                        "once, of a state and the output that shows it one, or give elements other names",
+                        name, signals_[first->second]->path(), first->second + 1, signal.path(), i + 1));
+      }
+      columns.names.push_back(name);
+      columns.units.push_back(element.unit);
     }
   }
-  row_.resize(names.size());
-  for (const auto& sink : sinks_) sink->Begin(names, units);
+  return columns;
+}
+
+/// Sizes known at run time only show in the values, not in the ports: so the header waits for the first row.
+void SignalLog::Begin() {
+  for (const Source* signal : signals_) static_cast<void>(context_.EvalAddress(*signal));
+  Columns columns = ListColumns();
+  sizes_ = std::move(columns.sizes);
+  for (const auto& sink : sinks_) sink->Begin(columns.names, columns.units);
+  row_.resize(columns.names.size());
 }
 
 void SignalLog::Sample() {
@@ -137,7 +199,12 @@ void SignalLog::Sample() {
     HandOver(row_[0] - hold_);
     return;
   }
-  for (const auto& sink : sinks_) sink->Row(row_);
+  HandOver(row_);
+}
+
+void SignalLog::HandOver(std::span<const double> row) {
+  handed_ = row[0];
+  for (const auto& sink : sinks_) sink->Row(row);
 }
 
 void SignalLog::Hold(double seconds) {
@@ -153,17 +220,17 @@ void SignalLog::HandOver(double until) {
   while (!held_.empty() && held_.front() <= until) {
     std::copy(held_.begin(), held_.begin() + size, row.begin());
     held_.erase(held_.begin(), held_.begin() + size);
-    for (const auto& sink : sinks_) sink->Row(row);
+    HandOver(row);
   }
 }
 
 void SignalLog::DropFrom(double time, bool after) {
+  const auto stays = [&](double row_time) { return row_time < time || (after && row_time == time); };
   const auto size = static_cast<std::ptrdiff_t>(row_.size());
-  while (!held_.empty()) {
-    const double last = *(held_.end() - size);
-    if (last < time || (after && last == time)) return;
-    held_.erase(held_.end() - size, held_.end());
-  }
+  while (!held_.empty() && !stays(*(held_.end() - size))) held_.erase(held_.end() - size, held_.end());
+  if (stays(handed_)) return;
+  for (const auto& sink : sinks_) sink->DropFrom(time, after);
+  handed_ = time;
 }
 
 void SignalLog::Release() {

@@ -60,9 +60,9 @@ class Simulator {
   void AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
   /// The same into memory.
   std::shared_ptr<MemoryLog> AddLog(Rate rate, std::vector<const Source*> signals);
-  /// From now on the rows of all logs that there are reach their sinks `seconds` of the run's time later. A
-  /// run that is set back by no more, by Context::Restore, leaves no trace in them of what then did not
-  /// happen. Throws ParameterError unless the time is positive.
+  /// From now on the rows of all logs that there are reach their sinks `seconds` of the run's time later: a
+  /// run that is set back by no more, by Context::Restore, leaves no trace of what then did not happen even
+  /// in sinks that cannot drop rows, see LogSink. Throws ParameterError unless the time is positive.
   void HoldLogs(double seconds);
   /// Hands over all rows that are held, flushes, and holds none any more.
   void ReleaseLogs();

@@ -41,7 +41,8 @@ struct WalkScheduleParams {
   static FieldList Fields() {
     return {Required("segments", &WalkScheduleParams::segments),
             {"acceleration_m_per_s2", &WalkScheduleParams::acceleration},
-            {"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration}};
+            {"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration},
+            Undescribed(&WalkScheduleParams::rate)};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -3,9 +3,11 @@
 #include <cxxabi.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <new>
 #include <regex>
@@ -210,7 +212,72 @@ void CheckMembersAreWritten(const TypeInfo& type) {
   }
 }
 
+/// "2 of its 5 members", where as many bytes lie, if one knows.
+[[noreturn]] void ThrowForgotten(const TypeInfo& type, const std::string& how_many,
+                                 const std::string& where) {
+  throw BuildError(fmt::format(
+      "Fields() of {} does not list all members: {}{}. Snapshots, logs and files would lack what is missing: "
+      "list it, or as Undescribed(&{}::member) if that is meant",
+      TypeName(type), how_many, where, TypeName(type)));
+}
+
+/// Bytes in which no listed member lies, and which are too many or too few to be padding.
+struct Gap {
+  std::size_t size = 0;
+  const Field* before = nullptr;  ///< null if it lies in front of all
+};
+
+std::vector<Gap> FindGaps(const TypeInfo& type, const FieldList& fields, std::size_t begin) {
+  std::vector<const Field*> sorted;
+  for (const Field& field : fields) sorted.push_back(&field);
+  std::ranges::stable_sort(sorted, {}, &Field::offset);
+  std::vector<Gap> gaps;
+  std::size_t end = begin;
+  const Field* last = nullptr;
+  const auto check_gap = [&](std::size_t next) {
+    if (next <= end) return;
+    for (std::size_t alignment = 1; alignment <= type.alignment; alignment *= 2) {
+      if ((end + alignment - 1) / alignment * alignment == next) return;
+    }
+    gaps.push_back({next - end, last});
+  };
+  for (const Field* field : sorted) {
+    check_gap(field->offset);
+    end = std::max(end, field->offset + field->size);
+    last = field;
+  }
+  check_gap(type.size);
+  return gaps;
+}
+
+std::string Described(const std::vector<Gap>& gaps) {
+  std::string text;
+  for (const Gap& gap : gaps) {
+    text += fmt::format(", {} bytes {}", gap.size,
+                        gap.before == nullptr       ? "in front"
+                        : *gap.before->name == '\0' ? "behind an undescribed one"
+                                                    : fmt::format("behind '{}'", gap.before->name));
+  }
+  return text;
+}
+
 }  // namespace
+
+void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin) {
+  std::map<std::size_t, std::size_t> listed;  // a member may be listed twice
+  for (const Field& field : fields) listed[field.offset] = field.initializers;
+  int missing = members;
+  for (const auto& [offset, initializers] : listed) missing -= static_cast<int>(initializers);
+  const std::vector<Gap> gaps = FindGaps(info, fields, begin);
+  if (members >= 0 && missing > 0) {
+    ThrowForgotten(
+        info, fmt::format("{} of its {} members {} missing", missing, members, missing == 1 ? "is" : "are"),
+        Described(gaps));
+  }
+  if (members < 0 && !gaps.empty()) ThrowForgotten(info, "not all are there", Described(gaps));
+  std::erase_if(fields, [](const Field& field) { return field.type == nullptr; });
+  info.fields = std::move(fields);
+}
 
 TypeInfo WithRuns(TypeInfo info) {
   info.fixed = AppendRuns(info, 0, info.runs);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/internal/member_count.h>
 
 namespace tenon::internal {
 
@@ -183,6 +184,10 @@ class ValueVisitor {
 
 void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor);
 
+/// Takes over the fields that are described. Throws BuildError if a member of the struct is not listed. It
+/// has `members` of them, see CountMembers; the first one lies at `begin` [bytes] or behind it.
+void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin);
+
 /// Fills in the runs. Throws BuildError for a struct with a member that `T value;` leaves unwritten.
 TypeInfo WithRuns(TypeInfo info);
 
@@ -294,7 +299,10 @@ TypeInfo Describe() {
     DescribeMatrix<T>(info);
   } else if constexpr (HasFields<T>) {
     info.kind = TypeInfo::Kind::kStruct;
-    info.fields = T::Fields();
+    SetFields(info, T::Fields(), CountMembers<T>(),
+              std::is_empty_v<T>         ? sizeof(T)
+              : std::is_polymorphic_v<T> ? sizeof(void*)
+                                         : 0);
     if constexpr (requires(const T& value) { value.Validate(); }) {
       info.validate = [](const void* value) { static_cast<const T*>(value)->Validate(); };
     }

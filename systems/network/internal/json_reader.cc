@@ -61,13 +61,7 @@ class JsonReader::Handler {
   bool number_integer(std::int64_t value) { return Take(value); }
   bool number_unsigned(std::uint64_t value) { return Take(value); }
   bool number_float(double value, const std::string&) { return Take(value); }
-  bool string(std::string& text) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    if (text == "NaN") return Take(std::numeric_limits<double>::quiet_NaN());
-    if (text == "Infinity") return Take(kInfinity);
-    if (text == "-Infinity") return Take(-kInfinity);
-    return Refuse("'{}' is a text, no number", path_);
-  }
+  bool string(std::string&) { return Refuse("'{}' is a text, no number", path_); }
   bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has none
   bool start_object(std::size_t) {
     lengths_.push_back(path_.size());

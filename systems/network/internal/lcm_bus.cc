@@ -1,8 +1,12 @@
 #include <tenon/systems/network/internal/lcm_bus.h>
 
 #include <fmt/core.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -16,6 +20,8 @@ namespace {
 
 /// Of a subscription; who does not take them loses the oldest.
 constexpr std::size_t kMostMessages = 4096;
+/// A sender that never pauses does not hold up a tick for ever.
+constexpr int kMostAtOnce = 1 << 20;
 
 /// LCM takes channels for regular expressions.
 std::string Quoted(const std::string& channel) {
@@ -47,9 +53,12 @@ std::shared_ptr<LcmBus> LcmBus::Open(const std::string& url) {
 
 LcmBus::LcmBus(const std::string& url) : url_(url), lcm_(lcm_create(url.empty() ? nullptr : url.c_str())) {
   if (lcm_ == nullptr) ThrowNotOpen(url);
+  nudge_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
 }
 
 LcmBus::~LcmBus() {
+  watcher_.reset();
+  close(nudge_);
   lcm_destroy(lcm_);
 }
 
@@ -57,20 +66,36 @@ bool LcmBus::Publish(const std::string& channel, std::span<const char> message) 
   return lcm_publish(lcm_, channel.c_str(), message.data(), static_cast<unsigned>(message.size())) == 0;
 }
 
-LcmBus::Subscription::Subscription(std::shared_ptr<LcmBus> bus, const std::string& channel)
+int LcmBus::HandleAll() {
+  int came = 1;
+  for (int i = 0; i < kMostAtOnce && came > 0; ++i) came = HandleNext();
+  Notify();
+  return came;
+}
+
+void LcmBus::Notify() {
+  came_.notify_all();
+  if (waiting_) eventfd_write(nudge_, 1);
+}
+
+LcmBus::Subscription::Subscription(std::shared_ptr<LcmBus> bus, const std::string& channel, bool on_demand)
     : bus_(std::move(bus)) {
-  {
-    const std::lock_guard lock(bus_->mutex_);
-    mail_ = &bus_->mails_.emplace_back(Mail{bus_.get()});
-  }
+  const std::lock_guard lock(bus_->mutex_);
+  mail_ = &bus_->mails_.emplace_back(Mail{bus_.get()});
   subscription_ = lcm_subscribe(bus_->lcm_, Quoted(channel).c_str(), &Handle, mail_);
   if (subscription_ == nullptr) ThrowNotOpen(bus_->url_);
-  lcm_subscription_set_queue_capacity(subscription_, kMostMessages);
+  // A full queue of LCM drops new messages. 0 means no limit: the watcher empties it.
+  lcm_subscription_set_queue_capacity(subscription_, on_demand ? static_cast<int>(kMostMessages) : 0);
+  if (on_demand || bus_->watcher_) return;
+  bus_->watcher_.emplace(lcm_get_fileno(bus_->lcm_), [bus = bus_.get()] {
+    const std::lock_guard lock(bus->mutex_);
+    return bus->HandleAll() >= 0;
+  });
 }
 
 LcmBus::Subscription::~Subscription() {
-  lcm_unsubscribe(bus_->lcm_, subscription_);
   const std::lock_guard lock(bus_->mutex_);
+  lcm_unsubscribe(bus_->lcm_, subscription_);
   mail_->open = false;
   mail_->messages.clear();
 }
@@ -78,41 +103,45 @@ LcmBus::Subscription::~Subscription() {
 void LcmBus::Handle(const lcm_recv_buf_t* received, const char*, void* mail) {
   auto& to = *static_cast<Mail*>(mail);
   const auto* data = static_cast<const char*>(received->data);
-  const std::lock_guard lock(to.bus->mutex_);
   if (!to.open) return;
   if (to.messages.size() == kMostMessages) to.messages.pop_front();
   to.messages.emplace_back(data, data + received->data_size);
-  to.bus->came_.notify_all();
 }
 
 bool LcmBus::Subscription::Take(double timeout_s, std::vector<char>& message) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   std::unique_lock lock(bus_->mutex_);
-  bool drained = false;     // nothing is queued in LCM, as far as this thread can tell
-  std::size_t handled = 0;  // here, for others
-  while (mail_->messages.empty()) {
+  for (;;) {
+    int came = 1;
+    for (int i = 0; i < kMostAtOnce && came > 0 && mail_->messages.empty(); ++i) came = bus_->HandleNext();
+    bus_->Notify();  // of messages for others
+    if (!mail_->messages.empty()) break;
     const std::chrono::duration<double> left = end - Clock::now();
-    if (drained && left.count() <= 0) return false;
-    if (bus_->handling_) {
-      drained = true;
+    if (came < 0 || left.count() <= 0) return false;  // a log that has come to its end
+    if (bus_->waiting_ || bus_->watcher_) {
       bus_->came_.wait_until(lock, end);
       continue;
     }
-    bus_->handling_ = true;
+    bus_->waiting_ = true;
     lock.unlock();
-    const double left_ms = std::ceil(1e3 * left.count());
-    const int came = lcm_handle_timeout(bus_->lcm_, static_cast<int>(std::clamp(left_ms, 0.0, 1e6)));
+    std::array<pollfd, 2> files{pollfd{lcm_get_fileno(bus_->lcm_), POLLIN, 0},
+                                pollfd{bus_->nudge_, POLLIN, 0}};
+    poll(files.data(), files.size(), static_cast<int>(std::min(1e6, std::ceil(1e3 * left.count()))));
     lock.lock();
-    bus_->handling_ = false;
-    bus_->came_.notify_all();
-    if (came < 0 && mail_->messages.empty()) return false;  // a log that has come to its end
-    // What is queued is handed out whatever time is left; a sender that never pauses does not hold this up.
-    drained = came == 0 || ++handled >= kMostMessages;
+    bus_->waiting_ = false;
+    eventfd_t nudges = 0;
+    eventfd_read(bus_->nudge_, &nudges);
   }
   message = std::move(mail_->messages.front());
   mail_->messages.pop_front();
   return true;
+}
+
+std::deque<std::vector<char>> LcmBus::Subscription::TakeAll() {
+  const std::lock_guard lock(bus_->mutex_);
+  bus_->HandleAll();
+  return std::exchange(mail_->messages, {});
 }
 
 }  // namespace tenon::internal

@@ -25,6 +25,7 @@ class UdpSocket {
   /// "127.0.0.1:9870", the port being the one that the system has chosen if it was 0.
   const std::string& name() const { return name_; }
   int port() const { return port_; }
+  int file() const { return file_; }  ///< to wait for a datagram
   /// Without waiting; false if the system does not take the datagram: its buffers are full, the network is
   /// down.
   bool Send(std::span<const char> message) const;

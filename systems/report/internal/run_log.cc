@@ -50,6 +50,16 @@ void ColumnLog::Row(std::span<const double> row) {
   stride_ *= 2;
 }
 
+void ColumnLog::DropFrom(double time, bool after) {
+  std::size_t kept = rows();
+  while (kept > 0 && (time_[kept - 1] > time || (!after && time_[kept - 1] == time))) --kept;
+  if (kept == rows()) return;
+  if (thinning_ == Thinning::kPeaks && stride_ > 1) kept -= kept % 2;
+  Truncate(kept);
+  pending_ = 0;
+  trailing_ = false;
+}
+
 void ColumnLog::Append(std::span<const double> row) {
   time_.push_back(row[0]);
   for (const double value : row.subspan(1)) data_.push_back(static_cast<float>(value));

@@ -27,6 +27,8 @@ class ColumnLog final : public LogSink {
       : thinning_(thinning), max_rows_(max_rows), begin_(std::move(begin)) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
+  /// Of rows that stand for an interval, the whole interval.
+  void DropFrom(double time, bool after) override;
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }

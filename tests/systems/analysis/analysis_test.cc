@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/analysis/analysis.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::analysis_test {
 namespace {
@@ -235,6 +238,67 @@ TEST(AnalysisTest, NoEquilibriumNamesTheDerivativeThatStays) {
               ThrowsMessage<RunError>(AllOf(HasSubstr("no equilibrium found"),
                                             HasSubstr("d/dt of 'cart.x.velocity' stays at 2"),
                                             HasSubstr("let inputs go free"))));
+}
+
+// ---- Kinks ----
+
+/// v' = f(v) + u, y = f(u).
+class Bent final : public LeafSystem<std::function<double(double)>> {
+ public:
+  explicit Bent(std::function<double(double)> f) : LeafSystem(std::move(f)) {}
+  InputPort<double> u{this, "u"};
+  ContinuousState<double> v{this, {"v", "m/s"}};
+  OutputPort<double> y{this, "y", Uses(u), [this](double u) { return params(u); }};
+  TimeDerivative<double> dv{v, Uses(v, u), [this](double v, double u) { return params(v) + u; }};
+};
+
+/// A Bent linearised at v and u.
+struct AtPoint {
+  explicit AtPoint(std::function<double(double)> f, double v, double u)
+      : bent(builder.Add<Bent>("bent", std::move(f))),
+        context(builder.BuildWithOpenInputs()->CreateContext()) {
+    context->Set(bent.v, v);
+    context->Set(bent.u, u);
+  }
+  LinearModel Model() const { return Linearize(*context, {&bent.u}, {&bent.y}); }
+  DiagramBuilder builder;
+  Bent& bent;
+  std::unique_ptr<Context> context;
+};
+
+TEST(AnalysisTest, LinearizeRefusesKinksAndJumps) {
+  const auto limit = [](double x) { return std::clamp(3 * x, -6.0, 6.0); };
+  const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
+  const auto abs = [](double x) { return std::abs(x); };
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint(limit, 2, 0).Model(); }, "d/dt of 'bent.v'",
+                               "with respect to 'bent.v'", "at 2", "0 above", "3 below", "move 'bent.v'"));
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint(limit, 0, -2).Model(); }, "'bent.y' has no derivative",
+                               "with respect to 'bent.u'", "at -2", "move 'bent.u'"));
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint(abs, 0, 1).Model(); }, "'bent.v'", "1 above", "-1 below"));
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint(sign, 0, 1).Model(); }, "d/dt of 'bent.v'", "it jumps"));
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint([](double x) { return x < 0 ? 0.0 : 1.0; }, 0, 1).Model(); },
+                               "d/dt of 'bent.v'", "it jumps"));
+  // Inside the step, though not at the point: the central difference would be of both sides.
+  EXPECT_TRUE(Throws<RunError>([&] { AtPoint(abs, 5e-7, 1).Model(); }, "'bent.v'"));
+}
+
+TEST(AnalysisTest, LinearizesBesideAKink) {
+  const auto limit = [](double x) { return std::clamp(3 * x, -6.0, 6.0); };
+  EXPECT_EQ(AtPoint(limit, 2.001, 3).Model().A(0, 0), 0);
+  EXPECT_NEAR(AtPoint(limit, 1.999, 3).Model().A(0, 0), 3, 1e-8);
+  EXPECT_NEAR(AtPoint([](double x) { return std::abs(x); }, 1e-5, 1).Model().A(0, 0), 1, 1e-8);
+}
+
+// Curvature, however strong, is none, and rounding errors of large values are none.
+TEST(AnalysisTest, LinearizesWhateverIsSmooth) {
+  EXPECT_NEAR(AtPoint([](double x) { return 1e6 * x * x; }, 0, 0).Model().A(0, 0), 0, 1e-8);
+  EXPECT_NEAR(AtPoint([](double x) { return 1e6 * x * x * x; }, 1, 0).Model().A(0, 0), 3e6, 1);
+  EXPECT_NEAR(AtPoint([](double x) { return x > 0 ? 1e3 * x * x : 0; }, 0, 0).Model().A(0, 0), 0, 1e-3);
+  EXPECT_NEAR(AtPoint([](double x) { return std::sin(100 * x); }, 0.3, 0).Model().A(0, 0), 100 * std::cos(30),
+              1e-5);
+  EXPECT_NEAR(AtPoint([](double x) { return 1e9 + std::sin(x); }, 0, 0).Model().A(0, 0), 1, 1e-1);
+  EXPECT_NEAR(AtPoint([](double x) { return (x + 1e7) - 1e7; }, 0, 0).Model().A(0, 0), 1, 1e-2);
+  EXPECT_NEAR(AtPoint([](double x) { return std::tanh(1e4 * x); }, 0, 0).Model().A(0, 0), 1e4, 1);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
@@ -245,6 +247,58 @@ TEST(ComposeTest, WhatIsInsertedIsCheckedAsAnyOther) {
   auto& delay = builder.Add<SampleDelay<double>>("delay", {.unit = "m"});
   builder.Insert(loop.servo.u, delay.u, delay.y);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'loop.servo.u' [N]", "'delay.u' [m]"));
+}
+
+TEST(ComposeTest, ABuilderThatHasBuiltIsDone) {
+  DiagramBuilder builder;
+  auto& loop = builder.Add<Shipped>("loop");
+  auto& delay = AddDelay(builder);
+  builder.Connect(loop.servo.u, delay.u);
+  const auto diagram = builder.Build();
+  const std::size_t size = diagram->CreateContext()->Save().size();
+
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd"); }, "Add('pd')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd", {.kp = 3}); }, "Add('pd')", "built already"));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.AddFunction("f", Uses(builder.time), [](double t) { return t; }); },
+                         "AddFunction('f')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.u, delay.u); }, "Connect('delay.u')",
+                                 "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.u, delay.u, IgnoreUnits{}); },
+                                 "Connect('delay.u')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Bang>(loop.servo.pd, 5.0); },
+                                 "Replace('loop.servo.pd')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Pd>(loop.servo.pd, {.kp = 3}); },
+                                 "Replace('loop.servo.pd')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.u, delay.u, delay.y); }, "Insert('delay.u')",
+                                 "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(delay.u); }, "Disconnect('delay.u')",
+                                 "built already", "another builder"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "Build()", "built already"));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.BuildWithOpenInputs(); }, "BuildWithOpenInputs()", "built already"));
+  // Nor does what is nested in the diagram change.
+  EXPECT_TRUE(Throws<BuildError>([&] { loop.servo.Add<Pd>("pd2"); }, "Add('pd2')", "'loop.servo'"));
+  EXPECT_TRUE(Throws<BuildError>([&] { loop.servo.Disconnect(loop.servo.pd.x); },
+                                 "Disconnect('loop.servo.pd.x')", "'loop.servo'"));
+
+  EXPECT_EQ(diagram->blocks().size(), 2U);
+  EXPECT_EQ(diagram->CreateContext()->Save().size(), size);
+}
+
+// A builder may be created at the address of one that is gone.
+TEST(ComposeTest, ABuilderKnowsNoBlocksOfTheOneThatWasThereBefore) {
+  std::optional<DiagramBuilder> builder;
+  builder.emplace();
+  auto& loop = builder->Add<Shipped>("loop");
+  const auto diagram = builder->Build();
+  builder.reset();
+  builder.emplace();
+  auto& delay = AddDelay(*builder);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder->Connect(loop.servo.u, delay.u); }, "'loop.servo.u'",
+                                 "another builder"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder->Replace<Bang>(loop.servo.pd, 5.0); }, "'loop.servo.pd'",
+                                 "not added to this builder"));
 }
 
 }  // namespace

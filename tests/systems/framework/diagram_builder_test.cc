@@ -375,7 +375,7 @@ TEST(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
 
 struct HalfDescribed {
   double a = 0, b = 0;
-  static FieldList Fields() { return {{"a", &HalfDescribed::a}}; }
+  static FieldList Fields() { return {{"a", &HalfDescribed::a}, Undescribed(&HalfDescribed::b)}; }
 };
 
 TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/framework/signal.h>
 
+#include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon {
 
@@ -330,6 +334,127 @@ TEST(SignalTest, ArchivesRefuseWhatNoValueCanBe) {
 }
 
 // ---- Any type can travel ----
+
+// ---- Members that Fields() does not list ----
+
+template <class T>
+void Describe() {
+  static_cast<void>(TypeInfoOf<T>());
+}
+
+struct Forgetful {
+  double a = 0;
+  bool b = false;
+  bool c = false;  // where padding could be
+  std::optional<Eigen::Vector3d> d{};
+  static FieldList Fields() { return {{"a", &Forgetful::a}, {"b", &Forgetful::b}, {"d", &Forgetful::d}}; }
+};
+struct ForgetsTwo {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  std::vector<double> list{};
+  Forgetful* pointer = nullptr;
+  double last = 0;
+  static FieldList Fields() { return {{"p", &ForgetsTwo::p}, {"last", &ForgetsTwo::last}}; }
+};
+struct ForgetsAnArray {
+  double a = 0;
+  double items[3] = {0, 0, 0};
+  static FieldList Fields() { return {{"a", &ForgetsAnArray::a}}; }
+};
+
+TEST(SignalTest, AMemberThatIsNotListedIsRefused) {
+  EXPECT_TRUE(
+      Throws<BuildError>(Describe<Forgetful>, "Forgetful", "1 of its 4 members is missing", "Undescribed"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsTwo>, "ForgetsTwo", "2 of its 4 members are missing",
+                                 "32 bytes behind 'p'"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsAnArray>, "ForgetsAnArray", "24 bytes behind 'a'"));
+  // A type that others are made of as well.
+  EXPECT_TRUE(Throws<BuildError>(Describe<std::array<ForgetsTwo, 2>>, "ForgetsTwo"));
+  struct Block final : LeafSystem<void> {
+    InputPort<Forgetful> u{this, "u"};
+  };
+  DiagramBuilder builder;
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Block>("block"); }, "inside 'block'", "Forgetful"));
+}
+
+/// Whose members cannot be counted.
+class WithConstructor {
+ public:
+  WithConstructor() {}
+  double a = 0;
+  static FieldList Fields() { return {{"a", &WithConstructor::a}}; }
+
+ private:
+  [[maybe_unused]] int b_ = 0;
+};
+struct ForgetsInTheBase : Foot {
+  double more = 0;
+  static FieldList Fields() { return {{"more", &ForgetsInTheBase::more}}; }
+};
+
+TEST(SignalTest, MembersThatCannotBeCountedMustFillTheObject) {
+  EXPECT_TRUE(Throws<BuildError>(Describe<WithConstructor>, "WithConstructor", "8 bytes behind 'a'"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsInTheBase>, "ForgetsInTheBase", "bytes in front"));
+}
+
+struct Listed {
+  bool flag = false;
+  double a = 0;  // behind padding
+  std::optional<Eigen::Vector3d> maybe{};
+  std::optional<Foot> foot{};
+  std::function<void()> call{};
+  Eigen::VectorXd list{};
+  int items[3] = {0, 0, 0};
+  std::shared_ptr<const double> shared{};
+  Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+  static FieldList Fields() {
+    return {{"a", &Listed::a},           {"maybe", &Listed::maybe},  {"matrix", &Listed::matrix},
+            {"foot", &Listed::foot},     {"list", &Listed::list},    {"flag", &Listed::flag},
+            Undescribed(&Listed::items), Undescribed(&Listed::call), Undescribed(&Listed::shared)};
+  }
+};
+struct Longer {
+  Longer() = default;
+  virtual ~Longer() = default;
+  double a = 0;
+  bool flag = false;
+  static FieldList Fields() { return {{"a", &Longer::a}, {"flag", &Longer::flag}}; }
+};
+struct NoMembers {
+  static FieldList Fields() { return {}; }
+};
+
+TEST(SignalTest, ListsOfAllMembersAreAccepted) {
+  const internal::TypeInfo& type = TypeInfoOf<Listed>();
+  ASSERT_EQ(type.fields.size(), 6U);
+  for (const Field& field : type.fields) EXPECT_NE(std::string(field.name), "");
+  EXPECT_NO_THROW(Describe<Longer>());
+  EXPECT_NO_THROW(Describe<NoMembers>());
+}
+
+struct Cached {
+  double a = 1;
+  double cache = 0;
+  static FieldList Fields() { return {{"a", &Cached::a}, Undescribed(&Cached::cache)}; }
+};
+
+TEST(SignalTest, AnUndescribedMemberIsClonedButNotRestored) {
+  struct Block final : LeafSystem<void> {
+    Scratch<Cached> memory{this, "memory"};
+    OutputPort<double> y{this, "y", Uses(memory), [](Cached& memory) { return memory.a; }};
+  };
+  DiagramBuilder builder;
+  auto& block = builder.Add<Block>("block");
+  const auto context = builder.Build()->CreateContext();
+  context->Set(block.memory, {2, 3});
+  const auto saved = context->Save();
+  EXPECT_EQ(context->Clone()->Eval(block.memory).cache, 3);
+  context->Set(block.memory, {4, 5});
+  context->Restore(saved);
+  EXPECT_EQ(context->Eval(block.memory).a, 2);
+  EXPECT_EQ(context->Eval(block.memory).cache, 5);
+  EXPECT_EQ(context->EvalDoubles(block.memory), std::vector<double>{2});
+}
 
 TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {
   DiagramBuilder builder;

@@ -211,6 +211,15 @@ TEST(LcmTest, ASignalGoesFromBlockToBlock) {
   EXPECT_EQ(rig[rig->unsent], 0u);
 }
 
+// More than a queue of LCM's holds, which drops what comes then.
+TEST(LcmTest, TheNewestArrivesHoweverFastTheSender) {
+  TestRig<LcmInput<double>> input({.channel = "X", .url = kUrl, .rate = Hz(1)});
+  TestRig<LcmPublisher<double>> rig({.channel = "X", .url = kUrl, .rate = Hz(10000)});
+  for (int i = 1; i <= 6000; ++i) rig.Fix(rig->u, i).Tick();
+  EXPECT_EQ(rig[rig->unsent], 0u);
+  EXPECT_EQ(input.Tick()[input->y], 6000);
+}
+
 // LCM hands out what came in its order.
 TEST(LcmTest, OneChannelDoesNotHoldUpAnother) {
   TestRig<LcmInput<double>> one({.channel = "A", .url = kUrl}), other({.channel = "B", .url = kUrl});

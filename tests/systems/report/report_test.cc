@@ -557,6 +557,33 @@ TEST(ColumnLogTest, SamplesOfALongRunAreRowsAsTheyWere) {
   EXPECT_EQ(log.time(log.rows() - 1), 9999) << "the end is there";
 }
 
+// A run that is set back: the rows of both its parts are those that happened, and as few.
+TEST(ColumnLogTest, ARunThatIsSetBackLeavesNoTrace) {
+  for (const Thinning thinning : {Thinning::kPeaks, Thinning::kSample}) {
+    for (const int rows : {10, 63, 5000}) {
+      internal::ColumnLog log(thinning, 64, nullptr);
+      log.Begin({"time", "a"}, {"s", ""});
+      for (int i = 0; i < rows; ++i) log.Row(std::vector<double>{1.0 * i, 1});
+      const int back = rows * 2 / 3;
+      log.DropFrom(back, false);
+      for (int i = back; i < rows; ++i) log.Row(std::vector<double>{1.0 * i, i == rows - 3 ? 7.0 : 2.0});
+      EXPECT_LE(log.rows(), 65U);
+      EXPECT_GE(log.time(log.rows() - 1), rows - 1 - rows / 16);
+      float peak = 0;
+      for (std::size_t row = 0; row < log.rows(); ++row) {
+        if (row > 0) {
+          EXPECT_GT(log.time(row), log.time(row - 1));
+        }
+        EXPECT_EQ(log.at(row, 0) == 1, log.time(row) < back) << log.time(row);
+        peak = std::max(peak, log.at(row, 0));
+      }
+      if (thinning == Thinning::kPeaks) {
+        EXPECT_EQ(peak, 7) << rows;
+      }
+    }
+  }
+}
+
 TEST(ColumnLogTest, SamplesEndWithTheRun) {
   for (const int rows : {1, 2, 63, 64, 65, 127, 128, 129, 8191, 8192, 8193}) {
     internal::ColumnLog log(Thinning::kSample, 64, nullptr);

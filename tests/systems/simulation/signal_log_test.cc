@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <tenon/systems/simulation/signal_log.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -95,7 +97,7 @@ TEST_F(SignalLogTest, RowsShowSamplesOfTheirTickAndStatesBeforeItsUpdates) {
       builder.AddFunction("sample", Sampled{Hz(10)}, Uses(builder.time), [](double t) { return t; });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
-  const auto log = simulator.AddLog(Hz(5), {&sample, &counter.n, &counter.count});
+  const auto log = simulator.AddLog(Hz(5), {&sample, &counter.n});
   simulator.RunTo(0.45);
   EXPECT_THAT(log->column("sample.output"), ElementsAre(0, 0.2, 0.4));
   EXPECT_THAT(log->column("counter.n"), ElementsAre(0, 2, 4));
@@ -205,6 +207,132 @@ TEST_F(SignalLogTest, AreHeldForAPositiveTime) {
   for (const double seconds : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)})
     EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->HoldLogs(seconds); }, "logs cannot be held for",
                                        "ReleaseLogs"));
+}
+
+struct Restored : SignalLogTest {
+  /// Runs to 1 s, goes back to 0.5 s, and on to 0.8 s with another force.
+  void RunAndSetBack() {
+    simulator_->RunTo(0.5);
+    const auto moment = simulator_->context().Save();
+    simulator_->RunTo(1);
+    simulator_->context().Restore(moment);
+    simulator_->context().Set(cart_->force, -8.0);
+    simulator_->RunTo(0.8);
+  }
+};
+
+constexpr std::array kTimes{0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8};
+constexpr std::array kForces{4, 4, 4, 4, 4, 4, -8, -8, -8};
+
+TEST_F(Restored, MemoryDropsWhatThenDidNotHappen) {
+  const auto log = simulator_->AddLog(Hz(10), {&cart_->force});
+  const auto behind = std::make_shared<MemoryLog>();
+  simulator_->AddLog(Hz(10), {&cart_->force},
+                     {std::make_shared<BackgroundLog>(std::vector<std::shared_ptr<LogSink>>{behind})});
+  RunAndSetBack();
+  for (const auto& each : {log, behind}) {
+    EXPECT_THAT(each->column("time"), testing::Pointwise(testing::DoubleNear(1e-12), kTimes));
+    EXPECT_THAT(each->column("cart.force"), testing::ElementsAreArray(kForces));
+  }
+}
+
+TEST_F(Restored, FilesAreCut) {
+  const auto file = test::TemporaryPath("tenon_signal_log_restored.csv");
+  simulator_->AddLog(Hz(10), {&cart_->force}, {std::make_shared<CsvLog>(file)});
+  RunAndSetBack();
+  std::stringstream text, expected;
+  text << std::ifstream(file).rdbuf();
+  expected << "time [s],cart.force [N]\n";
+  for (std::size_t i = 0; i < kTimes.size(); ++i) expected << kTimes[i] << ',' << kForces[i] << '\n';
+  EXPECT_EQ(text.str(), expected.str());
+  std::filesystem::remove(file);
+}
+
+TEST_F(Restored, ATickThatHasYetToHappenIsLoggedAnew) {
+  const auto log = simulator_->AddLog(Hz(10), {&cart_->force});
+  ASSERT_FALSE(simulator_->AdvanceToBefore(0.5).ended);
+  const auto before = simulator_->context().Save();
+  simulator_->RunTo(0.7);
+  simulator_->context().Restore(before);
+  simulator_->context().Set(cart_->force, -8.0);
+  simulator_->RunTo(0.5);
+  EXPECT_THAT(log->column("cart.force"), ElementsAre(4, 4, 4, 4, 4, -8));
+}
+
+TEST_F(Restored, TheStartClearsALog) {
+  const auto file = test::TemporaryPath("tenon_signal_log_restarted.csv");
+  const auto log = std::make_shared<MemoryLog>();
+  simulator_->AddLog(Hz(10), {&cart_->force}, {log, std::make_shared<CsvLog>(file)});
+  const auto start = simulator_->context().Save();
+  simulator_->RunTo(1);
+  simulator_->context().Restore(start);
+  simulator_->RunTo(0.1);
+  EXPECT_EQ(log->rows(), 2U);
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  EXPECT_EQ(text.str(), "time [s],cart.force [N]\n0,4\n0.1,4\n");
+  std::filesystem::remove(file);
+}
+
+TEST_F(Restored, AnyRowOfAFileIsFound) {
+  const auto file = test::TemporaryPath("tenon_csv_log_rows.csv");
+  for (int rows = 0; rows <= 40; ++rows) {
+    for (int kept = 0; kept <= rows; ++kept) {
+      {
+        CsvLog log(file);
+        log.Begin({"time", "a"}, {"s", ""});
+        for (int i = 0; i < rows; ++i) log.Row(std::vector<double>{i / 3.0, std::pow(10.0, i % 7)});
+        log.DropFrom(kept / 3.0, false);
+        if (kept > 0) log.DropFrom((kept - 1) / 3.0, true);  // there is nothing behind it
+        log.Row(std::vector<double>{100, 0});
+      }
+      std::ifstream text(file);
+      std::string line, last;
+      int lines = 0;
+      for (; std::getline(text, line); ++lines) last = line;
+      ASSERT_EQ(lines, kept + 2) << rows;
+      ASSERT_EQ(last, "100,0");
+    }
+  }
+  std::filesystem::remove(file);
+}
+
+TEST_F(SignalLogTest, AFileThatCannotBeCutIsNamed) {
+  if (!std::filesystem::exists("/dev/null")) GTEST_SKIP() << "no /dev/null on this machine";
+  CsvLog log("/dev/null");
+  log.Begin({"time"}, {"s"});
+  log.Row(std::vector<double>{1});
+  EXPECT_TRUE(Throws<OutputError>([&] { log.DropFrom(0, false); }, "'/dev/null'"));
+}
+
+// ---- Columns of the same name ----
+
+TEST_F(SignalLogTest, ColumnsOfTheSameNameAreRefused) {
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        simulator_->AddLog(Hz(10), {cable_, &cart_->force, cable_});
+      },
+      "two columns 'cable.output.force'", "'cable.output' (signal 1)", "'cable.output' (signal 3)"));
+  // An output that shows a state under its name.
+  struct Shown final : LeafSystem<void> {
+    ContinuousState<double> x{this, "x"};
+    OutputPort<double> y{this, x};
+    TimeDerivative<double> dx{x, Uses(x), [](double x) { return -x; }};
+  };
+  DiagramBuilder builder;
+  auto& shown = builder.Add<Shown>("shown");
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        simulator.AddLog(Hz(10), {&shown.x, &shown.y});
+      },
+      "two columns 'shown.x'", "(signal 1)", "(signal 2)"));
+}
+
+TEST_F(SignalLogTest, ColumnsWhoseNumberIsKnownAtRunTimeAreComparedAtTheFirstRow) {
+  simulator_->AddLog(Hz(10), {list_, list_});
+  EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->RunTo(0.1); }, "two columns 'list.output.0'",
+                                     "'list.output' (signal 1)"));
 }
 
 class SinkOnAFullDisk final : public LogSink {

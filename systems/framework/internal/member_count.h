@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace tenon::internal {
+
+/// Converts to the type of any member, to a matrix only if `IsMatrix`. Never evaluated.
+///
+/// An optional must not be initialised by one that converts to matrices: compilers would instantiate a
+/// constructor of std::optional<Matrix> that does not compile. AnyMember<false> initialises any optional.
+template <bool IsMatrix>
+struct AnyMember {
+  template <class Member>
+  requires(IsMatrix || !std::is_base_of_v<Eigen::EigenBase<Member>, Member>) operator Member()
+      const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Converts to a base of T.
+template <class T>
+struct AnyBase {
+  template <class Base>
+  requires(std::is_base_of_v<Base, T> && !std::is_same_v<Base, T>) operator Base()
+      const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Initialisers: for each, whether it is that of a matrix.
+template <bool... IsMatrix>
+struct Initializers {
+  static constexpr std::size_t kCount = sizeof...(IsMatrix);
+  template <class T>
+  static constexpr bool kTakenBy = requires {
+    T{AnyMember<IsMatrix>{}...};
+  };
+
+  using Matrix = Initializers<IsMatrix..., true>;
+  template <std::size_t... I>
+  static Initializers<IsMatrix..., (static_cast<void>(I), false)...> MoreBy(std::index_sequence<I...>);
+  template <std::size_t N>
+  using More = decltype(MoreBy(std::make_index_sequence<N>{}));
+};
+
+/// How many more initialisers of no matrix T takes, at least `Low`, less than `High`.
+template <class T, class Known, std::size_t Low, std::size_t High>
+consteval std::size_t CountMore() {
+  if constexpr (High - Low == 1) {
+    return Low;
+  } else {
+    constexpr std::size_t kMiddle = Low + (High - Low) / 2;
+    if constexpr (Known::template More<kMiddle>::template kTakenBy<T>) {
+      return CountMore<T, Known, kMiddle, High>();
+    } else {
+      return CountMore<T, Known, Low, kMiddle>();
+    }
+  }
+}
+template <class T, class Known, std::size_t Low = 0>
+consteval std::size_t CountMoreFrom() {
+  constexpr std::size_t kHigh = Low == 0 ? 2 : 2 * Low;
+  if constexpr (Known::template More<kHigh>::template kTakenBy<T>) {
+    return CountMoreFrom<T, Known, kHigh>();
+  } else {
+    return CountMore<T, Known, Low, kHigh>();
+  }
+}
+
+template <class T, class Known>
+consteval int CountInitializers() {
+  using More = typename Known::template More<CountMoreFrom<T, Known>()>;
+  if constexpr (More::Matrix::template kTakenBy<T>) {
+    return CountInitializers<T, typename More::Matrix>();
+  } else {
+    return More::kCount;
+  }
+}
+
+/// How many members T has, each item of a C array for one; -1 if that cannot be known: T is no aggregate, or
+/// has bases.
+template <class T>
+consteval int CountMembers() {
+  if constexpr (!std::is_aggregate_v<T> || !std::is_default_constructible_v<T>) {
+    return -1;
+  } else if constexpr (requires { T{AnyBase<T>{}}; }) {
+    return -1;
+  } else {
+    return CountInitializers<T, Initializers<>>();
+  }
+}
+
+}  // namespace tenon::internal
