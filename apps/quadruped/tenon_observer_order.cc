@@ -227,7 +227,9 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
     runs.emplace_back(variant.name, std::move(result.summary));
   }
   worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, base / "summary.json"); }));
-  return std::max(worst, TryToWrite([&] { comparison.Write(base / "report.html"); }));
+  worst = std::max(worst, TryToWrite([&] { comparison.Write(base / "report.html"); }));
+  PrintReportPath(base);
+  return worst;
 }
 
 int Run(const CommonArguments& arguments) {
