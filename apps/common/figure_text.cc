@@ -165,14 +165,20 @@ std::string FigureColumns(const std::vector<std::pair<std::string, NamedTexts>>&
       widths[i] = std::max(widths[i], Width(shown) + 2);
     }
   }
-  std::string head = Left("", key_width), lines;
-  for (std::size_t i = 0; i < runs.size(); ++i) head += Right(Cut(runs[i].first), widths[i]);
-  for (const FigureText& figure : figures) {
-    std::string line = Left(figure.key, key_width);
-    for (std::size_t i = 0; i < runs.size(); ++i) line += Right(figure.values[i].second, widths[i]);
-    lines += Line(line + Behind(figure));
+  std::string text;
+  for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    std::size_t width = key_width + widths[end++];
+    while (end < runs.size() && width + widths[end] <= kLongLine) width += widths[end++];
+    std::string head = Left("", key_width);
+    for (std::size_t i = begin; i < end; ++i) head += Right(Cut(runs[i].first), widths[i]);
+    text += (begin > 0 ? "\n" : "") + Line(head);
+    for (const FigureText& figure : figures) {
+      std::string line = Left(figure.key, key_width);
+      for (std::size_t i = begin; i < end; ++i) line += Right(figure.values[i].second, widths[i]);
+      text += Line(line + Behind(figure));
+    }
   }
-  return Line(head) + lines;
+  return text;
 }
 
 }  // namespace tenon::apps

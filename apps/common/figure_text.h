@@ -28,8 +28,8 @@ std::vector<FigureText> FigureTexts(const NamedTexts& flat);
 /// A line for each figure. Those with a value for each leg come last, as tables with a column for each leg.
 std::string FigureLines(const std::vector<FigureText>& figures);
 
-/// A line for each figure of several runs, with a column for each run, by the name of the run. Long texts are
-/// cut.
+/// A line for each figure of several runs, with a column for each run, under its name. Runs that do not fit
+/// into 120 columns follow below. Long texts are cut.
 std::string FigureColumns(const std::vector<std::pair<std::string, NamedTexts>>& runs);
 
 }  // namespace tenon::apps

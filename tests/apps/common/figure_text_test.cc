@@ -1,5 +1,6 @@
 #include <tenon/apps/common/figure_text.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -71,6 +72,16 @@ error_m              0.1235                         - m
 end_reason   end of the run  the robot fell: its tru…
 slip_m.left               -                         2 m
 )");
+}
+
+TEST(FigureTextTest, ManyRunsStandBelowEachOther) {
+  const std::pair<std::string, NamedTexts> run{"a_run", {{"error_m", "1"}}};
+  const std::string columns = FigureColumns(std::vector(20, run));
+  EXPECT_EQ(std::ranges::count(columns, '\n'), 3 * 2 + 2) << "20 columns of 12 characters are three tables";
+  std::size_t longest = 0;
+  for (std::size_t begin = 0, end; (end = columns.find('\n', begin)) != columns.npos; begin = end + 1)
+    longest = std::max(longest, end - begin);
+  EXPECT_LE(longest, 122);
 }
 
 }  // namespace
