@@ -24,7 +24,7 @@ constexpr const char* kFindFaults = R"js((async (screenshot) => {
 
   if (root.scrollWidth > root.clientWidth)
     faults.push(`the page is ${root.scrollWidth} px wide, the window ${root.clientWidth}`);
-  for (const node of all('h1, header p, .verdict, button, #figures th, #figures td, .card th, .card td'))
+  for (const node of all('h1, header p, .verdict, button, #figures tr, #figures th, #figures td, .card th, .card td'))
     if (node.scrollWidth > node.clientWidth && getComputedStyle(node).display !== 'inline') fault(node, 'is cut off');
 
   // The table of figures.
