@@ -55,7 +55,8 @@ std::vector<std::string> NamesOf(const FigureText& figure) {
 }
 
 bool IsNumber(const std::string& text) {
-  return internal::NumberIn<double>(text).has_value();
+  const auto number = internal::NumberIn<double>(text);
+  return number && std::isfinite(*number);
 }
 
 /// Integers as they are: a seed has more digits than a double.
