@@ -8,7 +8,7 @@ function formatTogether(values) {
   if (low === high) return formatNumber(high);
   if (values.length > 3) return `${formatNumber(low)} … ${formatNumber(high)}`;
   const digits = Math.max(0, 3 - Math.floor(Math.log10(Math.max(-low, high))));
-  return values.map((value) => value.toFixed(Math.min(digits, 9)).replace(/^-(0\.?0*)$/, '$1')).join(', ');
+  return values.map((value) => value.toFixed(Math.min(digits, 9))).join(', ');
 }
 
 function showFigures(parent, runs) {
