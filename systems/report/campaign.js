@@ -182,7 +182,7 @@
     parent.hidden = false;
     const left = 20 + 6.6 * Math.max(...data.correlations.map((row) => Math.min(row.name.length, 40)));
     const w = 46, h = 24, top = 130;
-    const drawing = svg(parent, left + w * columns.length + 70, top + h * data.correlations.length + 6);
+    const drawing = svg(parent, left + w * columns.length + 110, top + h * data.correlations.length + 6);
     columns.forEach((f, i) => {
       const x = left + w * (i + 0.5);
       shape(drawing, 'text', { x, y: top - 8, transform: `rotate(-40 ${x} ${top - 8})` }, f === data.figures.length ? 'survival' : nameOfKey(data.figures[f]).name.slice(0, 26));

@@ -27,6 +27,7 @@ class PageLayoutTest : public test::AppTest {
     EXPECT_THAT(result.text, HasSubstr((directory / "report.html").string() + "\n"));
   }
   void ExpectLaidOut(const fs::path& directory, const std::string& ready) const {
+    if (HasFatalFailure()) return;
     Browser browser;
     browser.Open(directory / "report.html");
     ASSERT_EQ(browser.Evaluate("!!(" + ready + ")"), true) << nlohmann::json(browser.complaints());
@@ -65,7 +66,7 @@ TEST_F(PageLayoutTest, RunsOfTwoAppsBesideEachOther) {
 }
 
 TEST_F(PageLayoutTest, OrdersOfAnObserver) {
-  Run(TENON_OBSERVER_ORDER, "A0 --duration 0.2", out);
+  Run(TENON_OBSERVER_ORDER, "A0 --duration 0.25", out);
   ExpectLaidOut(out, kRun);
 }
 
