@@ -19,6 +19,7 @@
 #include <tenon/apps/campaign/program_app.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/read_text.h>
@@ -180,8 +181,8 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   const fs::path place = ReplayDirectory(directory, run);
   const OutputLock lock(directory);
   const CampaignResult again = runner.Replay(run, place);
-  for (const auto& [column, text] : again.row) fmt::print("{:<28} {}\n", column, text);
-  fmt::print("{:<28} {}\n", "report", (place / "report.html").string());
+  fmt::print("{}", FigureLines(FigureTexts(again.row)));
+  PrintReportPath(place);
   if (!has_table || SignalGuard::caught() != 0) return again.exit_code;
 
   CampaignSchedule schedule(plan, {}, 1);

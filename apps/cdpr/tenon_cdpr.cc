@@ -29,9 +29,7 @@ int RunOnce(const CommonArguments& arguments, const std::string& controller, boo
   if (arguments.duration) scenario.duration_s = *arguments.duration;
   return RunBlaming(document, [&] {
     if (compare) return CompareControllers(options, scenario);
-    const Summary summary = RunCdpr(scenario, options).summary;
-    summary.Print();
-    return summary.exit_code();
+    return PrintResult(RunCdpr(scenario, options).summary, options);
   });
 }
 

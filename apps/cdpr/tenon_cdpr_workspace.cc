@@ -6,6 +6,7 @@
 
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/plants/model/resources.h>
@@ -49,9 +50,13 @@ int Run(Arguments arguments) {
         line.Show(share, fmt::format("{}: {:.0f} % of the box, {:.0f} s", what, 100 * share, line.elapsed()));
     });
     line.End(1, fmt::format("{:.1f} s", study.wall));
+    NamedTexts figures;
     for (const auto& [name, value] : study.figures)
-      fmt::print("{:<40} {}\n", name, value ? fmt::format("{:.4g}", *value) : "null");
-    return TryToWrite([&] { WriteWorkspaceStudy(study, out.path()); });
+      figures.emplace_back(name, value ? fmt::format("{}", *value) : "");
+    fmt::print("{}", FigureLines(FigureTexts(figures)));
+    const int code = TryToWrite([&] { WriteWorkspaceStudy(study, out.path()); });
+    PrintReportPath(out.path());
+    return code;
   } catch (const Interrupted&) {
     Say("interrupted: nothing is written\n");
     return 128 + SignalGuard::caught();

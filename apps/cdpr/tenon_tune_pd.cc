@@ -208,5 +208,10 @@ int main(int argc, char** argv) {
   app.add_option("--evaluations", evaluations, "at most so many trials of gains")
       ->capture_default_str()
       ->check(tenon::apps::PositiveInteger());
+  app.footer(
+      "Writes no files: every trial and the best gains are printed.\n"
+      "Exit codes: 0 gains were found; 2 bad usage or robot; 3 no gains hold all motions; 4 numerical "
+      "failure; "
+      "130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Tune(robot, evaluations); });
 }

@@ -70,6 +70,7 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
   for (std::size_t i = 0; i < reports.size(); ++i) report.Add(runs[i].first, reports[i]);
   worst = std::max(worst, TryToWrite([&] { report.Write(out.path() / "report.html"); }));
   Summary::PrintComparison(runs);
+  PrintReportPath(out.path());
   return worst;
 }
 

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
@@ -259,11 +260,6 @@ std::vector<std::pair<std::string, nlohmann::ordered_json>> Flatten(const nlohma
   return flat;
 }
 
-std::string Shown(const nlohmann::ordered_json& value) {
-  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
 std::string Shown(const Limits& limits) {
   if (limits.low && limits.high) return fmt::format("   (from {:.4g} to {:.4g})", *limits.low, *limits.high);
   if (limits.low) return fmt::format("   (at least {:.4g})", *limits.low);
@@ -320,11 +316,25 @@ void Summary::AddTo(Report& report) const {
 }
 
 void Summary::Print() const {
-  for (const auto& [key, value] : json_->values.items()) {
-    const auto limit = std::ranges::find(limits_, key, &std::pair<std::string, Limits>::first);
-    const std::string beside = limit == limits_.end() ? "" : Shown(limit->second);
-    fmt::print("{:<28} {}{}\n", key, Shown(value), beside);
+  std::vector<FigureText> figures = FigureTexts(Flat());
+  for (FigureText& figure : figures) {
+    const auto limit = std::ranges::find(limits_, figure.key, &std::pair<std::string, Limits>::first);
+    if (limit != limits_.end()) figure.limit = Shown(limit->second);
   }
+  fmt::print("{}", FigureLines(figures));
+}
+
+void PrintReportPath(const fs::path& directory) {
+  const fs::path report = directory / "report.html";
+  std::error_code ignored;
+  if (!directory.empty() && fs::exists(report, ignored))
+    fmt::print("\n{:<28} {}\n", "report", report.string());
+}
+
+int PrintResult(const Summary& summary, const RunOptions& options) {
+  summary.Print();
+  PrintReportPath(options.out);
+  return summary.exit_code();
 }
 
 void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values) {
@@ -380,22 +390,9 @@ void Summary::WriteComparison(const Named& runs, const fs::path& file) {
 }
 
 void Summary::PrintComparison(const Named& runs) {
-  std::vector<std::string> keys;  // of all runs, in the order of their first appearance
-  for (const auto& [name, summary] : runs) {
-    for (const auto& [key, value] : summary.json_->values.items()) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    }
-  }
-  fmt::print("{:<28}", "");
-  for (const auto& [name, summary] : runs) fmt::print(" {:>16}", name);
-  for (const std::string& key : keys) {
-    fmt::print("\n{:<28}", key);
-    for (const auto& [name, summary] : runs) {
-      const auto& values = summary.json_->values;
-      fmt::print(" {:>16}", values.contains(key) ? Shown(values[key]) : "-");
-    }
-  }
-  fmt::print("\n");
+  std::vector<std::pair<std::string, NamedTexts>> flat;
+  for (const auto& [name, summary] : runs) flat.emplace_back(name, summary.Flat());
+  fmt::print("{}", FigureColumns(flat));
 }
 
 }  // namespace tenon::apps

@@ -97,7 +97,7 @@ class Summary {
   void EndedBy(const std::string& reason, int exit_code);
 
   void Write(const std::filesystem::path& file) const;  ///< throws OutputError
-  void Print() const;                                   ///< on stdout, one figure a line
+  void Print() const;                                   ///< on stdout, see FigureLines
   void AddTo(Report& report) const;                     ///< the figures and the verdict
   /// Each figure by name, as text that reads back as the same value; nested ones by dotted names, "" for
   /// none.
@@ -109,7 +109,7 @@ class Summary {
   using Named = std::vector<std::pair<std::string, Summary>>;
   /// Of several runs: their names, each with its figures; throws OutputError.
   static void WriteComparison(const Named& runs, const std::filesystem::path& file);
-  static void PrintComparison(const Named& runs);  ///< on stdout, one figure a line, one run a column
+  static void PrintComparison(const Named& runs);  ///< on stdout, see FigureColumns
 
  private:
   struct Json;
@@ -120,6 +120,12 @@ class Summary {
   bool judged_ = false;  ///< it came to its end, and a breach is what is wrong with it
   int exit_code_;
 };
+
+/// Prints the path of report.html if there is one in the directory.
+void PrintReportPath(const std::filesystem::path& directory);
+
+/// Prints the figures of a run and the path of its report. Returns its exit code.
+int PrintResult(const Summary& summary, const RunOptions& options);
 
 /// What a run leaves; a report only if it writes files.
 struct RunResult {

@@ -31,9 +31,7 @@ int RunApp(const ScenarioApp& app, int argc, char** argv) {
       const YamlDocument document = LoadScenario(now, app.name);
       if (app.warnings)
         for (const std::string& warning : app.warnings(document)) Say(fmt::format("warning: {}\n", warning));
-      const Summary summary = app.run(document, now.duration, options).summary;
-      summary.Print();
-      return summary.exit_code();
+      return PrintResult(app.run(document, now.duration, options).summary, options);
     });
   });
 }

@@ -71,7 +71,7 @@ struct Result {
 
 Report MakeReport(const ObserverOrderScenario& scenario) {
   return ScenarioReport(scenario,
-                        fmt::format("{} stands; {} N on its front left foot from {} s on",
+                        fmt::format("{} stands; {:.4g} N on its front left foot from {} s on",
                                     ResourceName(scenario.robot), scenario.force_N.norm(), scenario.start_s));
 }
 
@@ -104,7 +104,7 @@ Result Refused(const ObserverOrderScenario& scenario, const VariantScenario& var
   outcome.failure = fmt::format("refused: {}", why);
   outcome.exit_code = kNumericalFailure;
   Result result{Summary(scenario.case_name, scenario.seed, outcome), std::nullopt, Cost()};
-  result.summary.Set("gains_per_s", fmt::format("{}", fmt::join(variant.gains_per_s, ", ")));
+  result.summary.Set("gains_per_s", fmt::format("{:.4g}", fmt::join(variant.gains_per_s, ", ")));
   result.summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
   result.summary.Set("stable", std::string("no"));
   return result;
@@ -172,7 +172,7 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   result.overshoot = figures->overshoot();
   result.lag = 1 / variant.gains_per_s.front();
   Summary& summary = result.summary;
-  summary.Set("gains_per_s", fmt::format("{}", fmt::join(variant.gains_per_s, ", ")));
+  summary.Set("gains_per_s", fmt::format("{:.4g}", fmt::join(variant.gains_per_s, ", ")));
   summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
   summary.Set("stable", std::string("yes"));
   summary.Set("settling_time_s", figures->settling_time());
@@ -227,7 +227,9 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
     runs.emplace_back(variant.name, std::move(result.summary));
   }
   worst = std::max(worst, TryToWrite([&] { Summary::WriteComparison(runs, base / "summary.json"); }));
-  return std::max(worst, TryToWrite([&] { comparison.Write(base / "report.html"); }));
+  worst = std::max(worst, TryToWrite([&] { comparison.Write(base / "report.html"); }));
+  PrintReportPath(base);
+  return worst;
 }
 
 int Run(const CommonArguments& arguments) {

@@ -84,9 +84,7 @@ int RunOnce(const CommonArguments& arguments, const WalkArguments& walk, const R
       throw KeyError("sweep", "--compare runs the scenario once with each observer: set sweep to null");
     if (walk.compare) return CompareObservers(options, scenario);
     if (scenario.sweep) return RunSweep(options, scenario);
-    const Summary summary = RunQuadruped(scenario, options).summary;
-    summary.Print();
-    return summary.exit_code();
+    return PrintResult(RunQuadruped(scenario, options).summary, options);
   });
 }
 

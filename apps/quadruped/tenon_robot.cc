@@ -8,6 +8,7 @@
 #include <string>
 
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/read_text.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
@@ -91,9 +92,12 @@ int Run(const RobotArguments& arguments) {
   if (stand.exit_code() >= kOutputFailed) return stand.exit_code();
   const Summary trot = Try("flat", yaml, kTrot, out / "trot");
   fmt::print("{:<28} {}\n", "trots", Shown(trot, "trot"));
+  NamedTexts figures;
   for (const auto& [key, value] : trot.Flat())
-    if (key == "end_reason" || key == "com_error_max_m" || key == "foot_error_max_m.front_left")
-      fmt::print("{:<28} {}\n", key, value);
+    if (key == "end_reason" || key == "com_error_max_m" || key.starts_with("foot_error_max_m"))
+      figures.emplace_back(key, value);
+  fmt::print("{}", FigureLines(FigureTexts(figures)));
+  for (const char* trial : {"stand", "trot"}) PrintReportPath(out / trial);
   return trot.exit_code();
 }
 

@@ -182,7 +182,7 @@
     parent.hidden = false;
     const left = 20 + 6.6 * Math.max(...data.correlations.map((row) => Math.min(row.name.length, 40)));
     const w = 46, h = 24, top = 130;
-    const drawing = svg(parent, left + w * columns.length + 70, top + h * data.correlations.length + 6);
+    const drawing = svg(parent, left + w * columns.length + 110, top + h * data.correlations.length + 6);
     columns.forEach((f, i) => {
       const x = left + w * (i + 0.5);
       shape(drawing, 'text', { x, y: top - 8, transform: `rotate(-40 ${x} ${top - 8})` }, f === data.figures.length ? 'survival' : nameOfKey(data.figures[f]).name.slice(0, 26));
@@ -231,7 +231,8 @@
     keys.forEach((key, i) => {
       const x = 60 + step * i;
       shape(drawing, 'line', { x1: x, x2: x, y1: top, y2: top + height, class: 'axis' });
-      shape(drawing, 'text', { x, y: i % 2 ? 26 : 12, 'text-anchor': 'middle' }, label(key.name).slice(-30));
+      const name = label(key.name).slice(-30), room = 3.6 * name.length;  // half of its width
+      shape(drawing, 'text', { x: Math.min(Math.max(x, room), width - room), y: i % 2 ? 26 : 12, 'text-anchor': 'middle' }, name);
       if (key.labels) key.labels.forEach((text, l) => {
         if (key.labels.length < 12 || l % Math.ceil(key.labels.length / 10) === 0) shape(drawing, 'text', { x: x + 4, y: y(key, l) + 4, class: 'soft' }, text.slice(0, 14));
       });
@@ -250,7 +251,7 @@
       const box = element('figure');
       box.append(element('figcaption', '', label(data.figures[f])));
       const width = 230, height = 70, w = width / survived.length;
-      const drawing = svg(box, width, height + 16);
+      const drawing = svg(box, width, height + 29);
       const most = Math.max(...survived.map((count, i) => count + failed[i]));
       survived.forEach((count, i) => {
         const a = (height * count) / most, b = (height * failed[i]) / most;
@@ -258,7 +259,7 @@
         if (b) shape(drawing, 'rect', { x: w * i, y: height - a - b, width: w - 0.5, height: b, class: 'bad' });
       });
       shape(drawing, 'text', { x: 0, y: height + 13 }, formatNumber(low));
-      shape(drawing, 'text', { x: width / 2, y: height + 13, 'text-anchor': 'middle', class: 'soft' }, `median ${formatNumber(median)}`);
+      shape(drawing, 'text', { x: width / 2, y: height + 25, 'text-anchor': 'middle', class: 'soft' }, `median ${formatNumber(median)}`);
       shape(drawing, 'text', { x: width, y: height + 13, 'text-anchor': 'end' }, formatNumber(high));
       grid.append(box);
     }

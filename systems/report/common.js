@@ -15,8 +15,8 @@ function element(tag, className, text) {
   return node;
 }
 
-// Text whose lines may end after "_".
-const breakable = (text) => text.split(/(?<=_)/).flatMap((part, i) => i ? [element('wbr'), part] : [part]);
+// Text whose lines may end after "_" and "/".
+const breakable = (text) => text.split(/(?<=[_/])/).flatMap((part, i) => i ? [element('wbr'), part] : [part]);
 
 // A button that says what it does to eyes and to screen readers.
 function button(text, label, click) {

@@ -21,6 +21,7 @@ function showFigures(parent, runs) {
   }
   parent.hidden = keys.length === 0;
   parent.classList.toggle('one', runs.length === 1);
+  parent.classList.toggle('several', runs.length > 1);
 
   const figureOf = (run, key) => run.figures.find((figure) => figure.name === key) || {value: null};
   const numbers = (of) => runs.flatMap((run) => of.map((key) => figureOf(run, key).value)).filter((v) => typeof v === 'number');
@@ -39,7 +40,6 @@ function showFigures(parent, runs) {
       cell.scope = 'col';
       head.append(cell);
     });
-    head.append(element('th'));
   }
   const body = table.createTBody();
 
@@ -71,13 +71,20 @@ function showFigures(parent, runs) {
     const {limits} = runs.map((run) => figureOf(run, of[0])).find((figure) => figure.limits) || {};
     const [low, high] = (limits || [null, null]).map((limit) => limit === null ? null : formatNumber(limit * factor));
     const range = low !== null && high !== null ? `${low} … ${high}` : low !== null ? `≥ ${low}` : high !== null ? `≤ ${high}` : '';
-    row.append(element('td', 'unit', shownUnit));
+    if (runs.length === 1) row.append(element('td', 'unit', shownUnit));
+    else if (shownUnit) head.append(element('span', 'unit', ` [${shownUnit}]`));
     if (range) {
       const note = element('small', '', ` ${range}`);
       note.title = 'its limits';
       head.append(note);
     }
-    row.classList.toggle('same', runs.length > 1 && texts.every((text) => text === texts[0]));
+    const same = runs.length > 1 && texts.every((text) => text === texts[0]);
+    row.classList.toggle('same', same);
+    if (same && row.cells[1].classList.contains('text')) {
+      while (row.cells.length > 2) row.deleteCell(2);
+      row.cells[1].colSpan = runs.length;
+      row.cells[1].classList.add('all');
+    }
     return head;
   }
 

@@ -15,6 +15,7 @@ function showReport(report, runs, live, bar) {
     document.title = report.title;
     find('h1').textContent = report.title;
     find('#headline p').textContent = report.description;
+    find('header').classList.toggle('several', runs.length > 1);
     for (const run of runs) {
       if (!run.verdict && runs.length === 1) continue;
       const text = (runs.length > 1 ? run.name + (run.verdict ? ': ' : '') : '') + run.verdict;

@@ -102,17 +102,7 @@
     document.title = data.title;
     find('h1').textContent = data.title;
     find('#headline p').textContent = data.description;
-    const parent = find('#figures'), length = Math.ceil(data.figures.length / 4) || 1;
-    parent.hidden = !data.figures.length;
-    for (let begin = 0; begin < data.figures.length; begin += length) {
-      const body = element('table');
-      for (const [key, value] of data.figures.slice(begin, begin + length)) {
-        const row = body.insertRow(), {name, unit} = nameOfKey(key), head = element('th', '', name);
-        head.title = key;
-        row.append(head, element('td', '', value === null ? '–' : formatNumber(value)), element('td', 'unit', unit));
-      }
-      parent.append(body);
-    }
+    showFigures(find('#figures'), [{figures: data.figures.map(([name, value]) => ({name, value}))}]);
   }
 
   function showChoosers() {
@@ -264,7 +254,10 @@
 
   showHeader();
   for (const volume of volumes) volume.quantity = 0;
-  document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
+  // The surface fills what the header and the figures leave of the window.
+  const fit = () => document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
+  fit();
+  for (const part of ['header', '#figures']) new ResizeObserver(fit).observe(find(part));
   try {
     replay = new Replay(find('#stage'), volumes);
     replay.speck = false;  // no close-up: the surface would hide what it shows

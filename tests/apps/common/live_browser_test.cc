@@ -6,6 +6,7 @@
 
 #include <tenon/tests/apps/common/live_app.h>
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
 
 namespace tenon::test::live_browser_test {
 namespace {
@@ -41,6 +42,19 @@ class LiveBrowserTest : public LiveAppTest {
   }
   Browser browser;
 };
+
+TEST_F(LiveBrowserTest, AllOfThePageCanBeSeen) {
+  Start(std::string(TENON_QUADRUPED) + " flat --live" + Out());
+  browser.Navigate(address);
+  ASSERT_TRUE(Until("!!window.tenonReport && tenonReport.ready")) << Json(browser.complaints());
+  ASSERT_TRUE(Until("tenonReport.live.drives"));
+  browser.Press(" ");
+  ASSERT_TRUE(Until("tenonReport.live.status.state === 'paused'"));
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
+  browser.Evaluate(ButtonOf("#run-bar", "stop") + ".click()");
+  browser.Evaluate(ButtonOf("#run-bar", "really stop?") + ".click()");
+  EXPECT_EQ(End(), 130);  // as Ctrl-C
+}
 
 TEST_F(LiveBrowserTest, TheRobotIsDrivenPushedTunedSetBackAndReplayed) {
   Start(std::string(TENON_QUADRUPED) + " flat --live" + Out());

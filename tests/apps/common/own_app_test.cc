@@ -23,7 +23,7 @@ using OwnAppTest = test::AppTest;
 TEST_F(OwnAppTest, WritesWhatAllAppsWrite) {
   const Result result = RunCommand(kApp + " " + kExample + "/step.yaml --set mass_kg=3 --seed 5" + Out());
   ASSERT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(result.text, HasSubstr("error_end_m"));
+  EXPECT_THAT(result.text, AllOf(HasSubstr("error_end_m"), HasSubstr((out / "report.html").string() + "\n")));
   EXPECT_THAT(Read(out / "summary.json"), AllOf(HasSubstr("\"case\": \"step\""), HasSubstr("\"seed\": 5"),
                                                 HasSubstr("\"error_end_m\": ")));
   EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.2")));

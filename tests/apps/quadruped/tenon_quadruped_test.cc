@@ -17,6 +17,7 @@ using test::Read;
 using test::Result;
 using test::RunCommand;
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 Result RunApp(const std::string& arguments) {
@@ -54,6 +55,13 @@ TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
                           "qp_time_median_us", "qp_time_p99_us", "qp_failures"})
     EXPECT_THAT(summary, HasSubstr("\"" + std::string(key) + "\": "));
   EXPECT_THAT(summary, AllOf(HasSubstr("\"case\": \"A1\""), HasSubstr("\"observer\": \"hybrid\"")));
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("front_left  front_right   rear_left  rear_right\n"),
+                    HasSubstr(" N m   (at most "), EndsWith((out / "report.html").string() + "\n")))
+      << "legs are a table";
+  for (std::size_t begin = 0, end; (end = result.text.find('\n', begin)) != std::string::npos;
+       begin = end + 1)
+    EXPECT_LE(end - begin, 100) << result.text.substr(begin, end - begin);
 }
 
 TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {

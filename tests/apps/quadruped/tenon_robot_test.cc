@@ -21,9 +21,11 @@ class TenonRobotTest : public AppTest {
 TEST_F(TenonRobotTest, MakesARobotWalk) {
   const Result run = Run(TENON_ROBOTS_DIR "/a1.urdf" + Out());
   EXPECT_EQ(run.exit_code, 0) << run.text;
-  EXPECT_THAT(run.text,
-              AllOf(HasSubstr("mass_kg                      12.78"),
-                    HasSubstr("trots                        yes"), HasSubstr("foot_radius_m is guessed")));
+  EXPECT_THAT(
+      run.text,
+      AllOf(HasSubstr("mass_kg                      12.78"), HasSubstr("trots                        yes"),
+            HasSubstr("foot_radius_m is guessed"), HasSubstr((out / "stand/report.html").string() + "\n"),
+            HasSubstr((out / "trot/report.html").string() + "\n")));
   EXPECT_THAT(Read(out / "a1.yaml"), AllOf(HasSubstr("urdf: a1.urdf"), HasSubstr("front_left: FL_foot")));
   EXPECT_EQ(Read(out / "a1.urdf"), Read(TENON_ROBOTS_DIR "/a1.urdf"));
   EXPECT_THAT(Read(out / "a1.svg"), HasSubstr("<svg"));

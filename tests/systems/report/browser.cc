@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
 #include <stdexcept>
 
 namespace tenon::testing {
@@ -21,26 +20,6 @@ namespace {
 
 constexpr const char* kChromium = "/usr/bin/chromium";
 constexpr int kPatience = 120;  // seconds for one answer: only a browser that hangs takes longer
-
-std::string DecodeBase64(const std::string& text) {
-  std::array<int, 256> digit;
-  digit.fill(-1);
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < digits.size(); ++i)
-    digit[static_cast<unsigned char>(digits[i])] = static_cast<int>(i);
-  std::string bytes;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    const int value = digit[static_cast<unsigned char>(c)];
-    if (value < 0) break;
-    bits = bits << 6 | static_cast<unsigned>(value);
-    if ((count += 6) < 8) continue;
-    count -= 8;
-    bytes += static_cast<char>(bits >> count & 255);
-  }
-  return bytes;
-}
 
 }  // namespace
 
@@ -225,9 +204,8 @@ void Browser::Key(const std::string& type, const std::string& key, bool shift) {
   Call("Input.dispatchKeyEvent", {{"type", type}, {"key", key}, {"modifiers", shift ? 8 : 0}});
 }
 
-void Browser::Screenshot(const fs::path& file) {
-  const std::string bytes = DecodeBase64(Call("Page.captureScreenshot", {{"format", "png"}}).at("data"));
-  std::ofstream(file, std::ios::binary) << bytes;
+std::string Browser::Screenshot() {
+  return Call("Page.captureScreenshot", {{"format", "png"}}).at("data");
 }
 
 }  // namespace tenon::testing

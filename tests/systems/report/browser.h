@@ -38,8 +38,8 @@ class Browser {
   void Key(const std::string& type, const std::string& key, bool shift = false);
   /// Presses a key, called as in KeyboardEvent.key.
   void Press(const std::string& key, bool shift = false);
-  /// Saves what is to be seen as PNG.
-  void Screenshot(const std::filesystem::path& file);
+  /// What is to be seen, as PNG in base64.
+  std::string Screenshot();
 
   /// Errors and warnings on the console, and exceptions, so far.
   const std::vector<std::string>& complaints() const { return complaints_; }

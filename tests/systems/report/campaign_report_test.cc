@@ -10,6 +10,7 @@
 
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::campaign_report_test {
@@ -138,6 +139,7 @@ TEST_F(CampaignReportTest, ThePageShowsItAll) {
       "s.dispatchEvent(new Event('change')); })()");
   EXPECT_EQ(browser.Evaluate("document.querySelector('#map rect title').textContent"),
             "friction = 0.3, force_N = 1: 0.045");
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
 }
 
 }  // namespace

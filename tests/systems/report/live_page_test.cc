@@ -16,6 +16,7 @@
 
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::live_page_test {
@@ -341,6 +342,11 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   EXPECT_THAT(browser.complaints(), Each(HasSubstr("ERR_INCOMPLETE_CHUNKED_ENCODING")))
       << "the lost connection alone";
   EXPECT_THAT(browser.requests(), Each(HasSubstr(run.address())));
+}
+
+TEST_F(LivePageTest, AllOfThePageCanBeSeen) {
+  Open();
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
 }
 
 TEST_F(LivePageTest, DrivesPullsAndTunes) {

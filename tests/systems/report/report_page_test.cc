@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::report_page_test {
@@ -139,6 +140,29 @@ TEST_F(RunPageTest, TheReplayStaysInViewInWindowsOfAnySize) {
   EXPECT_GT(Settle(share).get<double>(), 0.9) << "nothing is drawn";
   EXPECT_EQ(browser.Evaluate("document.querySelector('#stage').checkVisibility()"), false);
   EXPECT_EQ(browser.Evaluate("document.querySelector('#transport').checkVisibility()"), true);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, AllOfThePageCanBeSeen) {
+  Report run = Run(true, 0);
+  for (const char* name : {"velocity_estimate_error_rms_m_per_s", "torque_beyond_drive_max_N_m",
+                           "ground_clearance_min_m", "tension_rate_rms_N_per_s"})
+    for (const char* prefix : {"", "path_", "loaded_"})
+      run.AddFigure(std::string(prefix) + name, -0.123456, {.low = -1, .high = 1});
+  Open(run);
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
+  Open(Run(false, 0));
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty()) << "nothing is drawn";
+  Report several({.title = "many of them", .plots = {{"cables", {"tension.output"}, {}}}});
+  several.Add("a_run_with_a_very_long_name", run);
+  for (int i = 1; i < 8; ++i) several.Add("run_" + std::to_string(i), Run(true, i));
+  Open(several);
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
+  EXPECT_EQ(
+      browser.Evaluate("(({scrollWidth, clientWidth}) => scrollWidth > clientWidth)(document.querySelector("
+                       "'#figures > div'))"),
+      true)
+      << "the table scrolls, not the page";
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 

@@ -480,8 +480,8 @@ TEST_F(ReportTest, ComparisonInTheBrowser) {
   Browser browser;
   browser.Open(file);
   ASSERT_EQ(browser.Evaluate("window.tenonReport && tenonReport.ready"), true) << Json(browser.complaints());
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures thead th').length"), 4)
-      << "name, slow, fast, unit";
+  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures thead th').length"), 3)
+      << "name, slow, fast";
   const std::string curves = "[...document.querySelectorAll('.readout > div')].map((line) => !line.hidden)";
   EXPECT_EQ(browser.Evaluate(curves), Json({true, true}));
   browser.Evaluate("document.querySelectorAll('.verdict input')[0].click()");

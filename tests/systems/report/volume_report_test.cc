@@ -9,6 +9,7 @@
 
 #include <tenon/systems/framework/errors.h>
 #include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -95,6 +96,23 @@ TEST_F(VolumeReportTest, PageShowsCellsSlicesAndTheirSurface) {
       nlohmann::json({"turns", "margin [N]"}));
   EXPECT_THAT(browser.complaints(), IsEmpty());
   EXPECT_THAT(browser.requests(), Each(StartsWith("file:")));
+}
+
+TEST_F(VolumeReportTest, AllOfThePageCanBeSeen) {
+  if (!testing::Browser::IsInstalled()) {
+    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
+    GTEST_SKIP() << "needs chromium";
+  }
+  VolumeReport report = Example();
+  for (const char* name :
+       {"required_volume_possible_m3", "attitude_capacity_margin_max_N", "any_axis_turn_proven_rad"})
+    for (const char* prefix : {"", "static_", "clear_"})
+      report.figures.emplace_back(std::string(prefix) + name, 123.45);
+  report.Write(file);
+  testing::Browser browser;
+  browser.Open(file);
+  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
+  EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
 TEST_F(VolumeReportTest, RefusesPartsWithOtherQuantities) {
