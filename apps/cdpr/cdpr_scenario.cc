@@ -193,12 +193,6 @@ void NoiseScenario::Validate() const {
   DemandRate("imu_rate_hz", imu_rate_hz);
 }
 
-void IntegratorScenario::Validate() const {
-  DemandBetween("order", order, 2, 5);
-  DemandBetween("rtol", rtol, 1e-14, 0.1);
-  DemandBetween("atol", atol, 1e-300, 0.1);
-}
-
 void CdprScenario::Validate() const {
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(
@@ -267,11 +261,12 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.feedforward = scenario.controller == CdprController::kPdFeedforward;
   params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
                        (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc->offset_free);
-  params.load = {.robot = params.robot,
-                 .rate = Hz(scenario.noise.pose_rate_hz),
-                 .bandwidth = scenario.load.bandwidth_rad_per_s.value_or(params.mpc ? 20 : 3),
-                 .mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(params.mpc ? 100 : 3)};
-  if (params.offset_free) Blame("load", [&] { params.load.Validate(); });
+  LoadEstimatorParams& load = params.load.emplace(MakeLoadEstimator(params.mpc.has_value()));
+  load.robot = params.robot;
+  load.rate = Hz(scenario.noise.pose_rate_hz);
+  load.bandwidth = scenario.load.bandwidth_rad_per_s.value_or(load.bandwidth);
+  load.mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(load.mass_bandwidth);
+  if (*params.offset_free) Blame("load", [&] { load.Validate(); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);
@@ -310,11 +305,9 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
 }
 
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {
-  return {.method = Method::kErk,
-          .order = scenario.integrator.order,
-          .rtol = scenario.integrator.rtol,
-          .atol = scenario.integrator.atol,
-          .seed = scenario.seed};
+  SimulatorOptions options = scenario.integrator.Options();
+  options.seed = scenario.seed;
+  return options;
 }
 
 }  // namespace tenon::apps

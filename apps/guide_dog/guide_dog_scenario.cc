@@ -38,13 +38,7 @@ double Duration(const GuideDogScenario& scenario) {
 }
 
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
-  const QuadrupedWalkParams alone = MakeWalkParams(WithoutPerson(scenario));
-  GuideDogParams params;
-  params.world = alone.world;
-  params.walk = alone.walk;
-  params.locomotion = alone.locomotion;
-  params.estimator = alone.estimator;
-  params.observer = alone.observer;
+  GuideDogParams params = MakeGuideDog(MakeWalkParams(WithoutPerson(scenario)));
   params.observer.kind = scenario.observer;
   params.supervisor.gains = scenario.supervisor;
   params.admittance.gains = scenario.admittance;
