@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -201,6 +203,7 @@ void CdprScenario::Validate() const {
   DemandRate("log_rate_hz", log_rate_hz);
   DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
   DemandNotNegative("cable_diameter_m", cable_diameter_m);
+  DemandPositive("path_tolerance", path_tolerance);
   DemandNear("start_offset_m", start_offset_m);
 }
 
@@ -302,6 +305,55 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.forbid_slack = scenario.forbid_slack;
   params.max_tension_ratio = scenario.max_tension_ratio;
   return params;
+}
+
+namespace {
+
+/// Of a circle one turn [m].
+double LengthOf(const Path& path) {
+  constexpr double kStep = 0.01;  // s
+  const double end = path.is_periodic() ? path.TimeOf(2 * std::numbers::pi) : path.end_time();
+  double length = 0;
+  for (double t = path.start_time(); t < end; t += kStep)
+    length += (path.At(std::min(t + kStep, end)).position - path.At(t).position).norm();
+  return length;
+}
+
+}  // namespace
+
+PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live) {
+  if (live) return {};
+  const PlatformPath path = scenario.path.Make();
+  const double length = LengthOf(path.position);
+  if (length == 0 && !path.attitude) return {};
+  return {scenario.path_tolerance, length, scenario.start_offset_m.norm(), scenario.start_turn_rad.norm()};
+}
+
+std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  const PayloadScenario& payload = scenario.payload;
+  const bool given = payload.mass_kg != 0 || payload.attach_s != 0 || payload.release_s != 0 ||
+                     !payload.position_m.isZero(0);
+  if (given) {
+    std::string why;
+    if (payload.mass_kg == 0) {
+      why = "mass_kg is 0";
+    } else if (payload.release_s == payload.attach_s) {
+      why = fmt::format("release_s and attach_s are both {:.10g}", payload.attach_s);
+    } else if (payload.release_s <= 0) {
+      why = fmt::format("release_s = {:.10g}, and the run begins at 0 s", payload.release_s);
+    } else if (payload.attach_s >= duration) {
+      why = fmt::format("attach_s = {:.10g}, and the run ends at {:.10g} s", payload.attach_s, duration);
+    }
+    AddIdle("payload", {}, duration, why, notes);
+  }
+  for (std::size_t i = 0; i < scenario.gusts.size(); ++i) {
+    const GustScenario& gust = scenario.gusts[i];
+    AddIdle(fmt::format("gusts.{}", i), {gust.start_s, gust.duration_s}, duration,
+            gust.force_N.isZero(0) ? "force_N is 0" : "", notes);
+  }
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
 }
 
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {

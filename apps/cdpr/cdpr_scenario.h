@@ -10,6 +10,7 @@
 #include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
@@ -255,6 +256,9 @@ struct CdprScenario {
   double max_tension_ratio =
       CdprLoopParams().max_tension_ratio;  ///< so does one pulled harder than this times the winches' maximum
   double cable_diameter_m = 0.005;         ///< nearer than this two cables touch
+  /// How far the platform may leave its path: in position by this part of the path's length (a circle's is
+  /// one turn), in heading by this part of half a turn; beyond, the run is not finished.
+  double path_tolerance = 0.1;
   ReportScenario report;                                  ///< what the report shows
   std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
@@ -284,6 +288,7 @@ struct CdprScenario {
             {"forbid_slack", &CdprScenario::forbid_slack},
             {"max_tension_ratio", &CdprScenario::max_tension_ratio},
             {"cable_diameter_m", &CdprScenario::cable_diameter_m},
+            {"path_tolerance", &CdprScenario::path_tolerance},
             {"report", &CdprScenario::report},
             {"parameters", &CdprScenario::parameters}};
   }
@@ -294,5 +299,9 @@ struct CdprScenario {
 /// that a path outside the workspace is refused here, before any run.
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
+/// Whether the platform follows its path, which is not judged in a live run.
+PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
 }  // namespace tenon::apps

@@ -1,6 +1,6 @@
 #include <tenon/apps/common/outputs.h>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/systems/framework/errors.h>
@@ -178,7 +179,7 @@ Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(js
 
 namespace {
 
-constexpr const char* kLimits = "limits";
+constexpr const char *kLimits = "limits", *kNotes = "notes";
 
 std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
   if (!object.contains(key)) return std::nullopt;
@@ -201,6 +202,8 @@ Summary Summary::Load(const fs::path& file, int exit_code) {
   for (const auto& [key, limit] : limits.items())
     summary.Limit(key, {NumberIn(limit, "low"), NumberIn(limit, "high")});
   values.erase(kLimits);
+  for (const auto& note : values.value(kNotes, nlohmann::ordered_json::array())) summary.Note(note);
+  values.erase(kNotes);
   return summary;
 }
 
@@ -217,6 +220,11 @@ void Summary::Set(const std::string& key,
                   const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : values) object[name] = NumberOrNull(value);
+}
+
+void Summary::SetFollowed(std::optional<bool> followed) {
+  auto& value = json_->values["followed"];
+  if (followed) value = *followed;
 }
 
 void Summary::Break(double time, const std::string& reason) {
@@ -264,10 +272,23 @@ std::string Shown(const nlohmann::ordered_json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-std::string Shown(const Limits& limits) {
-  if (limits.low && limits.high) return fmt::format("   (from {:.4g} to {:.4g})", *limits.low, *limits.high);
-  if (limits.low) return fmt::format("   (at least {:.4g})", *limits.low);
-  return limits.high ? fmt::format("   (at most {:.4g})", *limits.high) : "";
+/// A figure, and its limits beside it.
+std::string Shown(const nlohmann::ordered_json& value, const Limits& limits) {
+  if (!value.is_number()) return Shown(value);
+  constexpr int kDigits = 4;
+  const double number = value.get<double>();
+  std::string shown = Shown(value), low, high;
+  const auto add = [&](const std::optional<double>& limit, std::string& text) {
+    if (!limit) return;
+    const auto [figure, beside] = Beside(number, *limit, kDigits);
+    if (figure.size() > shown.size()) shown = figure;
+    text = beside;
+  };
+  add(limits.low, low);
+  add(limits.high, high);
+  if (limits.low && limits.high) return fmt::format("{}   (from {} to {})", shown, low, high);
+  if (limits.low) return fmt::format("{}   (at least {})", shown, low);
+  return limits.high ? fmt::format("{}   (at most {})", shown, high) : shown;
 }
 
 }  // namespace
@@ -293,6 +314,7 @@ void Summary::Write(const fs::path& file) const {
     if (limit.low) object["low"] = *limit.low;
     if (limit.high) object["high"] = *limit.high;
   }
+  if (!notes_.empty()) values[kNotes] = notes_;
   WriteJson(values, file);
 }
 
@@ -305,6 +327,7 @@ void Summary::AddTo(Report& report) const {
                                          : fmt::format("ended at {:.4g} s: {}", end, reason));
   if (!finished() && !judged_) report.AddEvent(end, reason);
   for (const auto& [time, breach] : breaches_) report.AddEvent(time, breach);
+  if (!notes_.empty()) report.AddFigure(kNotes, fmt::format("{}", fmt::join(notes_, "; ")));
   for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
     if (value.is_number() || value.is_null()) {
@@ -322,9 +345,9 @@ void Summary::AddTo(Report& report) const {
 void Summary::Print() const {
   for (const auto& [key, value] : json_->values.items()) {
     const auto limit = std::ranges::find(limits_, key, &std::pair<std::string, Limits>::first);
-    const std::string beside = limit == limits_.end() ? "" : Shown(limit->second);
-    fmt::print("{:<28} {}{}\n", key, Shown(value), beside);
+    fmt::print("{:<28} {}\n", key, limit == limits_.end() ? Shown(value) : Shown(value, limit->second));
   }
+  for (const std::string& note : notes_) fmt::print("{:<28} {}\n", "note", note);
 }
 
 void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values) {
@@ -343,6 +366,11 @@ void SetParameters(Context& context, const std::map<std::string, std::vector<dou
       throw KeyError(key, error.what());
     }
   }
+}
+
+void SayNotes(const RunOptions& options, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes)
+    Say(fmt::format("{}warning: {}\n", options.name.empty() ? "" : options.name + ": ", note));
 }
 
 std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 
 namespace tenon::apps {
 namespace {
@@ -35,6 +36,13 @@ void GuideDogScenario::Validate() const {
 
 double Duration(const GuideDogScenario& scenario) {
   return Duration(WithoutPerson(scenario));
+}
+
+std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  AddNotes(scenario.forces, duration, notes);
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
 }
 
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {

@@ -86,6 +86,9 @@ struct GuideDogScenario {
 /// How long the run is [s].
 double Duration(const GuideDogScenario& scenario);
 
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration);
+
 /// What a scenario means in the diagram's terms. Throw ParameterError.
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const GuideDogScenario& scenario);

@@ -9,6 +9,7 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/plants/model/robot_scale.h>
 #include <tenon/plants/sensors/sensor_noise.h>
@@ -118,6 +119,7 @@ void JointPdScenario::Validate() const {
 void WalkScenario::Validate() const {
   if (friction) DemandPositive("friction", *friction);
   DemandNotNegative("judged_from_s", judged_from_s);
+  DemandPositive("path_tolerance", path_tolerance);
   Demand(
       std::isfinite(mass_error_ratio) && mass_error_ratio > -1,
       fmt::format("mass_error_ratio = {} must be above -1: the robot would have no mass", mass_error_ratio));
@@ -259,6 +261,35 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario) {
       *part *= length;
   }
   return scenario;
+}
+
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
+  if (live) return {};
+  const WalkSchedule::Extent way = WalkSchedule(walk.path).extent();
+  if (way.length == 0 && way.turn == 0) return {};
+  return {walk.path_tolerance, way.length};
+}
+
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ForceScenario& force = forces[i];
+    const bool none = force.factor == 0 || (force.force_N.isZero(0) && force.torque_N_m.isZero(0));
+    AddIdle(fmt::format("forces.{}", i), {.start = force.start_s, .length = force.duration_s}, duration,
+            none ? "force_N and torque_N_m, times factor, are 0" : "", notes);
+  }
+}
+
+std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  AddNotes(scenario.forces, duration, notes);
+  for (std::size_t i = 0; i < scenario.random_forces.size(); ++i)
+    AddIdle(fmt::format("random_forces.{}", i), {}, duration,
+            scenario.random_forces[i].upper_N == 0 ? "upper_N is 0" : "", notes);
+  const TrunkLoadScenario& payload = scenario.payload;
+  const bool placed = payload.slides || !payload.position_m.isZero(0) || !payload.edges_m.isZero(0);
+  AddIdle("payload", {}, duration, placed && payload.mass_kg == 0 ? "mass_kg is 0" : "", notes);
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
 }
 
 double Duration(const QuadrupedScenario& scenario) {

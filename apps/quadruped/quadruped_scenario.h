@@ -10,13 +10,14 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_faults.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/plants/model/model_error.h>
 #include <tenon/diagrams/recommended_options.h>
+#include <tenon/plants/model/model_error.h>
 #include <tenon/systems/framework/fields.h>
 
 namespace tenon::apps {
@@ -59,6 +60,9 @@ struct WalkScenario {
   double mass_error_ratio = 0;   ///< 0.3: the controller believes in masses 30 % too large
   ModelErrorParams model_error;  ///< of each body's data in what the controller believes, drawn by the seed
   double judged_from_s = 0;      ///< figures count from here
+  /// How far the robot may leave its path: in position by this part of the path's length, in heading by this
+  /// part of half a turn; beyond, the run is not finished.
+  double path_tolerance = 0.2;
 
   static FieldList Fields() {
     return {Required("path", &WalkScenario::path),
@@ -70,7 +74,8 @@ struct WalkScenario {
             {"friction", &WalkScenario::friction},
             {"mass_error_ratio", &WalkScenario::mass_error_ratio},
             {"model_error", &WalkScenario::model_error},
-            {"judged_from_s", &WalkScenario::judged_from_s}};
+            {"judged_from_s", &WalkScenario::judged_from_s},
+            {"path_tolerance", &WalkScenario::path_tolerance}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -282,6 +287,13 @@ SizeRatio RatioOf(const QuadrupedScenario& scenario);
 /// heights, sizes and gaps of blocks, lengths of steps and of the payload times that of the legs, torques
 /// times both. Times, speeds, the path and where blocks lie stay.
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario);
+
+/// Whether a walk follows its path, which is not judged in a live run.
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);
+/// The same of a list of forces.
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
 
 /// How long it runs [s].
 double Duration(const QuadrupedScenario& scenario);

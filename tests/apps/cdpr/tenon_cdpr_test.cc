@@ -361,7 +361,63 @@ TEST_F(TenonCdprTest, FiguresStandBesideTheirLimits) {
                           "floor_clearance_min_m", "turn_max_rad"})
     EXPECT_THAT(summary.substr(summary.find("\"limits\"")), HasSubstr("\"" + std::string(key) + "\": {"))
         << key;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("(at most 800)"), HasSubstr("(at least 0.005)")));
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("(at most 800)"), HasSubstr("(at most 880)"), HasSubstr("(at least 0.005)")));
+}
+
+// What is beyond its limit is not printed as the limit is: 4.9999 mm are less than 5 mm.
+TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
+  const auto distance = [&](const std::string& arguments) {
+    EXPECT_EQ(RunApp("D1 --duration 0.1 --set log_rate_hz=10 " + arguments + Out()).exit_code,
+              arguments.empty() ? 0 : 3);
+    const std::string summary = Read(out / "summary.json");
+    const std::string key = "\"cable_distance_min_m\": ";
+    return std::stod(summary.substr(summary.find(key) + key.size()));
+  };
+  const double least = distance("");
+  const Result result =
+      RunApp("D1 --duration 0.1 --set cable_diameter_m=" + std::to_string(least + 1e-6) + Out());
+  EXPECT_EQ(result.exit_code, 3) << result.text;
+  const std::string text = result.text.substr(result.text.find("two cables touched"));
+  double apart = 0, limit = 0;
+  ASSERT_EQ(
+      std::sscanf(text.c_str() + text.find(" were "), " were %lf mm apart, less than %lf mm", &apart, &limit),
+      2)
+      << text;
+  EXPECT_LT(apart, limit);
+  const std::string figure = result.text.substr(result.text.find("cable_distance_min_m"));
+  ASSERT_EQ(std::sscanf(figure.c_str(), "cable_distance_min_m %lf (at least %lf)", &apart, &limit), 2)
+      << figure;
+  EXPECT_LT(apart, limit);
+}
+
+TEST_F(TenonCdprTest, APlatformThatLeavesItsPathIsNotFinished) {
+  const std::string push =
+      "D1 --controller pd --duration 2 --set forbid_slack=false --set 'gusts=[{force_N: "
+      "[0, 60, 0], start_s: 0.5, duration_s: 1}]'";
+  ASSERT_EQ(RunApp(push + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": true"));
+  const Result left = RunApp(push + " --set path_tolerance=0.001" + Out());
+  EXPECT_EQ(left.exit_code, 3) << left.text;
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"followed\": false"),
+                    HasSubstr("the path was not followed: the robot went ")));
+  ASSERT_EQ(RunApp("D2 --duration 0.2" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": null"));
+}
+
+TEST_F(TenonCdprTest, SaysWhichDisturbancesNeverAct) {
+  const auto says = [&](const std::string& arguments, const std::string& note) {
+    const Result result = RunApp("D2 --duration 0.2 " + arguments + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(result.text, HasSubstr("warning: " + note));
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr(note));
+    EXPECT_THAT(Read(out / "report.html"), HasSubstr(note));
+  };
+  says("", "payload never acts: attach_s = 1, and the run ends at 0.2 s");
+  says("--set payload.release_s=1", "payload never acts: release_s and attach_s are both 1");
+  says("--set payload.mass_kg=0", "payload never acts: mass_kg is 0");
+  says("--set 'gusts=[{force_N: [0, 0, 0], start_s: 0, duration_s: 1}]'", "gusts.0 never acts: force_N is 0");
 }
 
 // From waypoint to waypoint: at rest where it dwells, with speeds as asked in between, the attitude likewise.
