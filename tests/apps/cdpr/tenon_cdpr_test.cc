@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <iomanip>
 #include <numbers>
+#include <sstream>
 
 #include <tenon/tests/apps/run_app.h>
 
@@ -367,28 +369,24 @@ TEST_F(TenonCdprTest, FiguresStandBesideTheirLimits) {
 
 // What is beyond its limit is not printed as the limit is: 4.9999 mm are less than 5 mm.
 TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
-  const auto distance = [&](const std::string& arguments) {
-    EXPECT_EQ(RunApp("D1 --duration 0.1 --set log_rate_hz=10 " + arguments + Out()).exit_code,
-              arguments.empty() ? 0 : 3);
-    const std::string summary = Read(out / "summary.json");
-    const std::string key = "\"cable_distance_min_m\": ";
-    return std::stod(summary.substr(summary.find(key) + key.size()));
-  };
-  const double least = distance("");
-  const Result result =
-      RunApp("D1 --duration 0.1 --set cable_diameter_m=" + std::to_string(least + 1e-6) + Out());
+  const std::string flight = "waypoints --duration 5.5 --set log_rate_hz=10 ",
+                    key = "\"cable_distance_min_m\": ";
+  ASSERT_EQ(RunApp(flight + Out()).exit_code, 0);
+  const std::string summary = Read(out / "summary.json");
+  const double least = std::stod(summary.substr(summary.find(key) + key.size()));
+  std::ostringstream diameter;
+  diameter << std::setprecision(12) << least + 1e-7;
+  const Result result = RunApp(flight + "--set cable_diameter_m=" + diameter.str() + Out());
   EXPECT_EQ(result.exit_code, 3) << result.text;
-  const std::string text = result.text.substr(result.text.find("two cables touched"));
-  double apart = 0, limit = 0;
-  ASSERT_EQ(
-      std::sscanf(text.c_str() + text.find(" were "), " were %lf mm apart, less than %lf mm", &apart, &limit),
-      2)
-      << text;
-  EXPECT_LT(apart, limit);
-  const std::string figure = result.text.substr(result.text.find("cable_distance_min_m"));
-  ASSERT_EQ(std::sscanf(figure.c_str(), "cable_distance_min_m %lf (at least %lf)", &apart, &limit), 2)
-      << figure;
-  EXPECT_LT(apart, limit);
+  const auto expect_less = [&](const char* from, const char* format) {
+    double value = 0, limit = 0;
+    const std::size_t at = result.text.find(from);
+    ASSERT_NE(at, std::string::npos) << result.text;
+    ASSERT_EQ(std::sscanf(result.text.c_str() + at, format, &value, &limit), 2) << result.text.substr(at, 80);
+    EXPECT_LT(value, limit);
+  };
+  expect_less(" were ", " were %lf mm apart, less than %lf mm");
+  expect_less("cable_distance_min_m", "cable_distance_min_m %lf (at least %lf)");
 }
 
 TEST_F(TenonCdprTest, APlatformThatLeavesItsPathIsNotFinished) {
