@@ -39,6 +39,7 @@ void CdprFigures::Row(std::span<const double> row) {
   oscillation_.Add(Distance(row, euler_, ref_euler_));
   const double error = Distance(row, position_, ref_position_);
   error_.Add(error);
+  path_.Add(row[0], error, row[euler_[2]] - row[ref_euler_[2]]);
   if (row[0] >= loaded_from_ + kTaken && row[0] < settle_from_) {
     loaded_error_.Add(error);
     for (std::size_t i = 0; i < 3; ++i) loaded_euler_[i].Add(row[euler_[i]]);

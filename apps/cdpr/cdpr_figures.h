@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
@@ -18,8 +19,8 @@ class CdprFigures final : public LogSink {
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
   /// A load hangs from `loaded_from` to `settle_from` [s], from when the settling time counts.
-  CdprFigures(double loaded_from, double settle_from)
-      : loaded_from_(loaded_from), settle_from_(settle_from) {}
+  CdprFigures(double loaded_from, double settle_from, const PathVerdict& path = {})
+      : loaded_from_(loaded_from), settle_from_(settle_from), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -35,9 +36,11 @@ class CdprFigures final : public LogSink {
   std::optional<double> loaded_swing() const;
   /// Since `settle_from`, until x and y stay within 0.02 m of the reference [s]; empty if they never do.
   std::optional<double> settling_time() const;
+  const PathVerdict& path() const { return path_; }
 
  private:
   double loaded_from_, settle_from_;
+  PathVerdict path_;
   std::vector<std::size_t> position_, euler_, a_W_, tensions_, commands_, ref_position_, ref_euler_;
 
   double last_time_ = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/plants/model/segment_distance.h>
 
@@ -68,9 +69,10 @@ void CdprLimits::Row(std::span<const double> row) {
 
   const double turn = std::abs(std::remainder(row[euler_[2]] - row[reference_[2]], 2 * std::numbers::pi));
   turns_.Add(turn);
-  if (turn > kQuarterTurn)
-    breaches_.Add(row[0], "the platform turned beyond the reach of its cables",
-                  fmt::format("by {:.3g} rad from its reference, more than {:.3g} rad", turn, kQuarterTurn));
+  if (turn <= kQuarterTurn) return;
+  const auto [turned, limit] = Beside(turn, kQuarterTurn);
+  breaches_.Add(row[0], "the platform turned beyond the reach of its cables",
+                fmt::format("by {} rad from its reference, more than {} rad", turned, limit));
 }
 
 double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB) const {
@@ -89,10 +91,10 @@ void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_
     if (row[tension_[a]] <= 0 || row[tension_[b]] <= 0) continue;
     const double distance = Distance(a, b, p_WB);
     distances_.Add(distance);
-    if (distance < cable_diameter_)
-      breaches_.Add(row[0], "two cables touched",
-                    fmt::format("the axes of {} and {} were {:.3g} mm apart, less than {:.3g} mm", a, b,
-                                1e3 * distance, 1e3 * cable_diameter_));
+    if (distance >= cable_diameter_) continue;
+    const auto [apart, limit] = Beside(1e3 * distance, 1e3 * cable_diameter_);
+    breaches_.Add(row[0], "two cables touched",
+                  fmt::format("the axes of {} and {} were {} mm apart, less than {} mm", a, b, apart, limit));
   }
 }
 

@@ -51,7 +51,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
-  const auto figures = std::make_shared<CdprFigures>(scenario.payload.attach_s, scenario.payload.release_s);
+  const auto figures = std::make_shared<CdprFigures>(scenario.payload.attach_s, scenario.payload.release_s,
+                                                     MakePathVerdict(scenario, options.live != nullptr));
   const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
   const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
@@ -83,9 +84,13 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
     summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
     summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
     summary.Set("settling_time_s", figures->settling_time());
-    for (const char* key : {"tension_min_N", "command_min_N"}) summary.Limit(key, {.low = tension.low});
-    for (const char* key : {"tension_max_N", "command_max_N"}) summary.Limit(key, {.high = tension.high});
+    // Commands keep within the bounds; the plant's tensions are judged by what ends the run, see CdprMonitor.
+    summary.Limit("command_min_N", {.low = tension.low});
+    summary.Limit("command_max_N", {.high = tension.high});
+    if (scenario.forbid_slack) summary.Limit("tension_min_N", {.low = 0});
+    summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * cable.tension_max});
     limits->AddTo(summary);
+    figures->path().AddTo(summary);
     if (loop.mpc != nullptr) {
       summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
       summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -193,12 +195,6 @@ void NoiseScenario::Validate() const {
   DemandRate("imu_rate_hz", imu_rate_hz);
 }
 
-void IntegratorScenario::Validate() const {
-  DemandBetween("order", order, 2, 5);
-  DemandBetween("rtol", rtol, 1e-14, 0.1);
-  DemandBetween("atol", atol, 1e-300, 0.1);
-}
-
 void CdprScenario::Validate() const {
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(
@@ -207,6 +203,7 @@ void CdprScenario::Validate() const {
   DemandRate("log_rate_hz", log_rate_hz);
   DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
   DemandNotNegative("cable_diameter_m", cable_diameter_m);
+  DemandPositive("path_tolerance", path_tolerance);
   DemandNear("start_offset_m", start_offset_m);
 }
 
@@ -267,11 +264,12 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.feedforward = scenario.controller == CdprController::kPdFeedforward;
   params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
                        (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc->offset_free);
-  params.load = {.robot = params.robot,
-                 .rate = Hz(scenario.noise.pose_rate_hz),
-                 .bandwidth = scenario.load.bandwidth_rad_per_s.value_or(params.mpc ? 20 : 3),
-                 .mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(params.mpc ? 100 : 3)};
-  if (params.offset_free) Blame("load", [&] { params.load.Validate(); });
+  LoadEstimatorParams& load = params.load.emplace(MakeLoadEstimator(params.mpc.has_value()));
+  load.robot = params.robot;
+  load.rate = Hz(scenario.noise.pose_rate_hz);
+  load.bandwidth = scenario.load.bandwidth_rad_per_s.value_or(load.bandwidth);
+  load.mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(load.mass_bandwidth);
+  if (*params.offset_free) Blame("load", [&] { load.Validate(); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);
@@ -309,12 +307,59 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   return params;
 }
 
+namespace {
+
+/// Of a circle one turn [m].
+double LengthOf(const Path& path) {
+  constexpr double kStep = 0.01;  // s
+  const double end = path.is_periodic() ? path.TimeOf(2 * std::numbers::pi) : path.end_time();
+  double length = 0;
+  for (double t = path.start_time(); t < end; t += kStep)
+    length += (path.At(std::min(t + kStep, end)).position - path.At(t).position).norm();
+  return length;
+}
+
+}  // namespace
+
+PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live) {
+  if (live) return {};
+  const PlatformPath path = scenario.path.Make();
+  const double length = LengthOf(path.position);
+  if (length == 0 && !path.attitude) return {};
+  return {scenario.path_tolerance, length, scenario.start_offset_m.norm(), scenario.start_turn_rad.norm()};
+}
+
+std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  const PayloadScenario& payload = scenario.payload;
+  const bool given = payload.mass_kg != 0 || payload.attach_s != 0 || payload.release_s != 0 ||
+                     !payload.position_m.isZero(0);
+  if (given) {
+    std::string why;
+    if (payload.mass_kg == 0) {
+      why = "mass_kg is 0";
+    } else if (payload.release_s == payload.attach_s) {
+      why = fmt::format("release_s and attach_s are both {:.10g}", payload.attach_s);
+    } else if (payload.release_s <= 0) {
+      why = fmt::format("release_s = {:.10g}, and the run begins at 0 s", payload.release_s);
+    } else if (payload.attach_s >= duration) {
+      why = fmt::format("attach_s = {:.10g}, and the run ends at {:.10g} s", payload.attach_s, duration);
+    }
+    AddIdle("payload", {}, duration, why, notes);
+  }
+  for (std::size_t i = 0; i < scenario.gusts.size(); ++i) {
+    const GustScenario& gust = scenario.gusts[i];
+    AddIdle(fmt::format("gusts.{}", i), {gust.start_s, gust.duration_s}, duration,
+            gust.force_N.isZero(0) ? "force_N is 0" : "", notes);
+  }
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
+}
+
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {
-  return {.method = Method::kErk,
-          .order = scenario.integrator.order,
-          .rtol = scenario.integrator.rtol,
-          .atol = scenario.integrator.atol,
-          .seed = scenario.seed};
+  SimulatorOptions options = scenario.integrator.Options();
+  options.seed = scenario.seed;
+  return options;
 }
 
 }  // namespace tenon::apps

@@ -10,10 +10,11 @@
 #include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/framework/fields.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon::apps {
 
@@ -86,9 +87,9 @@ struct PathScenario {
 };
 
 struct PdScenario {
-  double stiffness_N_per_m = 0;  ///< K_p of the cables' lengths
-  double damping_N_s_per_m = 0;  ///< K_d of their rates
-  double rate_hz = 1000;         ///< of the controller
+  double stiffness_N_per_m = 0;                         ///< K_p of the cables' lengths
+  double damping_N_s_per_m = 0;                         ///< K_d of their rates
+  double rate_hz = CdprLoopParams().control_rate.hz();  ///< of the controller
 
   static FieldList Fields() {
     return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
@@ -99,16 +100,17 @@ struct PdScenario {
 };
 
 struct MpcScenario {
-  double horizon_s = 1;           ///< how far it plans
-  int num_steps = 25;             ///< of the horizon
-  double rate_hz = 100;           ///< of new plans
-  double command_rate_hz = 1000;  ///< of the feedback along a plan
+  double horizon_s = CdprMpcParams().horizon;                  ///< how far it plans
+  int num_steps = CdprMpcParams().num_steps;                   ///< of the horizon
+  double rate_hz = CdprMpcParams().rate.hz();                  ///< of new plans
+  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< of the feedback along a plan
   CdprMpcWeights weights;
-  StepMethod method = StepMethod::kRungeKutta4;        ///< by which the model is integrated
-  SlqBounds bounds = SlqBounds::kProjectedNewton;      ///< of the tensions, in the solver
-  TerminalCost final_weight = TerminalCost::kRiccati;  ///< diagonal: `weights` times a second
-  double mass_error = 0;                               ///< of the controller's model: 0.3 is 30 % too heavy
-  int max_fallbacks_in_a_row = 50;                     ///< more failed solves than this end the run
+  StepMethod method = SlqOptions().method;               ///< by which the model is integrated
+  SlqBounds bounds = SlqOptions().bounds;                ///< of the tensions, in the solver
+  TerminalCost final_weight = CdprMpcParams().terminal;  ///< diagonal: `weights` times a second
+  double mass_error = 0;                                 ///< of the controller's model: 0.3 is 30 % too heavy
+  int max_fallbacks_in_a_row =
+      CdprMpcParams().max_fallbacks_in_a_row;  ///< more failed solves than this end the run
   bool offset_free = true;  ///< of mpc_equilibrium: the load is estimated, and in model and reference
 
   static FieldList Fields() {
@@ -159,7 +161,7 @@ struct GustScenario {
 /// A load that swings under the platform, on a rope like the robot's cables, see HangingLoad.
 struct HangingLoadScenario {
   double mass_kg = 0;                                      ///< of the load, a point mass
-  double length_m = 1;                                     ///< of the rope
+  double length_m = HangingLoadParams().length;            ///< of the rope
   Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
   Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< of the load at the start, aside of straight down
 
@@ -174,12 +176,14 @@ struct HangingLoadScenario {
 
 /// What the sensors of pose and motion add to the truth.
 struct NoiseScenario {
-  double position_m = 0.005;                  ///< standard deviation of the pose sensor, by axis
-  double attitude_rad = 0.01;                 ///< the same of its attitude
-  double angular_velocity_rad_per_s = 0.005;  ///< standard deviation of the gyroscope
-  double acceleration_m_per_s2 = 0.05;        ///< of the accelerometer
-  double pose_rate_hz = 200;                  ///< of the pose sensor
-  double imu_rate_hz = 200;                   ///< of gyroscope and accelerometer
+  double position_m =
+      PoseSensorParams().position_noise[0];  ///< standard deviation of the pose sensor, by axis
+  double attitude_rad = PoseSensorParams().attitude_noise[0];  ///< the same of its attitude
+  double angular_velocity_rad_per_s =
+      ImuParams().angular_velocity_noise[0];  ///< standard deviation of the gyroscope
+  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];  ///< of the accelerometer
+  double pose_rate_hz = PoseSensorParams().rate.hz();                  ///< of the pose sensor
+  double imu_rate_hz = CdprLoopParams().imu.rate.hz();                 ///< of gyroscope and accelerometer
 
   static FieldList Fields() {
     return {{"position_m", &NoiseScenario::position_m},
@@ -192,24 +196,9 @@ struct NoiseScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The defaults take one step per millisecond on D1; the platform is then 3 micrometres off a run with order
-/// 5 and rtol 1e-9 after 20 s.
-struct IntegratorScenario {
-  int order = 2;       ///< of the Runge-Kutta method
-  double rtol = 1e-3;  ///< relative tolerance
-  double atol = 1e-5;  ///< absolute tolerance
-
-  static FieldList Fields() {
-    return {{"order", &IntegratorScenario::order},
-            {"rtol", &IntegratorScenario::rtol},
-            {"atol", &IntegratorScenario::atol}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
 /// How the load on the platform is estimated, for controllers that are offset-free; see LoadEstimator.
-/// Without values the MPC has 20 and 100 rad/s, the PD 3 and 3: what it is told sooner slackens cables when
-/// D2's load is released, from 5 rad/s on.
+/// Without values the bandwidths are those of MakeLoadEstimator: 20 and 100 rad/s for an MPC, 3 and 3 for a
+/// PD.
 struct LoadEstimateScenario {
   std::optional<double> bandwidth_rad_per_s;       ///< of the rest of the load
   std::optional<double> mass_bandwidth_rad_per_s;  ///< of its mass
@@ -244,7 +233,7 @@ struct CdprScenario {
   std::string case_name;                            ///< the run's name
   YamlFile robot{"cdpr_4"};                         ///< a shipped robot, a file, or one with what differs
   double duration_s = 60;                           ///< simulated time
-  std::uint64_t seed = 1;                           ///< of all random streams
+  std::uint64_t seed = kRecommendedSeed;            ///< of all random streams
   CdprController controller = CdprController::kPd;  ///< what commands the tensions
   PathScenario path;                                ///< of the platform
   PdScenario pd;                                    ///< of the controllers pd...
@@ -261,12 +250,16 @@ struct CdprScenario {
   /// differs.
   YamlFile hardware{"ideal"};
   std::vector<CdprFault> faults;  ///< what breaks, and when
-  IntegratorScenario integrator;
-  double log_rate_hz = 200;         ///< of signals.csv
-  bool forbid_slack = true;         ///< a slack cable ends the run, exit code 3
-  double max_tension_ratio = 1.1;   ///< so does one pulled harder than this times the winches' maximum
-  double cable_diameter_m = 0.005;  ///< nearer than this two cables touch
-  ReportScenario report;            ///< what the report shows
+  CdprIntegration integrator;
+  double log_rate_hz = 200;                           ///< of signals.csv
+  bool forbid_slack = CdprLoopParams().forbid_slack;  ///< a slack cable ends the run, exit code 3
+  double max_tension_ratio =
+      CdprLoopParams().max_tension_ratio;  ///< so does one pulled harder than this times the winches' maximum
+  double cable_diameter_m = 0.005;         ///< nearer than this two cables touch
+  /// How far the platform may leave its path: in position by this part of the path's length (a circle's is
+  /// one turn), in heading by this part of half a turn; beyond, the run is not finished.
+  double path_tolerance = 0.1;
+  ReportScenario report;                                  ///< what the report shows
   std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
   static FieldList Fields() {
@@ -295,6 +288,7 @@ struct CdprScenario {
             {"forbid_slack", &CdprScenario::forbid_slack},
             {"max_tension_ratio", &CdprScenario::max_tension_ratio},
             {"cable_diameter_m", &CdprScenario::cable_diameter_m},
+            {"path_tolerance", &CdprScenario::path_tolerance},
             {"report", &CdprScenario::report},
             {"parameters", &CdprScenario::parameters}};
   }
@@ -305,5 +299,9 @@ struct CdprScenario {
 /// that a path outside the workspace is refused here, before any run.
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
+/// Whether the platform follows its path, which is not judged in a live run.
+PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
 }  // namespace tenon::apps

@@ -130,7 +130,9 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
 /// What the search has found so far. NLopt passes no exception on, so it waits here.
 struct Search {
   std::vector<Trial> trials;
+  // Of the least cost so far, wherever the optimizer goes on from.
   double best_cost = std::numeric_limits<double>::infinity();
+  double best_stiffness = 0, best_damping = 0;
   std::string best_failure;
   std::exception_ptr error;
 };
@@ -151,6 +153,8 @@ double Cost(const std::vector<double>& log_gains, std::vector<double>&, void* da
   std::fflush(stdout);
   if (judgement.cost() < search.best_cost) {
     search.best_cost = judgement.cost();
+    search.best_stiffness = stiffness;
+    search.best_damping = damping;
     search.best_failure = judgement.failure;
   }
   return judgement.cost();
@@ -167,7 +171,7 @@ int Tune(const std::string& robot, int evaluations) {
   optimizer.set_initial_step(0.7);
   optimizer.set_xtol_abs(0.02);
   optimizer.set_min_objective(Cost, &search);
-  std::vector<double> best, gradient;
+  std::vector<double> start, gradient;
   double cost = std::numeric_limits<double>::infinity();
   try {
     // From the best of a coarse grid: some robots are unstable on most of it.
@@ -176,13 +180,13 @@ int Tune(const std::string& robot, int evaluations) {
         if (evaluations-- <= 0) continue;
         const std::vector<double> gains{std::log(stiffness), std::log(damping)};
         const double each = Cost(gains, gradient, &search);
-        if (best.empty() || each < cost) best = gains;
+        if (start.empty() || each < cost) start = gains;
         cost = std::min(cost, each);
       }
     }
     optimizer.set_maxeval(evaluations);
-    if (evaluations > 0) optimizer.optimize(best, cost);
-  } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow: `best` holds
+    if (evaluations > 0) optimizer.optimize(start, cost);
+  } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow: the best so far holds
   } catch (const nlopt::forced_stop&) {
     if (!search.error) throw;
     std::rethrow_exception(search.error);
@@ -192,8 +196,8 @@ int Tune(const std::string& robot, int evaluations) {
                     search.best_failure));
     return kLimitBroken;
   }
-  fmt::print("best: stiffness_N_per_m: {:.0f}, damping_N_s_per_m: {:.0f} (cost {:.3f})\n", std::exp(best[0]),
-             std::exp(best[1]), search.best_cost);
+  fmt::print("best: stiffness_N_per_m: {:.0f}, damping_N_s_per_m: {:.0f} (cost {:.3f})\n",
+             search.best_stiffness, search.best_damping, search.best_cost);
   return kRan;
 }
 

@@ -1,6 +1,6 @@
 #include <tenon/apps/common/outputs.h>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
@@ -179,7 +180,7 @@ Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(js
 
 namespace {
 
-constexpr const char* kLimits = "limits";
+constexpr const char *kLimits = "limits", *kNotes = "notes";
 
 std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
   if (!object.contains(key)) return std::nullopt;
@@ -202,6 +203,8 @@ Summary Summary::Load(const fs::path& file, int exit_code) {
   for (const auto& [key, limit] : limits.items())
     summary.Limit(key, {NumberIn(limit, "low"), NumberIn(limit, "high")});
   values.erase(kLimits);
+  for (const auto& note : values.value(kNotes, nlohmann::ordered_json::array())) summary.Note(note);
+  values.erase(kNotes);
   return summary;
 }
 
@@ -218,6 +221,11 @@ void Summary::Set(const std::string& key,
                   const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : values) object[name] = NumberOrNull(value);
+}
+
+void Summary::SetFollowed(std::optional<bool> followed) {
+  auto& value = json_->values["followed"];
+  if (followed) value = *followed;
 }
 
 void Summary::Break(double time, const std::string& reason) {
@@ -260,10 +268,26 @@ std::vector<std::pair<std::string, nlohmann::ordered_json>> Flatten(const nlohma
   return flat;
 }
 
-std::string Shown(const Limits& limits) {
-  if (limits.low && limits.high) return fmt::format("   (from {:.4g} to {:.4g})", *limits.low, *limits.high);
-  if (limits.low) return fmt::format("   (at least {:.4g})", *limits.low);
-  return limits.high ? fmt::format("   (at most {:.4g})", *limits.high) : "";
+/// Puts the limits of a figure behind it, all with the digits that tell them apart.
+void ShowLimits(double number, const Limits& limits, FigureText* figure) {
+  constexpr int kDigits = 4;
+  std::string low, high;
+  const auto add = [&](const std::optional<double>& limit, std::string& text) {
+    if (!limit) return;
+    const auto [shown, beside] = Beside(number, *limit, kDigits);
+    std::string& value = figure->values.front().second;
+    if (shown.size() > value.size()) value = shown;
+    text = beside;
+  };
+  add(limits.low, low);
+  add(limits.high, high);
+  if (limits.low && limits.high) {
+    figure->limit = fmt::format("   (from {} to {})", low, high);
+  } else if (limits.low) {
+    figure->limit = fmt::format("   (at least {})", low);
+  } else if (limits.high) {
+    figure->limit = fmt::format("   (at most {})", high);
+  }
 }
 
 }  // namespace
@@ -289,6 +313,7 @@ void Summary::Write(const fs::path& file) const {
     if (limit.low) object["low"] = *limit.low;
     if (limit.high) object["high"] = *limit.high;
   }
+  if (!notes_.empty()) values[kNotes] = notes_;
   WriteJson(values, file);
 }
 
@@ -301,6 +326,7 @@ void Summary::AddTo(Report& report) const {
                                          : fmt::format("ended at {:.4g} s: {}", end, reason));
   if (!finished() && !judged_) report.AddEvent(end, reason);
   for (const auto& [time, breach] : breaches_) report.AddEvent(time, breach);
+  if (!notes_.empty()) report.AddFigure(kNotes, fmt::format("{}", fmt::join(notes_, "; ")));
   for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // these are the verdict
     if (value.is_number() || value.is_null()) {
@@ -319,9 +345,13 @@ void Summary::Print() const {
   std::vector<FigureText> figures = FigureTexts(Flat());
   for (FigureText& figure : figures) {
     const auto limit = std::ranges::find(limits_, figure.key, &std::pair<std::string, Limits>::first);
-    if (limit != limits_.end()) figure.limit = Shown(limit->second);
+    if (limit == limits_.end() || figure.values.size() != 1) continue;
+    const auto value = json_->values.find(figure.key);
+    if (value != json_->values.end() && value->is_number())
+      ShowLimits(value->get<double>(), limit->second, &figure);
   }
   fmt::print("{}", FigureLines(figures));
+  for (const std::string& note : notes_) fmt::print("{:<28} {}\n", "note", note);
 }
 
 void PrintReportPath(const fs::path& directory) {
@@ -353,6 +383,11 @@ void SetParameters(Context& context, const std::map<std::string, std::vector<dou
       throw KeyError(key, error.what());
     }
   }
+}
+
+void SayNotes(const RunOptions& options, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes)
+    Say(fmt::format("{}warning: {}\n", options.name.empty() ? "" : options.name + ": ", note));
 }
 
 std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink) {

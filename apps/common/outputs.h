@@ -87,6 +87,11 @@ class Summary {
   /// By name: of legs, of axes.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
 
+  /// Whether it went where it was told; null without a path.
+  void SetFollowed(std::optional<bool> followed);
+  /// A remark on the scenario, of what in it does nothing: `notes` of summary.json and of the report.
+  void Note(const std::string& text) { notes_.push_back(text); }
+
   /// What a figure should stay within, and all that are nested in it: `limits` of summary.json, and beside
   /// the figure where it is shown.
   void Limit(const std::string& key, const Limits& limits) { limits_.emplace_back(key, limits); }
@@ -116,6 +121,7 @@ class Summary {
   Summary(std::unique_ptr<Json> json, int exit_code);
   std::unique_ptr<Json> json_;
   std::vector<std::pair<std::string, Limits>> limits_;
+  std::vector<std::string> notes_;
   std::vector<std::pair<double, std::string>> breaches_;  ///< when [s], and what
   bool judged_ = false;  ///< it came to its end, and a breach is what is wrong with it
   int exit_code_;
@@ -161,11 +167,16 @@ int TryToWrite(const std::function<void()>& write);
 /// and is the summary's exit code: there are still figures to print.
 void WriteResults(const std::filesystem::path& directory, Summary& summary, Report& report);
 
+/// Says the remarks on a scenario on stderr, if there are any, and which run they are of.
+void SayNotes(const RunOptions& options, const std::vector<std::string>& notes);
+
 /// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all that it leaves
 /// into the directory of the options, if there is one; scenario.yaml is there from the start, so that even a
 /// killed run says what it was. `signals` go to signals.csv and, with `shapes` and
 /// `limits`, to the report. With a live session the run is paced to the clock, and `controls` are what
-/// browsers can do to it; `parameters` of the scenario, if it has that key, are set at the start.
+/// browsers can do to it; `parameters` of the scenario, if it has that key, are set at the start. What
+/// `Notes(scenario, duration)` says of it, if there is such a function, is said before the run and in what it
+/// leaves.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
                       double duration, Simulator& simulator, const std::vector<const Source*>& signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes,
@@ -191,9 +202,12 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
     }
     return options.live->Advance(simulator, view, duration, options.out);
   };
+  std::vector<std::string> notes;
+  if constexpr (requires { Notes(scenario, duration); }) notes = Notes(scenario, duration);
   const auto advance = [&] {
     Summary summary(scenario.case_name, scenario.seed, run());
     judge(summary);
+    for (const std::string& note : notes) summary.Note(note);
     return summary;
   };
   if (options.out.empty()) return {advance(), std::nullopt};
@@ -206,6 +220,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   std::error_code ignored;  // what cannot be removed cannot be written either, and is said so there
   if (!options.live) std::filesystem::remove(out.path() / "live.jsonl", ignored);  // else it may be replayed
   files.Write(out.path());
+  SayNotes(options, notes);
   WriteGraph(simulator.context().diagram(), options.graph);
   const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
   std::vector<std::shared_ptr<LogSink>> sinks{InBackground(csv)};

@@ -52,7 +52,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   const auto leash = std::make_shared<GuideDogFigures>(loop.admittance.params.gains.desired_tension,
                                                        loop.supervisor.params.gains.threshold);
   const auto walk =
-      std::make_shared<WalkFigures>(scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone);
+      std::make_shared<WalkFigures>(scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone,
+                                    MakePathVerdict(scenario.walk, options.live != nullptr));
   std::vector<const Source*> judged = signals;
   judged.push_back(WalkFigures::Solves(loop.locomotion));
   simulator.AddLog(Hz(1000), judged, {leash, walk});

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 
 namespace tenon::apps {
 namespace {
@@ -37,14 +38,15 @@ double Duration(const GuideDogScenario& scenario) {
   return Duration(WithoutPerson(scenario));
 }
 
+std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  AddNotes(scenario.forces, duration, notes);
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
+}
+
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
-  const QuadrupedWalkParams alone = MakeWalkParams(WithoutPerson(scenario));
-  GuideDogParams params;
-  params.world = alone.world;
-  params.walk = alone.walk;
-  params.locomotion = alone.locomotion;
-  params.estimator = alone.estimator;
-  params.observer = alone.observer;
+  GuideDogParams params = MakeGuideDog(MakeWalkParams(WithoutPerson(scenario)));
   params.observer.kind = scenario.observer;
   params.supervisor.gains = scenario.supervisor;
   params.admittance.gains = scenario.admittance;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
@@ -13,17 +14,17 @@ namespace tenon::apps {
 
 /// A run of tenon-guide-dog, as its YAML file says it.
 struct GuideDogScenario {
-  std::string app;                   ///< the app whose scenario this is
-  std::string description;           ///< one line
-  std::string case_name;             ///< the run's name
-  YamlFile robot{"dogbot"};          ///< a shipped robot, a file, or one with what differs
-  std::optional<double> duration_s;  ///< without: one second longer than the walk
-  std::uint64_t seed = 1;            ///< of all random streams
-  WalkScenario walk;                 ///< of the robot if it were alone
+  std::string app;                        ///< the app whose scenario this is
+  std::string description;                ///< one line
+  std::string case_name;                  ///< the run's name
+  YamlFile robot{"dogbot"};               ///< a shipped robot, a file, or one with what differs
+  std::optional<double> duration_s;       ///< without: one second longer than the walk
+  std::uint64_t seed = kRecommendedSeed;  ///< of all random streams
+  WalkScenario walk;                      ///< of the robot if it were alone
   /// The tuning of the walking controller: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
   YamlFile profile{"standard"};
-  ObserverKind observer = ObserverKind::kHybrid;  ///< of the forces of others
+  ObserverKind observer = DisturbanceObserverParams().kind;  ///< of the forces of others
   SupervisorGains supervisor;
   AdmittanceGains admittance;
   PersonParams person;
@@ -39,8 +40,9 @@ struct GuideDogScenario {
   FallScenario fall;
   LiveScenario live;
   bool limit_speed =
-      true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
-  LeggedIntegratorScenario integrator;
+      QuadrupedPlantParams()
+          .limit_speed;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
+  LeggedIntegration integrator;
   /// Forces, person, leash and blocks are DogBot's: times the robot's weight over DogBot's, see
   /// ScaledToRobot.
   bool scale_forces = false;
@@ -83,6 +85,9 @@ struct GuideDogScenario {
 
 /// How long the run is [s].
 double Duration(const GuideDogScenario& scenario);
+
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration);
 
 /// What a scenario means in the diagram's terms. Throw ParameterError.
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
@@ -49,14 +50,17 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     const auto i = static_cast<std::size_t>(j);
     const double torque = row[torque_[i]], speed = row[qd_[i]];
     const double possible = DriveTorque(torque, speed, joint, robot_.drive);
-    const double excess = std::abs(torque - possible);
+    // What is rounding is no excess: the figure is beyond its limit where the verdict is.
+    double excess = std::abs(torque - possible);
+    if (excess <= kRounding * joint.torque_limit) excess = 0;
     torques_.Add(std::abs(torque));
     speeds_.Add(std::abs(speed));
     excesses_.Add(excess);
-    if (excess > kRounding * joint.torque_limit)
-      breaches_.Add(row[0], "a drive gave what it cannot",
-                    fmt::format("{} {:.3g} N m at {:.3g} rad/s, where {:.3g} N m is its limit", joint.name,
-                                torque, speed, possible));
+    if (excess == 0) continue;
+    const auto [given, limit] = Beside(torque, possible);
+    breaches_.Add(
+        row[0], "a drive gave what it cannot",
+        fmt::format("{} {} N m at {:.3g} rad/s, where {} N m is its limit", joint.name, given, speed, limit));
   }
 }
 
@@ -64,10 +68,10 @@ void LimitFigures::FootRow(std::span<const double> row) {
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const double depth = row[depth_[leg]];
     if (depth > 0) depths_.Add(depth);
-    if (depth > foot_limit_)
-      breaches_.Add(row[0], "a foot went into the ground",
-                    fmt::format("{} by {:.3g} mm, more than {:.3g} mm", kLegNames[leg], 1e3 * depth,
-                                1e3 * foot_limit_));
+    if (depth <= foot_limit_) continue;
+    const auto [deep, limit] = Beside(1e3 * depth, 1e3 * foot_limit_);
+    breaches_.Add(row[0], "a foot went into the ground",
+                  fmt::format("{} by {} mm, more than {} mm", kLegNames[leg], deep, limit));
   }
 }
 
@@ -83,9 +87,9 @@ void LimitFigures::ClearanceRow(std::span<const double> row) {
   const auto check = [&](const QuadrupedClearances::Gap& gap, const char* kind) {
     if (gap.distance >= -kPressedIn) return;
     const std::string other = gap.other < 0 ? "" : std::string(" and ") + NameOf(gap.other);
+    const auto [deep, limit] = Beside(-1e3 * gap.distance, 1e3 * kPressedIn);
     breaches_.Add(row[0], kind,
-                  fmt::format("{}{} by {:.3g} mm, more than {:.3g} mm", NameOf(gap.leg), other,
-                              -1e3 * gap.distance, 1e3 * kPressedIn));
+                  fmt::format("{}{} by {} mm, more than {} mm", NameOf(gap.leg), other, deep, limit));
   };
   check(legs, "two legs collided");
   check(trunk, "a leg went into the trunk");
@@ -93,13 +97,10 @@ void LimitFigures::ClearanceRow(std::span<const double> row) {
 }
 
 void LimitFigures::AddTo(Summary& summary) const {
-  double strongest = 0, fastest = 0;
-  for (int i = 0; i < kNumJoints; ++i) {
-    strongest = std::max(strongest, robot_.joint(i).torque_limit);
-    fastest = std::max(fastest, robot_.joint(i).speed_limit);
-  }
+  double strongest = 0;
+  for (int i = 0; i < kNumJoints; ++i) strongest = std::max(strongest, robot_.joint(i).torque_limit);
   summary.Set("torque_max_N_m", torques_.max(), {.high = strongest});
-  summary.Set("joint_speed_max_rad_per_s", speeds_.max(), {.high = fastest});
+  summary.Set("joint_speed_max_rad_per_s", speeds_.max());  // others may drive a joint faster than its limit
   summary.Set("torque_beyond_drive_max_N_m", excesses_.max(), {.high = 0});
   summary.Set("foot_depth_max_m", depths_.max(), {.high = foot_limit_});
   summary.Set("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});

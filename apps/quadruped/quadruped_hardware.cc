@@ -137,7 +137,15 @@ double ResolutionOf(const EncoderScenario& encoders) {
   return encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
 }
 
-constexpr double kStandardRate = 1000;  // Hz
+/// What a scenario gives; the rest keeps the defaults of the library.
+template <class Value>
+void Take(const std::optional<Value>& given, auto& value) {
+  if (given) value = *given;
+}
+
+void TakeRate(const std::optional<double>& hz, Rate& rate) {
+  if (hz) rate = Hz(*hz);
+}
 
 double WeightOf(const QuadrupedWorldParams& world) {
   return world.plant.robot.mass() * world.plant.gravity;
@@ -148,34 +156,38 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
   QuadrupedHardwareParams& hardware = world.hardware;
 
   JointEncodersParams& angles = world.encoders;
-  angles.rate = Hz(encoders.rate_hz.value_or(kStandardRate));
-  angles.angle = {.absolute = encoders.angle_noise_rad.value_or(0),
-                  .bias = encoders.angle_bias_rad.value_or(0)};
-  angles.speed = {.absolute = encoders.speed_noise_rad_per_s.value_or(0),
-                  .bias = encoders.speed_bias_rad_per_s.value_or(0)};
+  TakeRate(encoders.rate_hz, angles.rate);
+  Take(encoders.angle_noise_rad, angles.angle.absolute);
+  Take(encoders.angle_bias_rad, angles.angle.bias);
+  Take(encoders.speed_noise_rad_per_s, angles.speed.absolute);
+  Take(encoders.speed_bias_rad_per_s, angles.speed.bias);
   angles.resolution = ResolutionOf(encoders);
-  angles.offset_deviation = encoders.offset_rad.value_or(0);
-  angles.speed_bandwidth = encoders.speed_bandwidth_hz.value_or(0);
-  hardware.encoder_delay = encoders.latency_samples.value_or(0);
+  Take(encoders.offset_rad, angles.offset_deviation);
+  Take(encoders.speed_bandwidth_hz, angles.speed_bandwidth);
+  Take(encoders.latency_samples, hardware.encoder_delay);
 
-  world.torque_sensor = {Hz(torque.rate_hz.value_or(kStandardRate)),
-                         {.relative = torque.noise_ratio.value_or(0), .bias = torque.bias_N_m.value_or(0)}};
-  hardware.torque_delay = torque.latency_samples.value_or(0);
+  TakeRate(torque.rate_hz, world.torque_sensor.rate);
+  Take(torque.noise_ratio, world.torque_sensor.error.relative);
+  Take(torque.bias_N_m, world.torque_sensor.error.bias);
+  Take(torque.latency_samples, hardware.torque_delay);
 
   const double weight = WeightOf(world);
-  world.foot_sensor = {Hz(foot_force.rate_hz.value_or(kStandardRate)),
-                       {.absolute = weight * foot_force.noise_weight_ratio.value_or(0),
-                        .relative = foot_force.noise_ratio.value_or(0),
-                        .bias = foot_force.bias_N.value_or(0)},
-                       weight * foot_force.threshold_weight_ratio.value_or(0)};
-  hardware.foot_delay = foot_force.latency_samples.value_or(0);
-  hardware.foot_sensing = foot_force.mounted.value_or(FootSensing::kWorld);
+  FootForceSensorParams& feet = world.foot_sensor;
+  TakeRate(foot_force.rate_hz, feet.rate);
+  if (foot_force.noise_weight_ratio) feet.error.absolute = weight * *foot_force.noise_weight_ratio;
+  Take(foot_force.noise_ratio, feet.error.relative);
+  Take(foot_force.bias_N, feet.error.bias);
+  if (foot_force.threshold_weight_ratio) feet.threshold = weight * *foot_force.threshold_weight_ratio;
+  Take(foot_force.latency_samples, hardware.foot_delay);
+  Take(foot_force.mounted, hardware.foot_sensing);
 
-  world.imu.rate = Hz(imu.rate_hz.value_or(kStandardRate));
-  world.imu.angular_velocity_noise.setConstant(imu.angular_velocity_noise_rad_per_s.value_or(0));
-  world.imu.angular_velocity_bias = imu.angular_velocity_bias_rad_per_s.value_or(Eigen::Vector3d::Zero());
-  world.imu.specific_force_noise.setConstant(imu.acceleration_noise_m_per_s2.value_or(0));
-  world.imu.specific_force_bias = imu.acceleration_bias_m_per_s2.value_or(Eigen::Vector3d::Zero());
+  TakeRate(imu.rate_hz, world.imu.rate);
+  if (imu.angular_velocity_noise_rad_per_s)
+    world.imu.angular_velocity_noise.setConstant(*imu.angular_velocity_noise_rad_per_s);
+  Take(imu.angular_velocity_bias_rad_per_s, world.imu.angular_velocity_bias);
+  if (imu.acceleration_noise_m_per_s2)
+    world.imu.specific_force_noise.setConstant(*imu.acceleration_noise_m_per_s2);
+  Take(imu.acceleration_bias_m_per_s2, world.imu.specific_force_bias);
   if (imu.misalignment_rad || imu.angular_velocity_bias_deviation_rad_per_s ||
       imu.acceleration_bias_deviation_m_per_s2 || imu.angular_velocity_walk_rad_per_s_per_sqrt_s ||
       imu.acceleration_walk_m_per_s2_per_sqrt_s)
@@ -186,7 +198,7 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
         .specific_force_bias = imu.acceleration_bias_deviation_m_per_s2.value_or(0),
         .angular_velocity_walk = imu.angular_velocity_walk_rad_per_s_per_sqrt_s.value_or(0),
         .specific_force_walk = imu.acceleration_walk_m_per_s2_per_sqrt_s.value_or(0)};
-  hardware.imu_delay = imu.latency_samples.value_or(0);
+  Take(imu.latency_samples, hardware.imu_delay);
 }
 
 /// One drive is like the others: ratios are to the mean of the joints' limits.

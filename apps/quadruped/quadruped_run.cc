@@ -65,9 +65,10 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
     return RunLoop<QuadrupedStand>(options, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
                                    std::nullopt, std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
-  return RunLoop<QuadrupedWalk>(options, scenario, params, params.observer.kind,
-                                std::make_shared<WalkFigures>(scenario.walk->judged_from_s,
-                                                              params.observer.kind != ObserverKind::kNone));
+  return RunLoop<QuadrupedWalk>(
+      options, scenario, params, params.observer.kind,
+      std::make_shared<WalkFigures>(scenario.walk->judged_from_s, params.observer.kind != ObserverKind::kNone,
+                                    MakePathVerdict(*scenario.walk, options.live != nullptr)));
 }
 
 ScenarioApp QuadrupedApp() {

@@ -9,9 +9,9 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/plants/model/robot_scale.h>
-#include <tenon/plants/model/standing.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/random_stream.h>
 
@@ -58,9 +58,10 @@ LeggedStateEstimatorParams MakeEstimator(const HardwareScenario& hardware,
 
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot,
                                      const HardwareScenario& hardware, Rate rate) {
-  QuadrupedWorldParams params;
+  TerrainParams terrain = scenario.terrain;
+  if (terrain.field) terrain.field->seed += scenario.seed;  // each seed has a layout of its own
+  QuadrupedWorldParams params = Blame("terrain", [&] { return MakeQuadrupedWorld(robot, terrain); });
   QuadrupedPlantParams& plant = params.plant;
-  plant.robot = robot;
   const TrunkLoadScenario& payload = scenario.payload;
   if (payload.slides && payload.mass_kg > 0)
     params.sliding_load = SlidingLoadParams{.mass = payload.mass_kg,
@@ -69,14 +70,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
                                             .friction = payload.slides->friction};
   else
     plant.payload = payload.Make();
-  plant.terrain = scenario.terrain;
-  if (plant.terrain.field) plant.terrain.field->seed += scenario.seed;  // each seed has a layout of its own
   plant.limit_speed = scenario.limit_speed;
-  const Terrain::Surface ground = Terrain(scenario.terrain).At(0, 0);
-  const Vec<2> slope = -ground.normal_W.head<2>() / ground.normal_W[2];
-  plant.initial = Blame("terrain", [&] {
-    return StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
-  });
   plant.initial.p_WB[2] += scenario.start_height_m;
 
   SetHardware(hardware, rate, params);
@@ -123,8 +117,9 @@ void JointPdScenario::Validate() const {
 }
 
 void WalkScenario::Validate() const {
-  DemandPositive("friction", friction);
+  if (friction) DemandPositive("friction", *friction);
   DemandNotNegative("judged_from_s", judged_from_s);
+  DemandPositive("path_tolerance", path_tolerance);
   Demand(
       std::isfinite(mass_error_ratio) && mass_error_ratio > -1,
       fmt::format("mass_error_ratio = {} must be above -1: the robot would have no mass", mass_error_ratio));
@@ -170,14 +165,6 @@ void TrunkLoadScenario::Validate() const {
   Demand(edges_m.allFinite() && edges_m.minCoeff() >= 0 && edges_m.maxCoeff() <= kFar,
          fmt::format("edges_m = [{}, {}, {}] must not be negative, and within {} m", edges_m[0], edges_m[1],
                      edges_m[2], kFar));
-}
-
-void LeggedIntegratorScenario::Validate() const {
-  DemandBetween("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
-  DemandBetween("rtol", rtol, 1e-14, 0.1);
-  DemandBetween("atol_position", atol_position, 1e-300, 0.1);
-  DemandBetween("atol_velocity", atol_velocity, 1e-300, 0.1);
-  DemandBetween("atol_bristles", atol_bristles, 1e-300, 0.1);
 }
 
 void SweepScenario::Validate() const {
@@ -226,13 +213,12 @@ void QuadrupedScenario::Validate() const {
 }
 
 JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {
-  const RobotScale scale = ScaleOf(robot);
-  const double moment = scale.Weight() * scale.length;
-  return {.robot = robot,
-          .stiffness = stiffness_N_m_per_rad.value_or(kStiffness * moment),
-          .damping = damping_N_m_s_per_rad.value_or(kDamping * moment * scale.Time()),
-          .gravity_compensation = gravity_compensation,
-          .rate = Hz(rate_hz)};
+  JointPdParams params = MakeJointPd(robot);
+  params.stiffness = stiffness_N_m_per_rad.value_or(params.stiffness);
+  params.damping = damping_N_m_s_per_rad.value_or(params.damping);
+  params.gravity_compensation = gravity_compensation;
+  params.rate = Hz(rate_hz);
+  return params;
 }
 
 SizeRatio RatioOf(const QuadrupedScenario& scenario) {
@@ -277,6 +263,35 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario) {
   return scenario;
 }
 
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
+  if (live) return {};
+  const WalkSchedule::Extent way = WalkSchedule(walk.path).extent();
+  if (way.length == 0 && way.turn == 0) return {};
+  return {walk.path_tolerance, way.length};
+}
+
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ForceScenario& force = forces[i];
+    const bool none = force.factor == 0 || (force.force_N.isZero(0) && force.torque_N_m.isZero(0));
+    AddIdle(fmt::format("forces.{}", i), {.start = force.start_s, .length = force.duration_s}, duration,
+            none ? "force_N and torque_N_m, times factor, are 0" : "", notes);
+  }
+}
+
+std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration) {
+  std::vector<std::string> notes;
+  AddNotes(scenario.forces, duration, notes);
+  for (std::size_t i = 0; i < scenario.random_forces.size(); ++i)
+    AddIdle(fmt::format("random_forces.{}", i), {}, duration,
+            scenario.random_forces[i].upper_N == 0 ? "upper_N is 0" : "", notes);
+  const TrunkLoadScenario& payload = scenario.payload;
+  const bool placed = payload.slides || !payload.position_m.isZero(0) || !payload.edges_m.isZero(0);
+  AddIdle("payload", {}, duration, placed && payload.mass_kg == 0 ? "mass_kg is 0" : "", notes);
+  AddNotes(scenario.faults, duration, notes);
+  return notes;
+}
+
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
   return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;
@@ -295,29 +310,27 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   if (scenario.scale_forces) return MakeWalkParams(ScaledToRobot(scenario));
   const WalkScenario& walk = *scenario.walk;
-  QuadrupedWalkParams params;
   const QuadrupedDescription robot = LoadRobot(scenario);
   const HardwareScenario hardware = HardwareOf(scenario);
-  params.world = MakeWorldParams(scenario, robot, hardware, WholeBodyParams().rate);
+  const QuadrupedWorldParams world = MakeWorldParams(scenario, robot, hardware, WholeBodyParams().rate);
   EndOfWalk(walk);  // what cannot be walked is refused here, with its key
-  params.walk = walk.path;
   RandomStream errors(scenario.seed, "walk.model_error");
   QuadrupedDescription believed =
       WithModelError(WithMassFactor(robot, 1 + walk.mass_error_ratio), walk.model_error, errors);
-  const double rotor_inertia = params.world.plant.robot.drive.rotor_inertia;
+  const double rotor_inertia = world.plant.robot.drive.rotor_inertia;
   if (rotor_inertia != robot.drive.rotor_inertia)
     believed.drive.rotor_inertia = rotor_inertia;  // of a data sheet
   const RobotScale scale = ScaleOf(robot);  // the robot as built: what it is believed to be is another matter
   LocomotionProfile profile =
       Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); });
   if (scenario.observer) profile.observer.kind = *scenario.observer;
-  params.locomotion = MakeLocomotion(believed, profile);
+  QuadrupedWalkParams params = MakeQuadrupedWalk(world, profile, believed);
+  params.walk = walk.path;
   params.locomotion.scheduler = Blame("walk.gaits", [&] { return LoadGaits(walk.gaits, scale); });
-  params.observer = MakeObserver(believed, profile);
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;
-  params.locomotion.whole_body.gains.qp.friction = walk.friction;
+  if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
   if (walk.state == StateSource::kEstimated)
     params.estimator = MakeEstimator(hardware, believed, params.world.plant, scenario.seed);
   return params;
@@ -342,17 +355,9 @@ std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedSc
 }
 
 SimulatorOptions MakeSimulatorOptions(const QuadrupedScenario& scenario) {
-  const LeggedIntegratorScenario& integrator = scenario.integrator;
-  const bool stabilized = integrator.method == LeggedIntegrator::kStabilized;
-  return {.method = stabilized ? Method::kStabilized : Method::kErk,
-          .order = integrator.order,
-          .rtol = integrator.rtol,
-          .atol = integrator.atol_position,
-          .state_atol = {{"loop.world.plant.motion.v_W", integrator.atol_velocity},
-                         {"loop.world.plant.motion.w_W", integrator.atol_velocity},
-                         {"loop.world.plant.motion.qd", integrator.atol_velocity},
-                         {"loop.world.plant.bristles", integrator.atol_bristles}},
-          .seed = scenario.seed};
+  SimulatorOptions options = scenario.integrator.Options("loop.world.plant");
+  options.seed = scenario.seed;
+  return options;
 }
 
 }  // namespace tenon::apps

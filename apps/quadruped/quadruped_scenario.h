@@ -10,25 +10,25 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_faults.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/model_error.h>
 #include <tenon/systems/framework/fields.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon::apps {
 
-/// Without gains, those of DogBot's size and weight, scaled: K_p = 3.886 m g l per rad, K_d = 0.3099 m g l t,
-/// see RobotScale. A hand's push of a tenth of the weight moves the trunk by a hundredth of the leg's length.
+/// Without gains, those of MakeJointPd: K_p = 3.886 m g l per rad, K_d = 0.3099 m g l t, see RobotScale.
 struct JointPdScenario {
-  static constexpr double kStiffness = 3.8860629, kDamping = 0.30989852;  // 500 N m/rad and 10 N m s/rad
   std::optional<double> stiffness_N_m_per_rad;  ///< K_p of the joints' angles; without: 3.886 m g l
   std::optional<double> damping_N_m_s_per_rad;  ///< K_d of their speeds; without: 0.31 m g l sqrt(l / g)
-  bool gravity_compensation = true;             ///< the torques that hold the weight are added
-  double rate_hz = 1000;                        ///< of the controller
+  bool gravity_compensation =
+      JointPdParams().gravity_compensation;    ///< the torques that hold the weight are added
+  double rate_hz = JointPdParams().rate.hz();  ///< of the controller
 
   static FieldList Fields() {
     return {{"stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad},
@@ -50,15 +50,19 @@ constexpr auto EnumNames(StateSource) {
 struct WalkScenario {
   WalkScheduleParams path;     ///< where it goes, and by which gaits
   YamlFile gaits{"standard"};  ///< a shipped table, a file, or one with what differs
-  ComReference com_reference = ComReference::kPendulum;  ///< how the CoM's path is planned
-  ZmpPlanParams zmp;                                     ///< of ComReference::kZmpSpline
-  StepProperties step;                                   ///< how the feet swing
+  ComReference com_reference = ComPlannerParams().reference;  ///< how the CoM's path is planned
+  ZmpPlanParams zmp;                                          ///< of ComReference::kZmpSpline
+  StepProperties step;                                        ///< how the feet swing
   StateSource state =
-      StateSource::kTrue;        ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
-  double friction = 1;           ///< that the controller counts on
+      StateSource::kTrue;  ///< estimated: by a LeggedStateEstimator that knows the sensors' noise
+  std::optional<double>
+      friction;                  ///< that the controller counts on; without: the profile's, 1 unless it says
   double mass_error_ratio = 0;   ///< 0.3: the controller believes in masses 30 % too large
   ModelErrorParams model_error;  ///< of each body's data in what the controller believes, drawn by the seed
   double judged_from_s = 0;      ///< figures count from here
+  /// How far the robot may leave its path: in position by this part of the path's length, in heading by this
+  /// part of half a turn; beyond, the run is not finished.
+  double path_tolerance = 0.2;
 
   static FieldList Fields() {
     return {Required("path", &WalkScenario::path),
@@ -70,7 +74,8 @@ struct WalkScenario {
             {"friction", &WalkScenario::friction},
             {"mass_error_ratio", &WalkScenario::mass_error_ratio},
             {"model_error", &WalkScenario::model_error},
-            {"judged_from_s", &WalkScenario::judged_from_s}};
+            {"judged_from_s", &WalkScenario::judged_from_s},
+            {"path_tolerance", &WalkScenario::path_tolerance}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -92,9 +97,12 @@ struct SweepScenario {
 
 /// When a robot counts as fallen.
 struct FallScenario {
-  double min_height_ratio = 0.5;  ///< of the trunk above the ground, to that in the nominal stance
-  double max_tilt_rad = 1;        ///< of the trunk
-  double max_height_m = 10;       ///< of the trunk above the ground: a robot that is higher was thrown
+  double min_height_ratio =
+      kFallHeightRatio;  ///< of the trunk above the ground, to that in the nominal stance
+  double max_tilt_rad = QuadrupedWorldParams().max_tilt;  ///< of the trunk
+  double max_height_m =
+      QuadrupedWorldParams()
+          .max_height;  ///< of the trunk above the ground: a robot that is higher was thrown
 
   static FieldList Fields() {
     return {{"min_height_ratio", &FallScenario::min_height_ratio},
@@ -173,8 +181,8 @@ struct RandomForceScenario {
 
 /// How a load slides, see SlidingLoad.
 struct SlideScenario {
-  Eigen::Vector2d reach_m{0.1, 0.1};  ///< to either side along x and y
-  double friction = 0.3;              ///< coefficient between load and trunk
+  Eigen::Vector2d reach_m = SlidingLoadParams().reach;  ///< to either side along x and y
+  double friction = SlidingLoadParams().friction;       ///< coefficient between load and trunk
 
   static FieldList Fields() {
     return {{"reach_m", &SlideScenario::reach_m}, {"friction", &SlideScenario::friction}};
@@ -199,43 +207,14 @@ struct TrunkLoadScenario {
   RigidInertia Make() const;
 };
 
-/// Explicit Runge-Kutta methods: kErk of order 2 to 5 and kStabilized of 2 and 3, see Method. By default a
-/// walk takes 3.7 (A1) to 5 (B2) evaluations per ms and is within 0.03 mm of the exact motion for 6 s;
-/// stabilized, with absolute tolerances of 1e-3, 1e-1 and 1e-5, it takes 3.0 and is within 0.08 mm.
-enum class LeggedIntegrator { kRungeKutta, kStabilized };
-constexpr auto EnumNames(LeggedIntegrator) {
-  return std::array{Named{LeggedIntegrator::kRungeKutta, "runge_kutta"},
-                    Named{LeggedIntegrator::kStabilized, "stabilized"}};
-}
-
-/// What QuadrupedPlant recommends, and how far it goes.
-struct LeggedIntegratorScenario {
-  LeggedIntegrator method = LeggedIntegrator::kRungeKutta;  ///< stabilized for longer steps
-  int order = 2;                                            ///< of the method; 2 or 3 if stabilized
-  double rtol = 1e-2;                                       ///< relative tolerance
-  double atol_position = 1e-4;  ///< absolute tolerance of positions and angles [m, rad]
-  double atol_velocity = 1e-2;  ///< the same of their rates [m/s, rad/s]
-  double atol_bristles = 1e-6;  ///< the same of the bristles of the feet [m]
-
-  static FieldList Fields() {
-    return {{"method", &LeggedIntegratorScenario::method},
-            {"order", &LeggedIntegratorScenario::order},
-            {"rtol", &LeggedIntegratorScenario::rtol},
-            {"atol_position", &LeggedIntegratorScenario::atol_position},
-            {"atol_velocity", &LeggedIntegratorScenario::atol_velocity},
-            {"atol_bristles", &LeggedIntegratorScenario::atol_bristles}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
 /// A run of tenon-quadruped, as its YAML file says it.
 struct QuadrupedScenario {
-  std::string app;                    ///< the app whose scenario this is
-  std::string description;            ///< one line
-  std::string case_name;              ///< the run's name
-  YamlFile robot{"dogbot"};           ///< a shipped robot, a file, or one with what differs
-  std::optional<double> duration_s;   ///< without: 10 s of standing, or one second longer than the walk
-  std::uint64_t seed = 1;             ///< of all random streams
+  std::string app;                        ///< the app whose scenario this is
+  std::string description;                ///< one line
+  std::string case_name;                  ///< the run's name
+  YamlFile robot{"dogbot"};               ///< a shipped robot, a file, or one with what differs
+  std::optional<double> duration_s;       ///< without: 10 s of standing, or one second longer than the walk
+  std::uint64_t seed = kRecommendedSeed;  ///< of all random streams
   double start_height_m = 0;          ///< of the feet above the plane's origin, at rest in the nominal stance
   TerrainParams terrain;              ///< the ground
   std::optional<JointPdScenario> pd;  ///< either stands by this
@@ -257,8 +236,9 @@ struct QuadrupedScenario {
   FallScenario fall;
   LiveScenario live;
   bool limit_speed =
-      true;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
-  LeggedIntegratorScenario integrator;
+      QuadrupedPlantParams()
+          .limit_speed;  ///< the drives' torque falls with speed; without, no verdict is good that needs more
+  LeggedIntegration integrator;
   bool scale_forces = false;  ///< forces, loads, steps and blocks are DogBot's, see ScaledToRobot
   double log_rate_hz = 200;   ///< of signals.csv
   ReportScenario report;      ///< what the report shows
@@ -307,6 +287,13 @@ SizeRatio RatioOf(const QuadrupedScenario& scenario);
 /// heights, sizes and gaps of blocks, lengths of steps and of the payload times that of the legs, torques
 /// times both. Times, speeds, the path and where blocks lie stay.
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario);
+
+/// Whether a walk follows its path, which is not judged in a live run.
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
+/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);
+/// The same of a list of forces.
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
 
 /// How long it runs [s].
 double Duration(const QuadrupedScenario& scenario);

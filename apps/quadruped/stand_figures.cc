@@ -39,6 +39,7 @@ void StandFigures::AddTo(Summary& summary) const {
   summary.Set("drift_m", drift_);
   summary.Set("tilt_max_rad", tilt_.max());
   summary.Set("foot_force_max_N", load_.max());
+  summary.SetFollowed(std::nullopt);
 }
 
 }  // namespace tenon::apps

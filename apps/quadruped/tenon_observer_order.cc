@@ -151,7 +151,8 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   Connect(builder, world, pd, observer);
   const auto diagram = builder.Build();
 
-  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-4, .atol = 1e-6, .seed = scenario.seed});
+  Simulator simulator(
+      *diagram, {.method = Method::kErkOpen, .order = 3, .rtol = 1e-4, .atol = 1e-6, .seed = scenario.seed});
   const std::vector<const Source*> signals{&observer.estimate, &world.plant.joint_torque,
                                            &world.ground_forces};
   Report report = MakeReport(scenario);

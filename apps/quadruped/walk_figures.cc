@@ -21,6 +21,15 @@ void CheckJudged(double from, double end, bool cut) {
   Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
 }
 
+namespace {
+
+double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude) {
+  const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude));
+  return std::atan2(R(1, 0), R(0, 0));
+}
+
+}  // namespace
+
 std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
   std::vector<const Source*> signals{&loop.world.plant.state,
                                      &loop.world.plant.joint_torque,
@@ -56,6 +65,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   estimated_force_ = Columns(names, "loop.observer.wrench.force_W");
   slip_ = Columns(names, "loop.world.plant.foot_slips");
   position_ = Columns(names, "loop.world.plant.state.p_WB");
+  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
+  told_attitude_ = Columns(names, "loop.locomotion.body.q_WB");
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     contact_[leg] = Column(names, std::string("loop.locomotion.schedule.legs.") + kLegNames[leg] + ".state");
   solve_time_ = Column(names, "loop.locomotion.whole_body.diagnostics.solve_time");
@@ -64,6 +75,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
 }
 
 void WalkFigures::Row(std::span<const double> row) {
+  path_.Add(row[0], std::hypot(row[com_[0]], row[com_[1]]), Yaw(row, attitude_) - Yaw(row, told_attitude_));
   if (row[0] < from_) return;
   const auto norm = [&](const std::vector<std::size_t>& columns) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
@@ -132,6 +144,7 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("force_estimate_error_rms_N", estimate_errors_.rms());
   summary.Set("slip_max_m", largest_by_leg(&LegFigures::slips));
   summary.Set("distance_m", distance);
+  path_.AddTo(summary);
   summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
   summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));
   summary.Set("qp_failures", failure_count_);

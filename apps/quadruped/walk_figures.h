@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/controllers/legged/evaluation/walk_view.h>
@@ -42,9 +43,10 @@ class WalkFigures final : public LogSink {
   /// Both.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
-  /// What comes before `from` [s] does not count. Where nothing is estimated, `observes` is false, there are
-  /// no figures of an estimate.
-  explicit WalkFigures(double from, bool observes = true) : from_(from), observes_(observes) {}
+  /// What comes before `from` [s] does not count, except for `path`. Where nothing is estimated, `observes`
+  /// is false, there are no figures of an estimate.
+  WalkFigures(double from, bool observes, const PathVerdict& path)
+      : from_(from), observes_(observes), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   /// Writes them down.
@@ -66,8 +68,9 @@ class WalkFigures final : public LogSink {
 
   double from_;
   bool observes_;
+  PathVerdict path_;
   std::vector<std::size_t> external_force_, estimated_force_;
-  std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_;
+  std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::size_t solve_time_ = 0, failures_ = 0;
 

@@ -48,9 +48,9 @@ struct CdprMpcParams {
   std::shared_ptr<const EquilibriumPath> path;
   /// u_des: the tensions of the equilibrium along the path, or zero.
   bool equilibrium_input = true;
-  double horizon = 0;  ///< [s], a multiple of the period
+  double horizon = 1;  ///< [s], a multiple of the period
   /// Steps of the horizon: the first is one period, the others grow geometrically, rounded to periods.
-  int num_steps = 0;
+  int num_steps = 25;
   CdprMpcWeights weights;
   TerminalCost terminal = TerminalCost::kRiccati;
   CdprMpcWeights terminal_weights;  ///< times one second; the tension's is not used

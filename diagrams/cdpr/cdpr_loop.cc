@@ -39,7 +39,17 @@ CablePdParams PdOf(const CdprLoopParams& params) {
           params.control_rate};
 }
 
+bool IsOffsetFree(const CdprLoopParams& params) {
+  return params.offset_free.value_or(params.mpc && params.mpc->equilibrium_input);
+}
+
 }  // namespace
+
+LoadEstimatorParams MakeLoadEstimator(bool mpc) {
+  LoadEstimatorParams params;
+  if (!mpc) params.bandwidth = params.mass_bandwidth = 3;
+  return params;
+}
 
 CdprLoop::CdprLoop(const CdprLoopParams& params)
     : reference(
@@ -55,7 +65,8 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
   AddHardware(params);
   AddDisturbances(params);
 
-  if (params.mpc || params.offset_free) {
+  const bool offset_free = IsOffsetFree(params);
+  if (params.mpc || offset_free) {
     CdprEstimatorParams estimator_params = params.estimator;
     estimator_params.robot = params.path->robot();
     estimator = &Add<CdprEstimator>("estimator", estimator_params);
@@ -63,8 +74,8 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
     Connect(*told_inertial, estimator->inertial);
     Connect(*told_cables, estimator->cables);
   }
-  if (params.offset_free) {
-    LoadEstimatorParams load_params = params.load;
+  if (offset_free) {
+    LoadEstimatorParams load_params = params.load.value_or(MakeLoadEstimator(params.mpc.has_value()));
     load_params.robot = params.path->robot();
     load_params.rate = params.estimator.rate;
     load = &Add<LoadEstimator>("load", load_params);
@@ -72,7 +83,7 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
     Connect(*told_inertial, load->inertial);
     Connect(*told_cables, load->cables);
   }
-  if (params.mpc || params.feedforward || params.offset_free) {
+  if (params.mpc || params.feedforward || offset_free) {
     broken_cables = &Add<BrokenCableDetector>(
         "broken_cables", BrokenCableDetectorParams{.num_cables = params.robot.num_cables(),
                                                    .reel_damping = params.path->robot().winch.reel_damping,
@@ -89,7 +100,7 @@ CdprLoop::CdprLoop(const CdprLoopParams& params)
     Connect(mpc->command, command);
   } else {
     pd = &Add<CablePd>("pd", PdOf(params));
-    if (params.feedforward || params.offset_free) {
+    if (params.feedforward || offset_free) {
       balancer = &Add<ReferenceBalancer>("balancer",
                                          ReferenceBalancerParams{params.path->robot(), params.control_rate});
       Connect(reference.reference, balancer->reference);

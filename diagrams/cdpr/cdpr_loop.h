@@ -47,9 +47,12 @@ struct CdprLoopParams {
   double pd_stiffness_N_per_m = 0;
   double pd_damping_N_s_per_m = 0;
   std::optional<CdprMpcParams> mpc;  ///< if given, it drives the robot, from `estimator`, in place of the PD
-  bool feedforward = false;          ///< the PD knows what accelerates the platform,
-  bool offset_free = false;  ///< and PD or MPC know the load as LoadEstimator sees it; implies feedforward
-  LoadEstimatorParams load;  ///< of the robot that `path` was made for, at the estimator's rate
+  bool feedforward = false;          ///< the PD knows what accelerates the platform
+  /// Whether PD or MPC are told the load by a LoadEstimator; implies feedforward. Without a value an MPC with
+  /// equilibrium input is, all others are not.
+  std::optional<bool> offset_free;
+  /// Of the robot that `path` was made for, at the estimator's rate; without: see MakeLoadEstimator.
+  std::optional<LoadEstimatorParams> load;
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
@@ -59,11 +62,15 @@ struct CdprLoopParams {
   std::optional<HangingLoadParams> hanging_load;
   Vec<3> swing = Vec<3>::Zero();  ///< horizontal, shorter than the rope [m]
   PoseSensorParams pose_sensor;
-  ImuParams imu;
+  ImuParams imu{.rate = Hz(200)};
   CdprHardwareParams hardware;
   bool forbid_slack = true;        ///< end the run when a cable goes slack,
   double max_tension_ratio = 1.1;  ///< or is pulled harder than this times the winches' maximum
 };
+
+/// The load estimator of an MPC has the defaults of LoadEstimatorParams. That of a PD has bandwidths of
+/// 3 rad/s: from 5 rad/s on, cables go slack when the load of D2 is released.
+LoadEstimatorParams MakeLoadEstimator(bool mpc);
 
 /// A cable robot under its length controller (Morlando 2023, section 3.5.2),
 ///

@@ -5,6 +5,16 @@
 
 namespace tenon {
 
+GuideDogParams MakeGuideDog(const QuadrupedWalkParams& walk) {
+  GuideDogParams params;
+  params.world = walk.world;
+  params.walk = walk.walk;
+  params.locomotion = walk.locomotion;
+  params.observer = walk.observer;
+  params.estimator = walk.estimator;
+  return params;
+}
+
 GuideDog::GuideDog(const GuideDogParams& params)
     : walk(Add<WalkSchedule>("walk", params.walk)),
       supervisor(Add<Supervisor>("supervisor", params.supervisor)),

@@ -9,6 +9,7 @@
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/surroundings/leash.h>
 #include <tenon/plants/surroundings/obstacle_detector.h>
@@ -32,6 +33,9 @@ struct GuideDogParams {
   PersonParams person;
   LeashParams leash;
 };
+
+/// The robot of this walk, the person and the leash; left to give is what the person does.
+GuideDogParams MakeGuideDog(const QuadrupedWalkParams& walk);
 
 /// A quadruped that leads a person on a leash (Morlando 2023, section 2.5.4 and figure 2.29).
 ///

@@ -11,6 +11,9 @@ struct QuadrupedStandParams {
   JointPdParams pd;
 };
 
+/// At rest on level ground, with the gains of MakeJointPd.
+QuadrupedStandParams MakeQuadrupedStand(const QuadrupedDescription& robot);
+
 /// A quadruped that holds its stance by joint PD.
 ///
 ///     pd ──► world ──┐

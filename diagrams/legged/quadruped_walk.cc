@@ -1,18 +1,22 @@
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
 #include <tenon/diagrams/legged/walk_connections.h>
+#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon {
 
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const LocomotionProfile& profile,
+                                      const QuadrupedDescription& believed) {
   QuadrupedWalkParams params;
-  params.world.plant.robot = robot;
-  params.world.plant.initial.p_WB[2] = robot.StanceHeight();
-  params.world.plant.initial.q = robot.stance;
-  params.world.min_height = 0.5 * robot.StanceHeight();
-  params.locomotion = MakeLocomotion(robot, profile);
-  params.observer = MakeObserver(robot, profile);
+  params.world = world;
+  params.locomotion = MakeLocomotion(believed, profile);
+  params.locomotion.scheduler = LoadGaits({"standard"}, ScaleOf(world.plant.robot));
+  params.observer = MakeObserver(believed, profile);
   return params;
+}
+
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
+  return MakeQuadrupedWalk(MakeQuadrupedWorld(robot), profile, robot);
 }
 
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {

@@ -24,8 +24,12 @@ struct QuadrupedWalkParams {
   std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
 };
 
-/// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses;
-/// what is left to give is the walk, and the forces that disturb it.
+/// A walk in this world, of a robot whose controller and observers believe in `believed`; the walk's path is
+/// left to give. The gaits are the standard ones, for the robot as it is.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const LocomotionProfile& profile,
+                                      const QuadrupedDescription& believed);
+/// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses.
+/// Left to give are the walk's path and the forces that disturb it.
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile);
 /// With the standard profile for this robot.
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);

@@ -1,5 +1,6 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 
+#include <tenon/plants/model/standing.h>
 #include <tenon/plants/sensors/shank_forces.h>
 
 #include <string>
@@ -15,6 +16,17 @@ ImuParams OnRobot(ImuParams imu, const QuadrupedDescription& robot) {
 }
 
 }  // namespace
+
+QuadrupedWorldParams MakeQuadrupedWorld(const QuadrupedDescription& robot, const TerrainParams& terrain) {
+  const Terrain::Surface ground = Terrain(terrain).At(0, 0);
+  const Vec<2> slope = -ground.normal_W.head<2>() / ground.normal_W[2];
+  QuadrupedWorldParams params;
+  params.plant.robot = robot;
+  params.plant.terrain = terrain;
+  params.plant.initial = StandingOn(robot, {.p_W = {0, 0, ground.height}, .slope = slope});
+  params.min_height = kFallHeightRatio * robot.StanceHeight();
+  return params;
+}
 
 QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
     : plant(Add<QuadrupedPlant>("plant", params.plant)),

@@ -45,12 +45,16 @@ struct QuadrupedHardwareParams {
   int imu_delay = 0;
 };
 
+/// The trunk's height at which a robot has fallen, over that of its nominal stance.
+inline constexpr double kFallHeightRatio = 0.5;
+
 struct QuadrupedWorldParams {
   QuadrupedPlantParams plant;
   JointEncodersParams encoders;
   ForceSensorParams torque_sensor;
   FootForceSensorParams foot_sensor;
-  ImuParams imu;  ///< its place is the robot's
+  /// Its place is the robot's. Without errors, as the other sensors are.
+  ImuParams imu{.angular_velocity_noise = Vec<3>::Zero(), .specific_force_noise = Vec<3>::Zero()};
   QuadrupedHardwareParams hardware;
   std::optional<SlidingLoadParams> sliding_load;  ///< its start is the plant's
   std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
@@ -60,6 +64,10 @@ struct QuadrupedWorldParams {
   double max_tilt = 1;     ///< of the trunk; above, the robot has fallen [rad]
   double max_height = 10;  ///< of the trunk above the ground; no robot flies [m]
 };
+
+/// The robot at rest in its nominal stance on the ground at the origin of W, without disturbances.
+/// Throws ParameterError if it cannot stand there, see StandingOn.
+QuadrupedWorldParams MakeQuadrupedWorld(const QuadrupedDescription& robot, const TerrainParams& terrain = {});
 
 /// Everything of a quadruped's run that is not the controller's: the robot on its terrain, its sensors, the
 /// forces that disturb it, and a monitor that ends the run when it falls.

@@ -11,6 +11,14 @@ function formatTogether(values) {
   return values.map((value) => value.toFixed(Math.min(digits, 9))).join(', ');
 }
 
+// With as many digits as it takes to tell the value from each of the others.
+function formatBeside(value, others) {
+  const hides = (digits) => others.some((other) => other !== value && Number(other.toPrecision(digits)) === Number(value.toPrecision(digits)));
+  let digits = 4;
+  while (digits < 17 && hides(digits)) ++digits;
+  return digits === 4 ? formatNumber(value) : String(Number(value.toPrecision(digits)));
+}
+
 function showFigures(parent, runs) {
   const rows = new Map();  // by the first part of the key, if several have it
   const keys = [...new Set(runs.flatMap((run) => run.figures.map((figure) => figure.name)))];
@@ -55,7 +63,8 @@ function showFigures(parent, runs) {
       const values = figures.map((figure) => figure.value);
       const cell = element('td', typeof values[0] === 'string' ? 'text' : values.length > 1 ? 'many' : '');
       if (typeof values[0] === 'number') {
-        cell.textContent = formatTogether(values.map((value) => value * factor));
+        const bounds = figures.flatMap((figure) => figure.limits || []).filter((limit) => limit !== null).map((limit) => limit * factor);
+        cell.textContent = values.length === 1 ? formatBeside(values[0] * factor, bounds) : formatTogether(values.map((value) => value * factor));
         cell.title = values.length === 1 ? `${values[0]} ${unit}` : '';
       } else {
         cell.append(...breakable(values.length ? values.join(', ') : '–'));
@@ -69,7 +78,8 @@ function showFigures(parent, runs) {
       return cell.textContent;
     });
     const {limits} = runs.map((run) => figureOf(run, of[0])).find((figure) => figure.limits) || {};
-    const [low, high] = (limits || [null, null]).map((limit) => limit === null ? null : formatNumber(limit * factor));
+    const shown = numbers(of).map((value) => value * factor);
+    const [low, high] = (limits || [null, null]).map((limit) => limit === null ? null : formatBeside(limit * factor, shown));
     const range = low !== null && high !== null ? `${low} … ${high}` : low !== null ? `≥ ${low}` : high !== null ? `≤ ${high}` : '';
     if (runs.length === 1) row.append(element('td', 'unit', shownUnit));
     else if (shownUnit) head.append(element('span', 'unit', ` [${shownUnit}]`));

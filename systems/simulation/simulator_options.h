@@ -27,7 +27,8 @@ enum class Method {
   /// half (order 2) or quarter (order 3) of a step; kStabilized, of its last third. A jump of the derivative
   /// there, between two ticks, that no NextJump or Kink declares, errs by that part of the step times the
   /// jump
-  /// without a word. In a diagram without such ticks, and for orders 4 and 5, the method is kErk.
+  /// without a word. In a diagram without such ticks the method is kErk. Orders 4 and 5 have the
+  /// tables of kErk, whose steps are then not looked at for jumps that their tables see badly.
   kErkOpen,
 };
 

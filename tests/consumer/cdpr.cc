@@ -1,6 +1,7 @@
 // A cable robot that holds its place, from the installed package.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation.h>
 
@@ -16,7 +17,7 @@ int main() {
   tenon::DiagramBuilder builder;
   auto& loop = builder.Add<tenon::CdprLoop>("loop", params);
   const auto diagram = builder.Build();
-  tenon::Simulator simulator(*diagram, {.order = 2, .rtol = 1e-5});
+  tenon::Simulator simulator(*diagram, tenon::RecommendedOptions(loop));
   simulator.RunTo(1);
   const Eigen::Vector3d p = simulator.context().Eval(loop.plant.platform).p_WB;
   std::printf("the platform hangs at (%.4f, %.4f, %.4f) m\n", p[0], p[1], p[2]);

@@ -4,6 +4,7 @@
 #include <tenon/controllers/legged/profile/locomotion_profile.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation.h>
 
@@ -47,7 +48,7 @@ int main() {
   builder.Connect(locomotion.torque, world.torque);
   const auto diagram = builder.Build();
 
-  tenon::Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
+  tenon::Simulator simulator(*diagram, tenon::RecommendedOptions(world));
   const bool fell = simulator.AdvanceTo(1.5).ended;
   const double x = simulator.context().Eval(world.state).p_WB[0];
   std::printf("walked %.3f m\n", x);

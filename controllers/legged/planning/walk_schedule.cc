@@ -86,6 +86,22 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
   return pieces;
 }
 
+WalkSchedule::Extent WalkSchedule::extent() const {
+  Extent extent;
+  // Simpson's rule: exact on a ramp as long as the direction stays.
+  const auto add = [&](double duration, const WalkCommand& from, const WalkCommand& to) {
+    const WalkCommand middle = Between(from, to, 0.5);
+    extent.length += duration / 6 * (Speed(from) + 4 * Speed(middle) + Speed(to));
+    extent.turn +=
+        duration / 6 * (std::abs(from.yaw_rate) + 4 * std::abs(middle.yaw_rate) + std::abs(to.yaw_rate));
+  };
+  for (const Piece& piece : pieces_) {
+    add(piece.ramp, piece.from, piece.to);
+    add(piece.end - piece.begin - piece.ramp, piece.to, piece.to);
+  }
+  return extent;
+}
+
 double WalkSchedule::end_time() const {
   return pieces_.back().end;
 }

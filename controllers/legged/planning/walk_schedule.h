@@ -64,6 +64,12 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
 
+  /// How far the walk leads.
+  struct Extent {
+    double length = 0;  ///< of the path [m]
+    double turn = 0;    ///< sum of all turns, to either side [rad]
+  };
+  Extent extent() const;
   /// When the last segment ends [s].
   double end_time() const;
   /// When the last segment has its own velocities [s].

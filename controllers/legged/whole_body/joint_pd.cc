@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/model/robot_scale.h>
 
 #include <Eigen/QR>
 #include <cmath>
@@ -16,6 +17,13 @@ void JointPdParams::Validate() const {
   Demand(std::isfinite(damping) && damping >= 0,
          fmt::format("damping = {} must not be negative: it would feed oscillations", damping));
   Demand(std::isfinite(gravity), fmt::format("gravity is {}; give m/s^2", gravity));
+}
+
+JointPdParams MakeJointPd(const QuadrupedDescription& robot) {
+  constexpr double kStiffness = 3.8860629, kDamping = 0.30989852;  // over m g l and m g l t
+  const RobotScale scale = ScaleOf(robot);
+  const double moment = scale.Weight() * scale.length;
+  return {.robot = robot, .stiffness = kStiffness * moment, .damping = kDamping * moment * scale.Time()};
 }
 
 Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {

@@ -20,6 +20,11 @@ struct JointPdParams {
   void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
 };
 
+/// Gains of DogBot, 500 N m/rad and 10 N m s/rad, for a robot of any size and weight: K_p = 3.886 m g l per
+/// rad and K_d = 0.3099 m g l t, see RobotScale. A push of a tenth of the robot's weight moves the trunk by a
+/// hundredth of the leg's length.
+JointPdParams MakeJointPd(const QuadrupedDescription& robot);
+
 /// The joint torques at which a robot stands still in its nominal stance, level, on four feet [N m]:
 ///
 ///     tau = g_q - sum_i J_i^T f_i,   f_i = (0, 0, N_i),

@@ -19,7 +19,7 @@ struct WholeBodyQpParams {
   double force_weight = 1e-3;         ///< R of the ground's forces, per N^2
   double acceleration_weight = 1e-4;  ///< R of nu'; per (m/s^2)^2 and per (rad/s^2)^2
   double slack_weight = 1e6;          ///< of the swing feet's errors of acceleration, per (m/s^2)^2
-  double friction = 0.7;              ///< mu of the pyramids
+  double friction = 1;                ///< mu of the pyramids, that of level ground by default
   bool eliminate = true;              ///< solve the problem in 12 variables wherever that is possible
 
   static FieldList Fields() {

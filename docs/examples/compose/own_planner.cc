@@ -10,7 +10,7 @@ int main() {
   auto& planner =
       builder.Replace<ArcPlanner>(loop.locomotion.swing_planner, {.robot = params.world.plant.robot});
 
-  tenon::Simulator simulator(builder.Build());
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   const int code = WalkFor(3, simulator, loop);
   std::printf("'%s' lifts feet by %.0f mm\n", planner.name().c_str(), 1000 * planner.params.height);
   return code;

@@ -17,6 +17,6 @@ int main() {
   builder.Insert(loop.locomotion.torque, delay.u, delay.y);
   builder.Insert(delay.y, lag.u, lag.y);
 
-  tenon::Simulator simulator(builder.Build());
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   return WalkFor(3, simulator, loop);
 }

@@ -30,6 +30,6 @@ int main() {
   auto& stick = builder.Add<Stick<tenon::ImuMeasurement>>("stick", {.time = 2});
   builder.Insert(loop.world.inertial, stick.u, stick.y);
 
-  tenon::Simulator simulator(builder.Build());
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   return WalkFor(3, simulator, loop);
 }

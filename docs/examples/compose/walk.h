@@ -3,6 +3,7 @@
 // What the examples of this folder begin with: a walk that ships, on the way at 0.1 m/s.
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/model/resources.h>
 #include <tenon/systems/simulation.h>

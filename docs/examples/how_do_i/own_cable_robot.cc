@@ -1,6 +1,7 @@
 // A cable robot of one's own, from its file: it hangs in the middle, held by its length controller.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/simulation.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@ int main() {
 
   tenon::DiagramBuilder builder;
   auto& loop = builder.Add<tenon::CdprLoop>("loop", params);
-  tenon::Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-5});
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   simulator.RunTo(1);
   const tenon::CdprDescription& robot = loop.plant.params.robot;
   const auto& cables = simulator.context().Eval(loop.plant.cables);

@@ -10,6 +10,6 @@ int main() {
       .field = tenon::BoxField{.lower = {0.8, -1}, .upper = {3, 1}, .kinds = {{0.01, 0.8}, {0.02, 0.6}}}};
   tenon::DiagramBuilder builder;
   auto& loop = builder.Add<tenon::QuadrupedWalk>("loop", params);
-  tenon::Simulator simulator(builder.Build());
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   return WalkFor(3, simulator, loop);
 }

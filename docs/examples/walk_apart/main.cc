@@ -51,21 +51,11 @@ struct Plant {
   RobotOnly& robot;
 };
 
-// What QuadrupedPlant recommends: a tick takes some 30 us; with the defaults of a simulator, ten times that.
-tenon::SimulatorOptions Options(double real_time_rate = 0) {
-  return {.order = 2,
-          .rtol = 1e-2,
-          .atol = 1e-4,
-          .state_atol = {{"loop.world.plant.motion.v_W", 1e-2},
-                         {"loop.world.plant.motion.w_W", 1e-2},
-                         {"loop.world.plant.motion.qd", 1e-2},
-                         {"loop.world.plant.bristles", 1e-6}},
-          .real_time_rate = real_time_rate};
-}
-
 void RunByTheClock(const Link& link, double end) {
   Plant plant(link);
-  tenon::Simulator simulator(plant.builder.Build(), Options(1));
+  tenon::SimulatorOptions options = tenon::RecommendedOptions(plant.robot.world);
+  options.real_time_rate = 1;
+  tenon::Simulator simulator(plant.builder.Build(), options);
   simulator.RunTo(end);
   const auto& state = simulator.context().Eval(plant.robot.world.state);
   std::printf("t = %g s: the trunk is at x = %.3f m, z = %.3f m\n", end, state.p_WB[0], state.p_WB[2]);
@@ -117,12 +107,12 @@ int Compare(double end) {
   Rows apart;
   const bool ended = WithController(link, end, [&] {
     Plant plant(link);
-    tenon::Simulator simulator(plant.builder.Build(), Options());
+    tenon::Simulator simulator(plant.builder.Build(), tenon::RecommendedOptions(plant.robot.world));
     apart = Run(simulator, plant.robot.world.state, plant.robot.from_controller.y, end);
   });
   tenon::DiagramBuilder builder;
   auto& walk = builder.Add<tenon::QuadrupedWalk>("loop", TrotParams());
-  tenon::Simulator simulator(builder.Build(), Options());
+  tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(walk));
   const bool same = Run(simulator, walk.world.state, walk.locomotion.torque, end) == apart;
   const auto& state = simulator.context().Eval(walk.world.state);
   std::printf("t = %g s: the trunk is at x = %.3f m, z = %.3f m, %s\n", end, state.p_WB[0], state.p_WB[2],

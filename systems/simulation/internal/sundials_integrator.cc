@@ -111,10 +111,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
         interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
         before(static_cast<std::size_t>(program.num_continuous)),
         step_states(before.size()),
-        checks_stages(
-            options.fixed_step == 0 &&
-            (options.method == Method::kDirk ||
-             ((options.method == Method::kErk || options.method == Method::kErkOpen) && options.order > 3))) {
+        checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
+                                                  (options.method == Method::kErk && options.order > 3))) {
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
@@ -505,8 +503,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
   // Open tables meet jumps at the ticks that end their steps.
-  const bool seeks_jumps =
-      !(open && internal::IsExplicit(options.method) && options.order <= 3 && options.method != Method::kErk);
+  const bool seeks_jumps = !(open && internal::IsExplicit(options.method) && options.method != Method::kErk);
   if (seeks_jumps && (jump.known || measured > 1)) {
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <iomanip>
 #include <numbers>
+#include <sstream>
 
 #include <tenon/tests/apps/run_app.h>
 
@@ -361,7 +363,59 @@ TEST_F(TenonCdprTest, FiguresStandBesideTheirLimits) {
                           "floor_clearance_min_m", "turn_max_rad"})
     EXPECT_THAT(summary.substr(summary.find("\"limits\"")), HasSubstr("\"" + std::string(key) + "\": {"))
         << key;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("(at most 800)"), HasSubstr("(at least 0.005)")));
+  EXPECT_THAT(result.text,
+              AllOf(HasSubstr("(at most 800)"), HasSubstr("(at most 880)"), HasSubstr("(at least 0.005)")));
+}
+
+// What is beyond its limit is not printed as the limit is: 4.9999 mm are less than 5 mm.
+TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
+  const std::string flight = "waypoints --duration 5.5 --set log_rate_hz=10 ",
+                    key = "\"cable_distance_min_m\": ";
+  ASSERT_EQ(RunApp(flight + Out()).exit_code, 0);
+  const std::string summary = Read(out / "summary.json");
+  const double least = std::stod(summary.substr(summary.find(key) + key.size()));
+  std::ostringstream diameter;
+  diameter << std::setprecision(12) << least + 1e-7;
+  const Result result = RunApp(flight + "--set cable_diameter_m=" + diameter.str() + Out());
+  EXPECT_EQ(result.exit_code, 3) << result.text;
+  const auto expect_less = [&](const char* from, const char* format) {
+    double value = 0, limit = 0;
+    const std::size_t at = result.text.find(from);
+    ASSERT_NE(at, std::string::npos) << result.text;
+    ASSERT_EQ(std::sscanf(result.text.c_str() + at, format, &value, &limit), 2) << result.text.substr(at, 80);
+    EXPECT_LT(value, limit);
+  };
+  expect_less(" were ", " were %lf mm apart, less than %lf mm");
+  expect_less("cable_distance_min_m", "cable_distance_min_m %lf m (at least %lf)");
+}
+
+TEST_F(TenonCdprTest, APlatformThatLeavesItsPathIsNotFinished) {
+  const std::string push =
+      "D1 --controller pd --duration 2 --set forbid_slack=false --set 'gusts=[{force_N: "
+      "[0, 60, 0], start_s: 0.5, duration_s: 1}]'";
+  ASSERT_EQ(RunApp(push + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": true"));
+  const Result left = RunApp(push + " --set path_tolerance=0.001" + Out());
+  EXPECT_EQ(left.exit_code, 3) << left.text;
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"followed\": false"),
+                    HasSubstr("the path was not followed: the robot went ")));
+  ASSERT_EQ(RunApp("D2 --duration 0.2" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": null"));
+}
+
+TEST_F(TenonCdprTest, SaysWhichDisturbancesNeverAct) {
+  const auto says = [&](const std::string& arguments, const std::string& note) {
+    const Result result = RunApp("D2 --duration 0.2 " + arguments + Out());
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_THAT(result.text, HasSubstr("warning: " + note));
+    EXPECT_THAT(Read(out / "summary.json"), HasSubstr(note));
+    EXPECT_THAT(Read(out / "report.html"), HasSubstr(note));
+  };
+  says("", "payload never acts: attach_s = 1, and the run ends at 0.2 s");
+  says("--set payload.release_s=1", "payload never acts: release_s and attach_s are both 1");
+  says("--set payload.mass_kg=0", "payload never acts: mass_kg is 0");
+  says("--set 'gusts=[{force_N: [0, 0, 0], start_s: 0, duration_s: 1}]'", "gusts.0 never acts: force_N is 0");
 }
 
 // From waypoint to waypoint: at rest where it dwells, with speeds as asked in between, the attitude likewise.

@@ -22,6 +22,33 @@ TEST(TenonTunePdTest, SaysWhatEachTrialOfGainsCameTo) {
                                  HasSubstr("best: stiffness_N_per_m: 400, damping_N_s_per_m: 60")));
 }
 
+// The search goes on from the best of a grid, and may end at gains that are worse.
+TEST(TenonTunePdTest, PrintsTheGainsOfTheLeastCost) {
+  const Result result = RunCommand(kApp + " --robot cdpr_12 --evaluations 10");
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  double stiffness = 0, damping = 0, cost = 0;
+  const std::string best = "best: ";
+  ASSERT_EQ(std::sscanf(result.text.c_str() + result.text.find(best),
+                        "best: stiffness_N_per_m: %lf, damping_N_s_per_m: %lf (cost %lf)", &stiffness,
+                        &damping, &cost),
+            3)
+      << result.text;
+  bool found = false;
+  double each[6];  // of a trial: gains, error, settling, tension rate, cost
+  std::istringstream lines(result.text);
+  for (std::string line; std::getline(lines, line);) {
+    if (std::sscanf(line.c_str(), "%lf %lf %lf %lf %lf %lf", each, each + 1, each + 2, each + 3, each + 4,
+                    each + 5) != 6)
+      continue;
+    EXPECT_GE(each[5], cost);
+    if (each[5] != cost) continue;
+    found = true;
+    EXPECT_NEAR(each[0], stiffness, 0.5);
+    EXPECT_NEAR(each[1], damping, 0.5);
+  }
+  EXPECT_TRUE(found) << result.text;
+}
+
 // A tenth as large and heavy, in all its lengths: the motions scale with it, where those of the large robot
 // would lead through its anchors.
 TEST(TenonTunePdTest, MotionsScaleWithTheRobot) {

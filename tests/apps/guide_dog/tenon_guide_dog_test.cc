@@ -35,6 +35,26 @@ TEST_F(TenonGuideDogTest, FiguresAreOfTheTensionsThatAreScaled) {
   EXPECT_THAT(summary, HasSubstr("\"tension_max_N\": 1"));
 }
 
+TEST_F(TenonGuideDogTest, ARobotThatLeavesItsPathIsNotFinished) {
+  const Result follows = RunApp("C1 --duration 2" + Out());
+  EXPECT_EQ(follows.exit_code, 0) << follows.text;
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": true"));
+  const Result leaves = RunApp("C1 --duration 2 --set walk.path_tolerance=1e-4" + Out());
+  EXPECT_EQ(leaves.exit_code, 3) << leaves.text;
+  EXPECT_THAT(Read(out / "summary.json"),
+              AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"followed\": false"),
+                    HasSubstr("the path was not followed: the robot ")));
+}
+
+TEST_F(TenonGuideDogTest, SaysWhichDisturbancesNeverAct) {
+  const std::string note = "forces.0 never acts: start_s = 5, and the run ends at 0.1 s";
+  const Result result =
+      RunApp("C1 --duration 0.1 --set 'forces=[{force_N: [9, 0, 0], start_s: 5, duration_s: 1}]'" + Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(result.text, HasSubstr("warning: " + note));
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr(note));
+}
+
 TEST_F(TenonGuideDogTest, WarnsOfWhatTheUrdfLacks) {
   const fs::path home = test::TemporaryPath("guide_dog_robot");
   fs::create_directories(home);

@@ -283,13 +283,60 @@ TEST_F(TenonQuadrupedTest, FiguresStandBesideTheirLimits) {
   const Result result = RunApp("stand --duration 0.2" + Out());
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string summary = Read(out / "summary.json");
-  for (const char* key :
-       {"torque_max_N_m", "joint_speed_max_rad_per_s", "torque_beyond_drive_max_N_m", "foot_depth_max_m",
-        "leg_clearance_min_m", "trunk_clearance_min_m", "ground_clearance_min_m"})
+  for (const char* key : {"torque_max_N_m", "torque_beyond_drive_max_N_m", "foot_depth_max_m",
+                          "leg_clearance_min_m", "trunk_clearance_min_m", "ground_clearance_min_m"})
     EXPECT_THAT(summary.substr(summary.find("\"limits\"")), HasSubstr("\"" + std::string(key) + "\": {"))
         << key;
   EXPECT_THAT(result.text,
-              AllOf(HasSubstr("(at most 60)"), HasSubstr("(at most 6)"), HasSubstr("(at least -0.005)")));
+              AllOf(HasSubstr("(at most 60)"), HasSubstr("(at most 0)"), HasSubstr("(at least -0.005)")));
+  // A joint that others drive faster than its limit is no breach, so its speed has no limit here.
+  EXPECT_THAT(summary.substr(summary.find("\"limits\"")), Not(HasSubstr("joint_speed_max_rad_per_s")));
+}
+
+// A robot that ice and a steady push carry backwards does not do what is asked of it, though it never falls.
+TEST_F(TenonQuadrupedTest, ARobotThatLeavesItsPathIsNotFinished) {
+  const std::string ice =
+      "flat --duration 9 --set terrain.friction=0.03 --set walk.friction=0.03 "
+      "--set 'forces=[{force_N: [-5, 0, 0], duration_s: 100}]'";
+  const Result left = RunApp(ice + Out());
+  EXPECT_EQ(left.exit_code, 3) << left.text;
+  EXPECT_THAT(
+      Read(out / "summary.json"),
+      AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr("\"followed\": false"),
+            HasSubstr("the path was not followed: the robot went ")));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("but the path was not followed"));
+  const Result allowed = RunApp(ice + " --set walk.path_tolerance=0.9" + Out());
+  EXPECT_EQ(allowed.exit_code, 0) << allowed.text;
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": true"));
+  ASSERT_EQ(RunApp("stand --duration 0.1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": null"));
+  ASSERT_EQ(RunApp("trot_in_place --duration 1" + Out()).exit_code, 0);
+  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": null"));
+}
+
+TEST_F(TenonQuadrupedTest, SaysWhichDisturbancesNeverAct) {
+  const Result result = RunApp(
+      "flat --duration 0.2 --set 'forces=[{force_N: [20, 0, 0], duration_s: 0}, "
+      "{force_N: [20, 0, 0], start_s: 5, duration_s: 1}, {duration_s: 1}, {force_N: [1, 0, 0], duration_s: "
+      "1}]' "
+      "--set 'random_forces=[{lower_N: 0, upper_N: 0}]' --set 'payload={position_m: [0, 0, 0.1]}' "
+      "--set 'faults=[{at: imu, kind: drop_out, start_s: 3}]'" +
+      Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  const std::string summary = Read(out / "summary.json"), report = Read(out / "report.html");
+  for (const char* note :
+       {"forces.0 never acts: duration_s is 0", "forces.1 never acts: start_s = 5, and the run ends at 0.2 s",
+        "forces.2 never acts: force_N and torque_N_m, times factor, are 0",
+        "random_forces.0 never acts: upper_N is 0", "payload never acts: mass_kg is 0",
+        "faults.0 never acts: start_s = 3, and the run ends at 0.2 s"}) {
+    EXPECT_THAT(result.text, HasSubstr("warning: " + std::string(note) + "\n"));
+    EXPECT_THAT(summary, HasSubstr(note));
+    EXPECT_THAT(report, HasSubstr(note));
+  }
+  EXPECT_THAT(result.text, Not(HasSubstr("forces.3")));
+  const Result quiet = RunApp("stand --duration 0.1" + Out());
+  EXPECT_THAT(quiet.text, AllOf(Not(HasSubstr("warning")), Not(HasSubstr("note"))));
+  EXPECT_THAT(Read(out / "summary.json"), Not(HasSubstr("notes")));
 }
 
 TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {

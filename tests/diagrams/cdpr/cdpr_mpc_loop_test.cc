@@ -27,6 +27,7 @@ CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<const Equil
   params.mpc->num_steps = 25;
   params.mpc->weights = {
       .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  params.offset_free = false;
   params.forbid_slack = false;
   return params;
 }

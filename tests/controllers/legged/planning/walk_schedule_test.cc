@@ -27,6 +27,17 @@ acceleration_m_per_s2: 0.3
       .Read<WalkScheduleParams>();
 }
 
+// 2 m and 3.5 m, and 4 s of pacing: from 0.12 m/s forwards to 0.1 m/s to the left on a ramp of 0.52 s. The
+// arc turns at 0.05 rad/s for as long as 3.5 m take, less half of its ramp, and half of the next.
+TEST(WalkScheduleTest, KnowsHowFarItLeads) {
+  const WalkSchedule::Extent extent = WalkSchedule(Example()).extent();
+  const double ramp = std::hypot(0.12, 0.1) / 0.3;
+  const auto speed = [](double s) { return std::hypot(0.12 * (1 - s), 0.1 * s); };
+  const double pacing = ramp / 6 * (speed(0) + 4 * speed(0.5) + speed(1)) + 0.1 * (4 - ramp);
+  EXPECT_NEAR(extent.length, 2 + 3.5 + pacing, 1e-12);
+  EXPECT_NEAR(extent.turn, 0.05 * (3.5 / 0.12 - 0.05 / 2) + 0.05 * ramp / 2, 1e-12);
+}
+
 TEST(WalkScheduleTest, GoesTheLengthsOnRamps) {
   TestRig<WalkSchedule> rig(Example());
   const WalkSchedule& block = rig.system();

@@ -227,6 +227,7 @@ TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
     const WholeBodyTask task = RandomTask(model_, GetParam(), random);
     const double limit = i % 2 == 0 ? 60 : 22;
     WholeBodyQpParams params;
+    params.friction = 0.7;
     params.eliminate = i % 3 != 0;
     WholeBodyQp qp(Vec<12>::Constant(limit));
     WholeBodySolution solution;
@@ -248,8 +249,8 @@ TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
         EXPECT_EQ(f, Vec<3>(Vec<3>::Zero()));
         continue;
       }
-      EXPECT_LE(f.head<2>().cwiseAbs().maxCoeff(), 0.7 * f[2] + 1e-6);
-      on_the_pyramid += f.head<2>().cwiseAbs().maxCoeff() > 0.7 * f[2] - 1e-6;
+      EXPECT_LE(f.head<2>().cwiseAbs().maxCoeff(), params.friction * f[2] + 1e-6);
+      on_the_pyramid += f.head<2>().cwiseAbs().maxCoeff() > params.friction * f[2] - 1e-6;
       const Vec<3> a = dynamics_.FootJacobian(leg) * solution.acceleration + dynamics_.feet[leg].bias;
       EXPECT_THAT(a, IsNear(task.foot_acceleration[leg], 1e-7));
     }

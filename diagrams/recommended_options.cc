@@ -1,0 +1,74 @@
+#include <tenon/diagrams/recommended_options.h>
+
+#include <string>
+
+#include <fmt/core.h>
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/diagrams/legged/quadruped_stand.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+
+namespace tenon {
+namespace {
+
+constexpr double kFinestRtol = 1e-14, kFinestAtol = 1e-300, kCoarsest = 0.1;
+
+void DemandWithin(const char* key, double value, double low, double high) {
+  Demand(value >= low && value <= high,
+         fmt::format("{} = {:.10g} must be from {:.10g} to {:.10g}", key, value, low, high));
+}
+
+}  // namespace
+
+void LeggedIntegration::Validate() const {
+  DemandWithin("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
+  DemandWithin("rtol", rtol, kFinestRtol, kCoarsest);
+  DemandWithin("atol_position", atol_position, kFinestAtol, kCoarsest);
+  DemandWithin("atol_velocity", atol_velocity, kFinestAtol, kCoarsest);
+  DemandWithin("atol_bristles", atol_bristles, kFinestAtol, kCoarsest);
+}
+
+void CdprIntegration::Validate() const {
+  DemandWithin("order", order, 2, 5);
+  DemandWithin("rtol", rtol, kFinestRtol, kCoarsest);
+  DemandWithin("atol", atol, kFinestAtol, kCoarsest);
+}
+
+// Ticks every few milliseconds restart the integrator, and the plants declare their jumps: open tables see
+// all that matters, at an evaluation less per tick.
+
+SimulatorOptions LeggedIntegration::Options(const std::string& plant) const {
+  const bool stabilized = method == LeggedIntegrator::kStabilized;
+  return {.method = stabilized ? Method::kStabilized : Method::kErkOpen,
+          .order = order,
+          .rtol = rtol,
+          .atol = atol_position,
+          .state_atol = {{plant + ".motion.v_W", atol_velocity},
+                         {plant + ".motion.w_W", atol_velocity},
+                         {plant + ".motion.qd", atol_velocity},
+                         {plant + ".bristles", atol_bristles}},
+          .seed = kRecommendedSeed};
+}
+
+SimulatorOptions CdprIntegration::Options() const {
+  return {.method = Method::kErkOpen, .order = order, .rtol = rtol, .atol = atol, .seed = kRecommendedSeed};
+}
+
+SimulatorOptions RecommendedOptions(const QuadrupedWorld& world) {
+  return LeggedIntegration().Options(world.plant.path());
+}
+SimulatorOptions RecommendedOptions(const QuadrupedStand& stand) {
+  return RecommendedOptions(stand.world);
+}
+SimulatorOptions RecommendedOptions(const QuadrupedWalk& walk) {
+  return RecommendedOptions(walk.world);
+}
+SimulatorOptions RecommendedOptions(const GuideDog& guide_dog) {
+  return RecommendedOptions(guide_dog.world);
+}
+SimulatorOptions RecommendedOptions(const CdprLoop&) {
+  return CdprIntegration().Options();
+}
+
+}  // namespace tenon
