@@ -38,6 +38,7 @@
 #include <tenon/systems/primitives/mux.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/pid.h>
+#include <tenon/systems/primitives/pulse.h>
 #include <tenon/systems/primitives/quantizer.h>
 #include <tenon/systems/primitives/random_walk.h>
 #include <tenon/systems/primitives/rate_limiter.h>
@@ -151,6 +152,7 @@ Shelf Primitives() {
   put(WithNote(MakeOfType<AddNoise<T>>("AddNoise", NoiseParams<T>{.unit = "unit"}), numbers));
   put(WithNote(MakeOfType<Pid<T>>("Pid", PidParams<T>{.y_unit = "y_unit", .u_unit = "u_unit"}), number));
   entries.back().placeholders.emplace_back("PidMemory<Vec<7>>", "PidMemory<T>");
+  put(WithNote(MakeOfType<Pulse<T>>("Pulse", PulseParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<Quantizer<T>>("Quantizer", QuantizerParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<RandomWalk<T>>("RandomWalk", RandomWalkParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<RateLimiter<T>>("RateLimiter", RateLimiterParams<T>{.unit = "unit"}), number));

@@ -175,14 +175,14 @@ class Cart final : public LeafSystem<void> {
   Vec<2> CalcDx(const Vec<2>& x, const double& force) const { return {x[1], force / 2}; }
 };
 
-void PdLoop(benchmark::State& state) {
+void PdLoop(benchmark::State& state, const SimulatorOptions& options) {
   DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& pd = builder.Add<Pd>("pd");
   builder.Connect(cart.state, pd.x);
   builder.Connect(pd.u, cart.force);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
+  Simulator simulator(*diagram, options);
   simulator.RunTo(1);
   constexpr int kTicks = 1000;
   double end = 1;
@@ -192,6 +192,8 @@ void PdLoop(benchmark::State& state) {
   }
   state.counters["per_tick"] = benchmark::Counter(static_cast<double>(state.iterations()) * kTicks,
                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["evaluations_per_tick"] =
+      static_cast<double>(simulator.statistics().evaluations) / (1000 * end);
 }
 
 void CloneContext(benchmark::State& state) {
@@ -211,7 +213,8 @@ void BuildDiagram(benchmark::State& state) {
 BENCHMARK(RingDerivatives)->Name("ring")->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK(BareRingDerivatives)->Name("ring_bare")->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK(GainChain)->Name("gain_chain")->Arg(100);
-BENCHMARK(PdLoop)->Name("pd_loop");
+BENCHMARK_CAPTURE(PdLoop, open, SimulatorOptions{.method = Method::kErkOpen})->Name("pd_loop");
+BENCHMARK_CAPTURE(PdLoop, defaults, SimulatorOptions{})->Name("pd_loop_default");
 BENCHMARK(CloneContext)->Name("clone_context")->Arg(1000);
 BENCHMARK(BuildDiagram)->Name("build_diagram")->Arg(1000)->Unit(benchmark::kMicrosecond);
 
