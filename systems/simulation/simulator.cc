@@ -332,13 +332,17 @@ void Simulator::IntegrateTo(double target) {
   }
 }
 
+/// Puts the witnesses on the sides of their values, unless it is known where they are.
+void Simulator::StartFinder() {
+  if (finder_->empty() || finder_->started()) return;
+  EvaluateWitnesses();
+  finder_->Start(witness_values_.data());
+}
+
 /// From the present time and states, up to the next instant at which what is integrated changes.
 void Simulator::StartIntegrator() {
   context_->RunStale(program_.held);
-  if (!finder_->empty() && !finder_->started()) {
-    EvaluateWitnesses();
-    finder_->Start(witness_values_.data());
-  }
+  StartFinder();
   const double jump = NextJump(), tick = schedule_->next_feeding_time();
   horizon_ = std::min(jump, tick);
   ends_at_jump_ = jump <= tick && std::isfinite(jump);
@@ -346,7 +350,7 @@ void Simulator::StartIntegrator() {
   const bool again = integrator_->Start(horizon_, ends_at_jump_);
   next_stop_ = integrator_->finish();
   stop_is_due_ = next_stop_ > time;
-  is_event_ = ends_before_event_ = false;
+  is_event_ = false;
   if (!again || finder_->empty()) return;
   // The step has been taken again: so are its events, but for those that have been handled.
   FindEvent(integrator_->begin());
@@ -393,7 +397,6 @@ void Simulator::FindEvent(double from) {
   context_->witness_memory_ = memory_at_begin_;
   next_stop_ = integrator_->finish();
   stop_is_due_ = is_event_ = false;
-  ends_before_event_ = true;
   integrator_->MoveContext(next_stop_);  // from where the event was looked for
 }
 
@@ -413,7 +416,7 @@ void Simulator::EndStep() {
   if (!integrator_->can_go_on()) return;
   if (!at_end) {
     FindEvent(next_stop_);
-  } else if (ends_before_event_) {
+  } else if (integrator_->ends_before_event()) {
     integrator_->Halt();
   } else if (ends_at_jump_ && next_stop_ >= horizon_) {
     integrator_->Halt();
@@ -457,6 +460,7 @@ void Simulator::Tick(bool first) {
     if (!due_.empty()) plan = &PlanFor(due_);
   }
   const bool feeds = plan != nullptr && plan->feeds;
+  if (feeds && !first) StartFinder();  // before the tick changes anything
   if (plan != nullptr) {
     context_->Invalidate(plan->invalidates);
     context_->RunStale(plan->outputs);
@@ -466,10 +470,7 @@ void Simulator::Tick(bool first) {
     const Profiled logging(profiler_.get(), Profiler::kLogs);
     for (const auto& each : logs_[static_cast<std::size_t>(*log - num_groups)].logs) each->Sample();
   }
-  if (first && !finder_->empty()) {
-    EvaluateWitnesses();
-    finder_->Start(witness_values_.data());
-  }
+  if (first) StartFinder();
   if (plan != nullptr) {
     Judge(plan->monitors, plan->verdicts);
     context_->Apply(plan->updates);
@@ -556,6 +557,7 @@ void Simulator::HandleEvent() {
 /// an update moves to another piece is no event: the integrator starts again there anyway.
 void Simulator::HandleJumps() {
   if (finder_->empty()) return;
+  StartFinder();
   for (;;) {
     EvaluateWitnesses();
     const std::size_t i = finder_->FindJump(witness_values_.data());

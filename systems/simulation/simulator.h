@@ -101,6 +101,7 @@ class Simulator {
   void RebuildSchedule();
   void MoveSchedule();
   void IntegrateTo(double target);
+  void StartFinder();
   void StartIntegrator();
   double NextJump();
   void MakeEventFinder();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <tenon/systems/framework/diagram.h>
 #include <tenon/systems/framework/internal/program.h>
@@ -113,6 +114,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
         step_states(before.size()),
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
                                                   (options.method == Method::kErk && options.order > 3))) {
+    for (std::vector<double>& each : jump_work) each.resize(before.size());
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
@@ -171,6 +173,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     std::vector<double> slopes;   // derivatives at those, one after another
   } stages;                       // of the present step, the first at its beginning
   double end = 0;                 // of the interval
+  bool before_event = false;      // the interval ends there because of one
   double last_instant = 0;        // at which the dynamics of the interval may be evaluated
   long steps = 0;                 // in the present window of progress
   double window = 0;              // when that began
@@ -182,7 +185,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     double from = 0, to = 0;  // it lies in between
     double step = 0;          // that met it
   } jump;
-  bool at_end = false;  // the last evaluation was for the end of the interval
+  std::array<std::vector<double>, 5> jump_work;  // of FindJump
+  bool at_end = false;                           // the last evaluation was for the end of the interval
   // Open tables have no stage at the end of a step. SUNDIALS evaluates there all the same, to start the next
   // step: for nothing if a restart comes first.
   const bool needs_end = !open ||
@@ -235,6 +239,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
 
 bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   end = to;
+  before_event = false;
   last_instant = jumps ? to - 8 * Tiny(to) : to;
   Context::StepStart& from = context.step_start_;
   if (!from.valid) {
@@ -248,6 +253,11 @@ bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
   context.witness_memory_ = from.witnesses;
+  if (context.witness_memory_.size() % 3 == 1) {
+    end = last_instant = context.witness_memory_.back();
+    context.witness_memory_.pop_back();
+    before_event = true;
+  }
   Restart(from.time, from.size);
   first_evaluation = false;  // what the context holds is of another time
   const std::vector<double> held(context.continuous_data(),
@@ -330,8 +340,10 @@ bool SundialsIntegrator::Run::StagesJump() const {
   const std::size_t n = before.size();
   std::array<std::size_t, 16> order{};
   for (std::size_t k = 0; k < stages.count; ++k) order[k] = k;
-  std::stable_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(stages.count),
-                   [this](std::size_t a, std::size_t b) { return stages.times[a] < stages.times[b]; });
+  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(stages.count),
+            [this](std::size_t a, std::size_t b) {
+              return std::pair(stages.times[a], a) < std::pair(stages.times[b], b);
+            });
   std::size_t count = 0;  // of the last derivative at each time
   for (std::size_t k = 0; k < stages.count; ++k) {
     const double time = stages.times[order[k]];
@@ -379,6 +391,8 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   if (size <= 100 * Tiny(event)) return false;
   const double next = finish - step_begin;
   end = last_instant = step_begin + size;
+  before_event = true;
+  context.step_start_.valid = false;
   Retake(end);
   context.next_step_ = next;
   return true;
@@ -406,6 +420,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
   from.witnesses = context.witness_memory_;
+  if (before_event) from.witnesses.push_back(end);  // three numbers per witness come before
 }
 
 /// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
@@ -649,7 +664,7 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
   const double* const y = solver.states();
-  std::vector<double> slope(n), x(n), low(n), high(n), middle(n);
+  auto& [slope, x, low, high, middle] = jump_work;
   const auto evaluate = [&](double at, std::vector<double>& f) {
     for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
     context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
@@ -763,6 +778,9 @@ void SundialsIntegrator::Advance(bool one_step) {
 }
 bool SundialsIntegrator::RetakeBefore(double event) {
   return run_->RetakeBefore(event);
+}
+bool SundialsIntegrator::ends_before_event() const {
+  return run_->before_event;
 }
 double SundialsIntegrator::begin() const {
   return run_->begin;

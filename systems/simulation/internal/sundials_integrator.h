@@ -38,6 +38,8 @@ class SundialsIntegrator {
   /// Goes back to the beginning of the last step, to end the interval just before an event in it that changes
   /// the derivatives; not if the event lies at the very beginning. Returns whether it did.
   bool RetakeBefore(double event);
+  /// Whether the interval ends just before an event, by RetakeBefore; also after Start in such an interval.
+  bool ends_before_event() const;
   /// The beginning and the end of the last step [s]; the beginning is known after one_step alone.
   double begin() const;
   double finish() const;
