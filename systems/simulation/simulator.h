@@ -134,7 +134,6 @@ class Simulator {
   std::uint64_t known_edition_ = 0;                         ///< of the context, when an advance last began
   double horizon_ = 0;                                      ///< what is integrated changes here at the latest
   bool ends_at_jump_ = false;                               ///< by a declared jump
-  bool ends_before_event_ = false;                          ///< the interval that is integrated
   double next_stop_ = 0;                                    ///< the first event in the last step, or its end
   bool stop_is_due_ = false;                                ///< what happens at next_stop_ has yet to happen
   bool is_event_ = false;                                   ///< at next_stop_ witnesses or kinks fire

@@ -192,16 +192,20 @@ bool EventFinder::Look(const Sample& a, const Sample& b, std::size_t depth, doub
     const Sample& middle = inside[kNumInside / 2];
     return Look(a, middle, depth + 1, time, fired) || Look(middle, b, depth + 1, time, fired);
   }
-  std::array<const Sample*, kPerDepth + 1> samples{};
+  std::array<const Sample*, kPerDepth + 1> samples{};  // in the order of time
   std::size_t count = 0;
-  for (; count < kNumInside; ++count) samples[count] = &inside[count];
-  for (std::size_t k = 0; k < num_dips; ++k, ++count) {
-    Take(a.time + dips[k] * (b.time - a.time), &inside[count]);
-    samples[count] = &inside[count];
+  const auto insert = [&](const Sample& sample) {
+    std::size_t k = count++;
+    for (; k > 0 && samples[k - 1]->time > sample.time; --k) samples[k] = samples[k - 1];
+    samples[k] = &sample;
+  };
+  for (std::size_t k = 0; k < kNumInside; ++k) insert(inside[k]);
+  for (std::size_t k = 0; k < num_dips; ++k) {
+    Sample& dip = inside[kNumInside + k];
+    Take(a.time + dips[k] * (b.time - a.time), &dip);
+    insert(dip);
   }
-  samples[count++] = &b;
-  std::sort(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const Sample* x, const Sample* y) { return x->time < y->time; });
+  insert(b);
   const Sample* before = &a;
   for (std::size_t k = 0; k < count; ++k) {
     if (LookBetween(*before, *samples[k], time, fired)) return true;

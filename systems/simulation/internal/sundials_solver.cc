@@ -272,7 +272,7 @@ int ErrorWeights(N_Vector y, N_Vector weights, void* client) {
 void KeepMessage(int, const char*, const char*, const char* message, SUNErrCode, void* to, SUNContext) {
   *static_cast<std::string*>(to) = message == nullptr ? "" : message;
 }
-constexpr auto kNoCommunicator = SUN_COMM_NULL;
+const SUNComm kNoCommunicator = SUN_COMM_NULL;
 #else
 void KeepMessage(int, const char*, const char*, char* message, void* to) {
   *static_cast<std::string*>(to) = message;
