@@ -220,12 +220,9 @@ class Context {
     std::vector<double> states = {}, witnesses = {};
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},
-              {"size", &StepStart::size},
-              {"next_step", &StepStart::next_step},
-              {"last_error", &StepStart::last_error},
-              {"states", &StepStart::states},
-              {"witnesses", &StepStart::witnesses},
+      return {{"time", &StepStart::time},           {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step}, {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states},       {"witnesses", &StepStart::witnesses},
               Undescribed(&StepStart::valid)};  // saved apart, before the others
     }
   } step_start_;
