@@ -214,7 +214,8 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
   // By how much tensions differ within the box of required wrenches.
   double spread_max = 0, spread_change = 0;
   for (int i = 0; i < n; ++i) {
-    const SmallVector row = gram_inverse * structure_.col(i);
+    SmallVector row = SmallVector::Zero(rows_);  // GCC 14 sees no writing of it in a product
+    row.noalias() = gram_inverse * structure_.col(i);
     spread_[i] = row.cwiseAbs().dot(required_.half_width);
     spread_max = std::max(spread_max, spread_[i]);
     spread_change += spread_[i] * change_[i];

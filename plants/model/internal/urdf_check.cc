@@ -16,6 +16,10 @@
 #include <utility>
 #include <vector>
 
+// Expat 2.7 has functions for files beyond 4 GiB beside these, which serve all versions.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+
 namespace tenon::internal {
 namespace {
 
@@ -256,3 +260,5 @@ CheckedUrdf CheckUrdf(const std::string& text, const std::string& file) {
 }
 
 }  // namespace tenon::internal
+
+#pragma GCC diagnostic pop

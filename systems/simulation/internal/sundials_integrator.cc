@@ -135,6 +135,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double FirstStep() const;
   double LargestStep(double time) const;
   void Count(double step);
+  [[noreturn]] void ThrowNonFiniteState(double time);
   [[noreturn]] void ThrowFailure(int flag);
   [[noreturn]] void ThrowFailure(double t, double h, const std::string& what);
   std::string DescribeFailure(double t, double h);
@@ -227,14 +228,16 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   live = true;
   edition = context.edition_;
   interpolant.Restart();
-  for (int i = 0; i < program.num_continuous; ++i) {
-    if (!std::isfinite(solver.states()[i])) {
-      throw RunError(fmt::format("state '{}' is {} at t = {} s: set it to a finite value",
-                                 context.diagram().ContinuousStateNames()[static_cast<std::size_t>(i)],
-                                 solver.states()[i], time));
-    }
-  }
+  if (!AllFinite(solver.states(), program.num_continuous)) ThrowNonFiniteState(time);
   solver.Restart(time, end, step);
+}
+
+void SundialsIntegrator::Run::ThrowNonFiniteState(double time) {
+  int i = 0;
+  while (std::isfinite(solver.states()[i])) ++i;
+  throw RunError(fmt::format("state '{}' is {} at t = {} s: set it to a finite value",
+                             context.diagram().ContinuousStateNames()[static_cast<std::size_t>(i)],
+                             solver.states()[i], time));
 }
 
 bool SundialsIntegrator::Run::Start(double to, bool jumps) {
@@ -288,7 +291,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   do {
     double t = finish;
     step_begin = finish;
-    std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    if (one_step || checks_stages) std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
