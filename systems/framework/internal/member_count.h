@@ -2,10 +2,17 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdlib>
 #include <type_traits>
 #include <utility>
 
 namespace tenon::internal {
+
+/// What a conversion that is never evaluated returns. Clang wants a body for types without linkage.
+template <class T>
+[[noreturn]] T Never() {
+  std::abort();
+}
 
 /// Converts to the type of any member, to a matrix only if `IsMatrix`. Never evaluated.
 ///
@@ -15,7 +22,9 @@ template <bool IsMatrix>
 struct AnyMember {
   template <class Member>
   requires(IsMatrix || !std::is_base_of_v<Eigen::EigenBase<Member>, Member>) operator Member()
-      const;  // NOLINT(google-explicit-constructor)
+      const {  // NOLINT(google-explicit-constructor)
+    return Never<Member>();
+  }
 };
 
 /// Converts to a base of T.
@@ -23,7 +32,9 @@ template <class T>
 struct AnyBase {
   template <class Base>
   requires(std::is_base_of_v<Base, T> && !std::is_same_v<Base, T>) operator Base()
-      const;  // NOLINT(google-explicit-constructor)
+      const {  // NOLINT(google-explicit-constructor)
+    return Never<Base>();
+  }
 };
 
 /// Initialisers: for each, whether it is that of a matrix.

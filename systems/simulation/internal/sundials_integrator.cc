@@ -667,7 +667,8 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
   const double* const y = solver.states();
-  auto& [slope, x, low, high, middle] = jump_work;
+  std::vector<double>&slope = jump_work[0], &x = jump_work[1], &low = jump_work[2], &high = jump_work[3],
+  &middle = jump_work[4];
   const auto evaluate = [&](double at, std::vector<double>& f) {
     for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
     context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
