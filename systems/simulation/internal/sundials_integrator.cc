@@ -141,6 +141,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   std::string DescribeFailure(double t, double h);
   std::string DescribeJump(double t, double h);
   bool FindJump(double t, double from, double to, double shows = kShows);
+  void EvaluateAlong(double t, double at, double* xdot);
   double StepRoundJump(double t, double h, bool accepted);
   double FastestRate(double t);
   std::string DescribeWorstState(double h);
@@ -660,6 +661,15 @@ std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
          (for_smooth ? ", or use Method::kBdf or kDirk if the system is stiff" : "");
 }
 
+/// The derivatives at `at`, on the line through the states at `t` along the derivatives that FindJump found
+/// there.
+void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
+  const std::vector<double>& slope = jump_work[0];
+  std::vector<double>& x = jump_work[1];
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = solver.states()[i] + (at - t) * slope[i];
+  context.CalcRunDerivatives(std::min(at, last_instant), x.data(), xdot);
+}
+
 /// Looks for a jump of the derivatives from `from` to `to`, on the line through the states at `t` along the
 /// derivatives there, by halving the interval that holds the largest change. Keeps it in `jump`. Smaller ones
 /// than could cause an error of `shows` tolerances do not count.
@@ -667,13 +677,9 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
   const double* const y = solver.states();
-  std::vector<double>&slope = jump_work[0], &x = jump_work[1], &low = jump_work[2], &high = jump_work[3],
-  &middle = jump_work[4];
-  const auto evaluate = [&](double at, std::vector<double>& f) {
-    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
-    context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
-  };
-  evaluate(t, slope);
+  std::vector<double>&low = jump_work[2], &high = jump_work[3], &middle = jump_work[4];
+  context.CalcRunDerivatives(std::min(t, last_instant), y, jump_work[0].data());
+  const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, at, f.data()); };
   evaluate(from, low);
   evaluate(to, high);
   const auto change = [&](const std::vector<double>& a, const std::vector<double>& b) {
@@ -706,21 +712,13 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
 std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   const double reach = 4 * std::max(std::abs(h), 100 * Tiny(t));
   if (!FindJump(t, t - reach, t + reach, 0)) return "";
-  const auto n = static_cast<std::size_t>(program.num_continuous);
-  const std::vector<double> y(solver.states(), solver.states() + n);
-  std::vector<double> slope(n), x(n), f(n);
-  context.CalcRunDerivatives(std::min(t, last_instant), y.data(), slope.data());
-  const auto evaluate = [&](double at) {
-    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] + (at - t) * slope[i];
-    context.CalcRunDerivatives(std::min(at, last_instant), x.data(), f.data());
-  };
   // The first calculation in dataflow order whose value jumps.
   const auto& calculations = program.calculations;
   std::vector<std::vector<double>> before_jump(calculations.size());
-  evaluate(jump.from);
+  EvaluateAlong(t, jump.from, jump_work[2].data());
   for (const internal::Op& op : program.derivatives.ops)
     before_jump[op.calculation] = context.HeldNumbers(*calculations[op.calculation].source);
-  evaluate(jump.to);
+  EvaluateAlong(t, jump.to, jump_work[2].data());
   std::uint32_t first_jump = UINT32_MAX;
   for (const internal::Op& op : program.derivatives.ops) {
     const std::vector<double>& a = before_jump[op.calculation];
