@@ -309,7 +309,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
 
 namespace {
 
-/// Of a circle one turn [m].
+/// Length of the path [m]; one turn if it is a circle.
 double LengthOf(const Path& path) {
   constexpr double kStep = 0.01;  // s
   const double end = path.is_periodic() ? path.TimeOf(2 * std::numbers::pi) : path.end_time();

@@ -301,7 +301,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
 /// Whether the platform follows its path, which is not judged in a live run.
 PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
-/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+/// The keys of a scenario that do nothing in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
 }  // namespace tenon::apps

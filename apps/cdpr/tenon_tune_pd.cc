@@ -130,7 +130,7 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
 /// What the search has found so far. NLopt passes no exception on, so it waits here.
 struct Search {
   std::vector<Trial> trials;
-  // Of the least cost so far, wherever the optimizer goes on from.
+  // The gains of the least cost so far, wherever the optimizer goes on from.
   double best_cost = std::numeric_limits<double>::infinity();
   double best_stiffness = 0, best_damping = 0;
   std::string best_failure;

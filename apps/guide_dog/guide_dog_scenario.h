@@ -86,7 +86,7 @@ struct GuideDogScenario {
 /// How long the run is [s].
 double Duration(const GuideDogScenario& scenario);
 
-/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+/// The keys of a scenario that do nothing in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration);
 
 /// What a scenario means in the diagram's terms. Throw ParameterError.

@@ -50,7 +50,7 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     const auto i = static_cast<std::size_t>(j);
     const double torque = row[torque_[i]], speed = row[qd_[i]];
     const double possible = DriveTorque(torque, speed, joint, robot_.drive);
-    // What is rounding is no excess: the figure is beyond its limit where the verdict is.
+    // An excess within rounding does not count: the figure is beyond its limit where the verdict is.
     double excess = std::abs(torque - possible);
     if (excess <= kRounding * joint.torque_limit) excess = 0;
     torques_.Add(std::abs(torque));

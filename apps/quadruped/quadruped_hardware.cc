@@ -137,7 +137,7 @@ double ResolutionOf(const EncoderScenario& encoders) {
   return encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
 }
 
-/// What a scenario gives; the rest keeps the defaults of the library.
+/// Takes the values that a scenario gives; the others keep the defaults of the library.
 template <class Value>
 void Take(const std::optional<Value>& given, auto& value) {
   if (given) value = *given;

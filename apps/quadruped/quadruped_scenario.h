@@ -290,9 +290,9 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario);
 
 /// Whether a walk follows its path, which is not judged in a live run.
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
-/// What in a scenario does nothing in a run of `duration` [s]: its keys, and why.
+/// The keys of a scenario that do nothing in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);
-/// The same of a list of forces.
+/// The entries of a list of forces that never act, each with the reason.
 void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
 
 /// How long it runs [s].

@@ -149,7 +149,7 @@ bool Context::IsKnown(const Source& source) const {
   return IsFresh(diagram_->program().calculations[source.calculation_].op);
 }
 
-/// What a value holds, fresh or not.
+/// The numbers that a source holds, fresh or not.
 std::vector<double> Context::HeldNumbers(const Source& source) const {
   const void* value = Address(source);
   std::vector<double> doubles(internal::CountScalars(*source.type_, value));

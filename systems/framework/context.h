@@ -176,13 +176,13 @@ class Context {
   void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;
   [[gnu::visibility("hidden")]] bool AllFinite(std::span<const internal::ScalarRun> doubles) const;
-  /// What the witnesses and kinks hold; throws RunError for one that is not a number.
+  /// Copies the values of the witnesses and kinks; throws RunError for one that is not a number.
   void ReadWitnesses(double* values) const;
   std::vector<double> HeldNumbers(const Source& source) const;
   void CheckUpdates(const internal::UpdatePlan& plan) const;
   /// The first value in dataflow order that is not finite, as "'pd.u[1]' is nan", or nothing.
   std::string DescribeNonFinite() const;
-  /// The same of one value, which `holder` holds.
+  /// The first number of `source` that is not finite; `holder` holds the value.
   std::string DescribeNonFinite(const Source& source, const Source& holder) const;
 
   std::shared_ptr<const Diagram> diagram_;

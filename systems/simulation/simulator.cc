@@ -312,7 +312,7 @@ void Simulator::IntegrateTo(double target) {
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
   const bool watches = each_step || !finder_->empty();
   while (!end_reason_) {
-    // What rounding leaves over, behind an event say, is no interval that could be integrated.
+    // A remainder within rounding, behind an event say, is no interval that could be integrated.
     if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
     if (!integrator_->can_go_on()) StartIntegrator();
     if (next_stop_ > target + Tiny(target)) {

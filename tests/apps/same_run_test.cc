@@ -27,7 +27,7 @@ namespace {
 
 using Bits = std::vector<std::uint64_t>;
 
-/// What an app logs of a run of 1.5 s.
+/// The signals that an app logs in a run of 1.5 s.
 template <class Loop, class Figures>
 Bits Log(const auto& params, const std::function<SimulatorOptions(const Loop&)>& options) {
   DiagramBuilder builder;

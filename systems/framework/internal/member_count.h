@@ -8,7 +8,7 @@
 
 namespace tenon::internal {
 
-/// What a conversion that is never evaluated returns. Clang wants a body for types without linkage.
+/// Body of a conversion that is never evaluated. Clang wants a body for types without linkage.
 template <class T>
 [[noreturn]] T Never() {
   std::abort();

@@ -367,7 +367,7 @@ TEST_F(TenonCdprTest, FiguresStandBesideTheirLimits) {
               AllOf(HasSubstr("(at most 800)"), HasSubstr("(at most 880)"), HasSubstr("(at least 0.005)")));
 }
 
-// What is beyond its limit is not printed as the limit is: 4.9999 mm are less than 5 mm.
+// A figure beyond its limit is not printed like the limit: 4.9999 mm are less than 5 mm.
 TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
   const std::string flight = "waypoints --duration 5.5 --set log_rate_hz=10 ",
                     key = "\"cable_distance_min_m\": ";

@@ -60,7 +60,7 @@ TEST(PathVerdictTest, AndAPartOfHalfATurn) {
               HasSubstr("the robot turned 0.4 rad away from it, more than 0.314 rad, at 2 s"));
 }
 
-// What turns on the spot has no length of which its position could be a part.
+// A turn on the spot has no length of which the position could be a part.
 TEST(PathVerdictTest, WithoutLengthTheHeadingCounts) {
   PathVerdict verdict(0.1, 0);
   verdict.Add(1, 0.5, 0);

@@ -38,7 +38,7 @@ class Browser {
   void Key(const std::string& type, const std::string& key, bool shift = false);
   /// Presses a key, called as in KeyboardEvent.key.
   void Press(const std::string& key, bool shift = false);
-  /// What is to be seen, as PNG in base64.
+  /// The visible page, as PNG in base64.
   std::string Screenshot();
 
   /// Errors and warnings on the console, and exceptions, so far.

@@ -62,7 +62,7 @@ constexpr const char* kFindFaults = R"js((async (screenshot) => {
       fault(parent, 'is not filled');
   }
 
-  // What is drawn.
+  // Elements that are drawn.
   const inside = (node, holder, slack) => {
     const a = box(node), b = box(holder);
     if (a.left < b.left - 2 || a.right > b.right + 2 || a.right < b.right - slack) fault(node, `does not fit into ${called(holder)}`);

@@ -274,7 +274,7 @@ TEST_F(RunPageTest, LimitsEnvelopesNoiseAndUnits) {
   EXPECT_EQ(figures["com_error_max_m"], Json({"com error max", "12.3", "0.0123 m", "mm"}));
   EXPECT_EQ(figures["tilt_max_rad"], Json({"tilt max", "28.65", "0.5 rad", "°"}));
   EXPECT_EQ(figures["tension_max_N"], Json({"tension max 0 … 250", "330", "330 N beyond its limit", "N"}));
-  // What is beyond a limit does not look as the limit does.
+  // A figure beyond a limit does not look like the limit.
   EXPECT_EQ(browser.Evaluate("[[5.00001, [5]], [5, [5.00001]], [5, [5]], [7.12345, [5]], [0, [1e-20]]]"
                              ".map((of) => formatBeside(...of))"),
             Json({"5.00001", "5", "5", "7.123", "0"}));
