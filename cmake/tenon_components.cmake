@@ -1,16 +1,18 @@
 # The components, in the order in which they need one another, and what each needs. Sets TENON_HAS_<component> for
 # those that are built: what TENON_COMPONENTS names, and what that needs.
-set(TENON_ALL_COMPONENTS systems report live network lcm model plants controllers diagrams apps testing)
+set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants controllers diagrams apps robot_apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
 set(TENON_live_NEEDS report)
 set(TENON_network_NEEDS systems)
 set(TENON_lcm_NEEDS network)
 set(TENON_model_NEEDS systems)
+set(TENON_robots_NEEDS model)
 set(TENON_plants_NEEDS model)
 set(TENON_controllers_NEEDS model)
-set(TENON_diagrams_NEEDS plants controllers)
-set(TENON_apps_NEEDS diagrams live)
+set(TENON_diagrams_NEEDS plants controllers robots)
+set(TENON_apps_NEEDS live)
+set(TENON_robot_apps_NEEDS apps diagrams)
 set(TENON_testing_NEEDS systems)
 
 # Those that all do without where their libraries are not installed.

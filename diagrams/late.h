@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/sample_delay.h>
 
 namespace tenon {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {

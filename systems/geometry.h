@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

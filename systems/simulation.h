@@ -16,12 +16,14 @@
 ///     const auto log = simulator.AddLog(tenon::Hz(100), {&cart.state, &pd.u});
 ///     simulator.RunTo(10);
 
-// The compiler's way to what it complains of is short if that is included here first.
-#include <tenon/systems/framework/diagram_builder.h>
+// First, because a compiler's error then names it after fewer other headers.
+// clang-format off
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+// clang-format on
 
 #include <tenon/systems/block.h>
-#include <tenon/systems/framework/context.h>
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/simulation/simulator_options.h>

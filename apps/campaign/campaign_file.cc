@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/distribution.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #ifdef TENON_WITH_MPI
 #include <mpi.h>

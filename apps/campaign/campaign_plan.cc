@@ -9,10 +9,10 @@
 #include <set>
 
 #include <tenon/systems/campaign/sampling.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/parse_number.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::apps {
 namespace {

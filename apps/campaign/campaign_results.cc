@@ -13,10 +13,10 @@
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
-#include <tenon/systems/framework/internal/parse_number.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
 
 namespace tenon::apps {

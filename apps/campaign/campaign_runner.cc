@@ -9,7 +9,7 @@
 
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <map>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/parse_number.h>
 
 namespace tenon::apps {
 namespace {

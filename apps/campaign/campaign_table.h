@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

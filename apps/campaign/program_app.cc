@@ -18,8 +18,8 @@
 #include <vector>
 
 #include <tenon/apps/common/read_text.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

@@ -26,10 +26,10 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/fnv1a.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+#include <tenon/systems/text/parse_number.h>
 
 namespace tenon::apps {
 namespace {

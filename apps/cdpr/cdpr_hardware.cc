@@ -1,7 +1,7 @@
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 
 #include <tenon/apps/common/checks.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 

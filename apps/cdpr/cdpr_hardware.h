@@ -5,7 +5,7 @@
 
 #include <tenon/apps/common/link_scenario.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -11,8 +11,8 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/tally.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 

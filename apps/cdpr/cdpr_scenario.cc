@@ -1,4 +1,5 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/path_file.h>
 
 #include <fmt/core.h>
@@ -10,7 +11,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/notes.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -14,7 +14,7 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon::apps {
 

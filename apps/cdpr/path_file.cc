@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
 
 namespace tenon::apps {
 namespace {

@@ -9,8 +9,8 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 namespace {

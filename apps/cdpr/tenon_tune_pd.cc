@@ -10,11 +10,12 @@
 #include <limits>
 #include <nlopt.hpp>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/progress.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 namespace {

@@ -10,9 +10,9 @@
 #include <tenon/apps/common/number_or_null.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/volume_report.h>
 
 namespace tenon::apps {

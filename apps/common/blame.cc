@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 

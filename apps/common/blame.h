@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/rate.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/rate.h>
 
 namespace tenon::apps {
 

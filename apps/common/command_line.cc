@@ -16,10 +16,10 @@
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/parse_number.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

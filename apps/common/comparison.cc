@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
 
 namespace tenon::apps {
 

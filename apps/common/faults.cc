@@ -7,7 +7,7 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 namespace {

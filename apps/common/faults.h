@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/diagram_builder.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/primitives/signal_fault.h>
 
 namespace tenon::apps {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 
 namespace tenon::apps {

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 

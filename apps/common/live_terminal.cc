@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <tenon/apps/common/progress.h>
-#include <tenon/systems/framework/internal/excerpt.h>
+#include <tenon/systems/text/excerpt.h>
 
 namespace tenon::apps {
 namespace {

@@ -19,8 +19,8 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/number_or_null.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/simulation/background_log.h>
 
 namespace tenon::apps {

@@ -16,8 +16,8 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/report.h>
 
 namespace tenon::apps {

@@ -16,8 +16,8 @@
 
 #include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/run_options.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

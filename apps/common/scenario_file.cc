@@ -12,12 +12,12 @@
 #include <typeinfo>
 
 #include <tenon/apps/common/read_text.h>
-#include <tenon/plants/model/mesh_file.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/parse_number.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <typeinfo>
 
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 

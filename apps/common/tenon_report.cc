@@ -9,7 +9,7 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/report.h>
 
 namespace tenon::apps {

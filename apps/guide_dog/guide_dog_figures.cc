@@ -1,5 +1,5 @@
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 
 #include <algorithm>
 #include <cmath>

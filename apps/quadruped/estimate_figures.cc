@@ -1,6 +1,6 @@
 #include <tenon/apps/quadruped/estimate_figures.h>
 
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include <tenon/apps/common/checks.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 

@@ -7,7 +7,7 @@
 #include <tenon/apps/common/link_scenario.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -8,7 +8,7 @@
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/live/live_server.h>
 
 namespace tenon::apps {

@@ -12,8 +12,8 @@
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 

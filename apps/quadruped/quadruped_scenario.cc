@@ -7,13 +7,14 @@
 #include <cmath>
 #include <numbers>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/notes.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/plants/model/robot_scale.h>
 #include <tenon/plants/sensors/sensor_noise.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::apps {
 namespace {

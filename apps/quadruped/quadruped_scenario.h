@@ -13,12 +13,12 @@
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_faults.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
-#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/model_error.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon::apps {
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
@@ -16,7 +17,7 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
@@ -9,7 +10,7 @@
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 namespace {

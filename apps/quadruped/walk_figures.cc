@@ -1,5 +1,5 @@
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 
 #include <fmt/core.h>
 

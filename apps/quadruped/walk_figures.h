@@ -8,7 +8,7 @@
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
-#include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/signal_log.h>
 

@@ -1,7 +1,7 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
 
-#include <tenon/plants/model/euler.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

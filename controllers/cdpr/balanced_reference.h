@@ -2,7 +2,7 @@
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 
 #include <vector>
 

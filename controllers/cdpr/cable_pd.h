@@ -2,10 +2,10 @@
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/cdpr_signals.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -4,7 +4,7 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -6,8 +6,8 @@
 #include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/optimization/riccati.h>
 #include <tenon/controllers/optimization/slq.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <Eigen/LU>
 #include <algorithm>

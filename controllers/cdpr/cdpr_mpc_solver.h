@@ -3,7 +3,7 @@
 #include <tenon/controllers/cdpr/cdpr_plan.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/optimization/slq_options.h>
-#include <tenon/systems/framework/rate.h>
+#include <tenon/systems/framework/block/rate.h>
 
 #include <array>
 #include <memory>

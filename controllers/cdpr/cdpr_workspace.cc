@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
-#include <tenon/plants/model/quaternion.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
 #include <Eigen/SparseLU>

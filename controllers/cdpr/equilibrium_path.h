@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
 #include <memory>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 
 namespace tenon {
 namespace {

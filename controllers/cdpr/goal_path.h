@@ -3,9 +3,9 @@
 #include <memory>
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -2,8 +2,8 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/controllers/optimization/lanes.h>
+#include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/plants/model/gravity.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

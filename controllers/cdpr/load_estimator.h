@@ -2,12 +2,12 @@
 
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/cdpr_signals.h>
-#include <tenon/plants/model/imu_signals.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

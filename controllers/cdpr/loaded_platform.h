@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 
 #include <Eigen/Core>
 

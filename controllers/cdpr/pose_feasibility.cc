@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>

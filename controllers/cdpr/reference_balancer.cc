@@ -1,7 +1,7 @@
 #include <tenon/controllers/cdpr/reference_balancer.h>
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 
 namespace tenon {
 

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Householder>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/controllers/optimization/packed_algebra.h>
+#include <tenon/controllers/optimization/lanes/packed_algebra.h>
 
 namespace tenon::internal {
 

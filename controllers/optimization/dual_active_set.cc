@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include <tenon/controllers/optimization/dual_active_set_steps.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <tenon/controllers/optimization/cost_factor.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

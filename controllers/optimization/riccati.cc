@@ -1,6 +1,6 @@
 #include <tenon/controllers/optimization/riccati.h>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -3,8 +3,8 @@
 #include <tenon/controllers/optimization/box_newton.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/controllers/optimization/slq_options.h>
-#include <tenon/controllers/optimization/small_product.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/controllers/optimization/lanes/small_product.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Core>
 #include <algorithm>

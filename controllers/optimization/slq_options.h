@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

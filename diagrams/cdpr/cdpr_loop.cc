@@ -2,8 +2,8 @@
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/diagrams/late.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <algorithm>
 #include <cmath>

@@ -22,7 +22,7 @@
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/pose_sensor.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
 namespace tenon {

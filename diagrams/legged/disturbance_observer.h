@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/controllers/legged/profile/locomotion_profile.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon {
 

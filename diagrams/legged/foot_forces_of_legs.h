@@ -2,7 +2,7 @@
 
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon {
 

@@ -9,7 +9,7 @@
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/joint_encoders.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
-#include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/plants/model/legged_signals.h>
-#include <tenon/systems/framework/ports.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/primitives/unit_delay.h>
 
 namespace tenon {

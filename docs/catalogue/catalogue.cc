@@ -1,12 +1,13 @@
 #include <tenon/docs/catalogue/catalogue.h>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/goal_path.h>
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
-#include <tenon/controllers/legged/evaluation/walk_view.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
@@ -16,7 +17,7 @@
 #include <tenon/plants/cdpr/platform_pull.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/io/external_input.h>
 #include <tenon/systems/network/lcm.h>

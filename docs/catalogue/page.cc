@@ -9,7 +9,7 @@
 #include <typeinfo>
 
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon::docs {

@@ -3,11 +3,11 @@
 #include <array>
 #include <vector>
 
-#include <tenon/plants/model/cdpr_signals.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 
 namespace tenon {

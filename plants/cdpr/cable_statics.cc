@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/cdpr/cable_statics.h>
-#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/geometry.h>
 
 #include <vector>

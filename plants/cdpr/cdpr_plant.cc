@@ -1,8 +1,8 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -5,9 +5,9 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
 #include <tenon/plants/model/gravity.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
 
 #include <fmt/format.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/model/cdpr_signals.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 
 #include <Eigen/Core>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/legged/foot_contact.h>
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 
 #include <Eigen/Core>
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/surroundings/terrain.h>
 

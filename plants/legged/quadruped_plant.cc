@@ -1,7 +1,7 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 
 #include <fmt/format.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

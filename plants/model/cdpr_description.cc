@@ -1,10 +1,8 @@
 #include <tenon/plants/model/cdpr_description.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/model/resources.h>
 #include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/yaml/yaml.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <algorithm>
 #include <cmath>
@@ -122,14 +120,6 @@ void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {
   throw RunError(
       fmt::format("{} gets signals of {} cables, but its num_cables is {}: give it that of the robot.", who,
                   num, num_cables));
-}
-
-CdprDescription LoadCdpr(const std::string& path) {
-  return YamlDocument::Load(path).Read<CdprDescription>();
-}
-
-CdprDescription LoadCdpr(const YamlFile& what) {
-  return LoadResource("robots", what, "cables").Read<CdprDescription>();
 }
 
 }  // namespace tenon

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/plants/signals/cable_vector.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -13,10 +14,6 @@
 namespace tenon {
 
 inline constexpr int kMinCables = 4;
-
-/// One value per cable, of which there are as many as the description says. Assigning to a vector of the same
-/// size does not allocate.
-using CableVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign>;
 
 /// The cable between a platform attachment and an anchor.
 struct CableDescription {
@@ -148,9 +145,4 @@ struct CdprDescription {
 /// Throws RunError if the signals that `who` gets are not of `num_cables` cables.
 void CheckNumCables(int num_cables, Eigen::Index num, const char* who);
 
-/// Reads a robot from a YAML file, such as plants/robots/cdpr_4.yaml. Throws ParameterError.
-CdprDescription LoadCdpr(const std::string& path);
-
 }  // namespace tenon
-
-TENON_DECLARE_SIGNAL(tenon::CableVector);

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/plants/signals/leg.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/geometry.h>
 
 #include <Eigen/Core>
@@ -11,23 +12,6 @@
 #include <string>
 
 namespace tenon {
-
-inline constexpr int kNumLegs = 4;
-inline constexpr int kJointsPerLeg = 3;
-inline constexpr int kNumJoints = kNumLegs * kJointsPerLeg;  ///< joint 3 leg + i is the leg's i-th
-
-/// Index of a leg, everywhere.
-enum Leg { kFrontLeft, kFrontRight, kRearLeft, kRearRight };
-inline constexpr std::array<const char*, kNumLegs> kLegNames{"front_left", "front_right", "rear_left",
-                                                             "rear_right"};
-/// The same as names of a signal's elements, and those of the joints; a robot's own names are in
-/// JointDescription.
-inline constexpr const char* kLegElements = "front_left,front_right,rear_left,rear_right";
-inline constexpr const char* kJointElements =
-    "front_left_abduction,front_left_hip_pitch,front_left_knee,"
-    "front_right_abduction,front_right_hip_pitch,front_right_knee,"
-    "rear_left_abduction,rear_left_hip_pitch,rear_left_knee,"
-    "rear_right_abduction,rear_right_hip_pitch,rear_right_knee";
 
 /// A revolute joint between a body P and the next one, J, in a leg. The axes of all bodies are parallel to
 /// the trunk's when all joint angles are 0, so R_PJ(q) = exp(q axis x).
@@ -130,14 +114,5 @@ QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia&
 /// The robot with masses and inertias times a factor: what a controller believes that does not know better.
 /// Throws ParameterError unless the factor is positive.
 QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor);
-
-/// Reads a robot: a YAML file such as plants/robots/dogbot.yaml, which names a URDF file beside it and tells
-/// what URDF cannot. Throws ParameterError, beginning with the file and the place in it, for
-///  - what the YAML reader refuses, among others unknown and missing keys;
-///  - a URDF that cannot be read; a foot that it does not have; a foot with other than three revolute joints
-///    above it; further joints that move; a joint without limits of torque and speed;
-///  - a body without mass, or with an inertia that no rigid body has;
-///  - feet that are not where their names say (front: x > 0, left: y > 0) in the nominal stance.
-QuadrupedDescription LoadQuadruped(const std::string& path);
 
 }  // namespace tenon

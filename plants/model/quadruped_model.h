@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/gravity.h>
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 #include <tenon/plants/model/rigid_inertia.h>
 
 #include <fmt/format.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

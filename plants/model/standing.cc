@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <numbers>
 
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

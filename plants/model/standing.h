@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/model/ground_plane.h>
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon {

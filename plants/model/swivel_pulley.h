@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/sensors/sensor_noise.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -1,7 +1,7 @@
 #include <tenon/plants/sensors/imu_errors.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/quaternion.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 
 #include <cmath>

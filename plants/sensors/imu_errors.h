@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tenon/plants/model/imu_signals.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

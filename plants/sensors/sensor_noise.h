@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/random_stream.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <cmath>
 #include <sstream>

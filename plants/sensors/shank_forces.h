@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tenon/plants/model/legged_signals.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

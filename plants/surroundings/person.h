@@ -1,10 +1,10 @@
 #pragma once
 
-#include <tenon/plants/model/leash_signals.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/leash_signals.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/geometry.h>
 
 #include <array>

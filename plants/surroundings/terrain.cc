@@ -1,8 +1,8 @@
 #include <tenon/plants/surroundings/terrain.h>
 
 #include <fmt/format.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 
 namespace tenon {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {

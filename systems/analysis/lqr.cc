@@ -13,7 +13,7 @@
 #include <limits>
 #include <string>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include <tenon/systems/analysis/internal/period_map.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {

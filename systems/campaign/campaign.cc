@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

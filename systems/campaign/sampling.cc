@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

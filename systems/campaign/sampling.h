@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include <tenon/systems/framework/external_port.h>
+#include <tenon/systems/framework/block/external_port.h>
 #include <tenon/systems/io/recording.h>
 
 namespace tenon {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

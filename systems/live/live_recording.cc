@@ -6,10 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/live/internal/live_file.h>
 
 namespace tenon {

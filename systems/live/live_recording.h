@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {

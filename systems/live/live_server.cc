@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_http.h>
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/report/internal/page.h>

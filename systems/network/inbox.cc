@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

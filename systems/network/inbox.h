@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/io/recording.h>
 
 namespace tenon {

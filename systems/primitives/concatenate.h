@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/transfer_function.h>
 
 namespace tenon {

@@ -4,9 +4,9 @@
 #include <limits>
 #include <string>
 
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/rate.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {

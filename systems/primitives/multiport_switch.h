@@ -3,7 +3,7 @@
 #include <string>
 #include <type_traits>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -3,7 +3,7 @@
 #include <deque>
 #include <string>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/filtered_difference.h>
 
 namespace tenon {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {

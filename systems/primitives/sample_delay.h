@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 #include <tenon/systems/primitives/internal/fault_elements.h>
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/product.h>
 
 namespace tenon {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/state.h>
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {

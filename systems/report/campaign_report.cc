@@ -12,7 +12,7 @@
 #include <string>
 
 #include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/report/internal/page.h>
 
 namespace tenon {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <new>
 
-#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
 

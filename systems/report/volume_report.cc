@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/internal/shapes_json.h>

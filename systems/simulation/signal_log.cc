@@ -12,9 +12,9 @@
 #include <map>
 #include <utility>
 
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
-#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
-#include <tenon/systems/framework/rate.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/files/output_file.h>
 
 namespace tenon {
 

@@ -8,9 +8,9 @@
 #include <limits>
 #include <thread>
 
-#include <tenon/systems/framework/internal/profiler.h>
-#include <tenon/systems/framework/internal/program.h>
-#include <tenon/systems/framework/internal/schedule.h>
+#include <tenon/systems/framework/context/internal/profiler.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/framework/diagram/internal/schedule.h>
 #include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
 

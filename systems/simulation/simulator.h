@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/run_profile.h>
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator_options.h>

@@ -11,10 +11,10 @@
 #include <optional>
 #include <system_error>
 
-#include <tenon/systems/framework/distribution.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/type_info.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon {
 

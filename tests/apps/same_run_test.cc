@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
@@ -18,8 +19,8 @@
 #include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps::same_run_test {

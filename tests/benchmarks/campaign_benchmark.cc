@@ -31,7 +31,7 @@
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/integrator.h>

@@ -39,7 +39,7 @@
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>

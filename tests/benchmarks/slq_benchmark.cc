@@ -2,10 +2,11 @@
 // of 0.5 m radius in 10 s. The start is 2 cm off, so that every call has something to do.
 
 #include <benchmark/benchmark.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/optimization/slq.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <algorithm>
 #include <chrono>

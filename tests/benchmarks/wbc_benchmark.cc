@@ -19,7 +19,7 @@
 #include <numeric>
 #include <vector>
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {

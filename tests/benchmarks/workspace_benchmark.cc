@@ -2,8 +2,9 @@
 // cells with a proof over the whole cell.
 
 #include <benchmark/benchmark.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <random>
 #include <string>

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::fuzz {
 

@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::fuzz {
 

@@ -1,7 +1,7 @@
 // KEY=VALUE, as --set takes it, on a scenario that ships.
 
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/fuzz/refusals.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Bytes as the inside of a snapshot, below a header that fits: what a checksum lets through is safe to read.
 
-#include <tenon/systems/framework/internal/fnv1a.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/sample_delay.h>

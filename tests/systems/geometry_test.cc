@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::derivative_check_test {

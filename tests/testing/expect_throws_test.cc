@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::expect_throws_test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::matchers_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {

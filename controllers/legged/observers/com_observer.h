@@ -1,16 +1,16 @@
 #pragma once
 
-#include <tenon/plants/model/disturbance_signals.h>
-#include <tenon/plants/model/ground_plane.h>
-#include <tenon/plants/model/imu_signals.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
 
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include <tenon/controllers/optimization/small_product.h>
+#include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/plants/model/cross_matrix.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

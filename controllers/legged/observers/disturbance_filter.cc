@@ -11,7 +11,7 @@
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <Eigen/Core>
 #include <complex>

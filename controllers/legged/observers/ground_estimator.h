@@ -2,13 +2,13 @@
 
 #include <array>
 
-#include <tenon/plants/model/gait_signals.h>
-#include <tenon/plants/model/ground_plane.h>
-#include <tenon/plants/model/legged_signals.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

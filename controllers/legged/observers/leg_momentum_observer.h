@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/model/disturbance_signals.h>
-#include <tenon/plants/model/ground_plane.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
@@ -9,10 +9,10 @@
 #include <vector>
 
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include <tenon/controllers/legged/planning/planned_phases.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/plants/signals/quaternion.h>
 
 namespace tenon {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include <tenon/controllers/legged/planning/planar_point.h>
-#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
 
 namespace tenon {
 

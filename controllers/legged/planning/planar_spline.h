@@ -3,7 +3,7 @@
 #include <array>
 
 #include <tenon/controllers/legged/planning/planar_point.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

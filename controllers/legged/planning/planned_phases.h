@@ -4,9 +4,9 @@
 #include <span>
 
 #include <tenon/controllers/legged/planning/nominal_stance.h>
-#include <tenon/plants/model/gait_signals.h>
-#include <tenon/plants/model/ground_plane.h>
-#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/motion_signals.h>
 
 namespace tenon {
 

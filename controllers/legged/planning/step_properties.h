@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

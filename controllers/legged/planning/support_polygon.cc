@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include <tenon/controllers/legged/planning/shortened.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/quaternion.h>
 
 namespace tenon {
 

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include <tenon/plants/model/gait_signals.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

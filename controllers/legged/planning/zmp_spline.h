@@ -9,7 +9,7 @@
 #include <tenon/controllers/legged/planning/support_polygon.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/model/gravity.h>
-#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
 
 namespace tenon {
 

@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include <tenon/controllers/legged/planning/shortened.h>
-#include <tenon/plants/model/quaternion.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 namespace {

@@ -1,18 +1,18 @@
 #pragma once
 
-#include <tenon/plants/model/disturbance_signals.h>
-#include <tenon/plants/model/gait_signals.h>
-#include <tenon/plants/model/ground_plane.h>
-#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/motion_signals.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <array>
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/systems/framework/parameter.h>
-#include <tenon/systems/framework/ports.h>
-#include <tenon/systems/framework/state.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 
@@ -34,7 +34,7 @@ constexpr auto EnumNames(BodyDynamics) {
   return std::array{Named{BodyDynamics::kExact, "exact"}, Named{BodyDynamics::kDecoupled, "decoupled"}};
 }
 
-/// What is tuned of the whole-body controller; read from a file such as controllers/profiles/standard.yaml.
+/// What is tuned of the whole-body controller; read from a file such as diagrams/profiles/standard.yaml.
 struct WholeBodyGains {
   double com_stiffness = 2500;    ///< [N/m]
   double com_damping = 400;       ///< [N s/m]

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include <tenon/plants/model/cross_matrix.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

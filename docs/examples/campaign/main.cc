@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <tenon/systems/campaign/campaign.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/simulation.h>
 
 /// l a'' = -g sin a, from 0.1 rad.

@@ -2,9 +2,9 @@
 
 // A swing planner of one's own: the feet fly along arcs to their places below the path.
 
-#include <tenon/plants/model/gait_signals.h>
-#include <tenon/plants/model/legged_signals.h>
-#include <tenon/plants/model/motion_signals.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <tenon/systems/block.h>

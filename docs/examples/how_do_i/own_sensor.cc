@@ -1,7 +1,7 @@
 // A sensor of one's own on the robot that walks: a range finder below the trunk, 20 Hz, with noise, 50 ms
 // late.
 
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/sample_delay.h>
 

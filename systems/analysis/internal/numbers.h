@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/context/context.h>
 
 namespace tenon::internal {
 

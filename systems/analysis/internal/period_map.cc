@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::internal {

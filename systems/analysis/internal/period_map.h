@@ -7,7 +7,7 @@
 
 #include <tenon/systems/analysis/internal/numbers.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
-#include <tenon/systems/framework/internal/rational.h>
+#include <tenon/systems/framework/block/internal/rational.h>
 
 namespace tenon {
 

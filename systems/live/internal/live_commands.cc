@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/live/internal/live_run.h>
 
 namespace tenon::internal {

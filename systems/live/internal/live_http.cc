@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/live/internal/live_channel.h>
 
 namespace tenon::internal {

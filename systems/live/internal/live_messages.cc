@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/shapes_json.h>

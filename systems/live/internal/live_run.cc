@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon::internal {
 namespace {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
-#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/block/parameter.h>
 
 namespace tenon::internal {
 

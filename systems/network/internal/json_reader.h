@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

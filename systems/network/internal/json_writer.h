@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

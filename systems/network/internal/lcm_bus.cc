@@ -13,7 +13,7 @@
 #include <map>
 #include <utility>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

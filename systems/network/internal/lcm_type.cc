@@ -10,8 +10,8 @@
 #include <string_view>
 #include <type_traits>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 namespace {

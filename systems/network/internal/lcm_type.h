@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/internal/type_info.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon::internal {
 

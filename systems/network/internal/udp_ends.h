@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include <tenon/systems/framework/source.h>
+#include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/json_writer.h>
 

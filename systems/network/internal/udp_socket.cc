@@ -13,8 +13,8 @@
 #include <cstring>
 #include <memory>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/system.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/system.h>
 
 namespace tenon::internal {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

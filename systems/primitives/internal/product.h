@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 

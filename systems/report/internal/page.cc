@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/internal/page_parts.h>
 
 namespace tenon::internal {

@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string_view>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
 

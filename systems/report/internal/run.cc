@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/shapes_json.h>
 
 namespace tenon {

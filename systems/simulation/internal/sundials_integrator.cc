@@ -9,8 +9,8 @@
 #include <limits>
 #include <utility>
 
-#include <tenon/systems/framework/diagram.h>
-#include <tenon/systems/framework/internal/program.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include <tenon/systems/framework/context.h>
+#include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
 

@@ -21,7 +21,7 @@
 #include <new>
 #include <type_traits>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/internal/sundials_vector.h>
 
 // SUNDIALS 7 has other names for the functions of ERKStep and ARKStep, beside these.

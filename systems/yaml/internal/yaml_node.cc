@@ -9,10 +9,10 @@
 #include <numeric>
 #include <system_error>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/nearest_name.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 

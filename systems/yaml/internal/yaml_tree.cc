@@ -11,9 +11,9 @@
 #include <optional>
 #include <utility>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/excerpt.h>
-#include <tenon/systems/framework/internal/parse_number.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/yaml/internal/key_unit.h>
 
 namespace tenon::internal {

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {

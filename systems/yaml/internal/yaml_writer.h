@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <tenon/systems/framework/internal/type_info.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon::internal {
 

@@ -9,8 +9,8 @@
 #include <map>
 #include <set>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::apps::campaign_plan_test {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps::campaign_table_test {

@@ -6,7 +6,7 @@
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/diagram_builder.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps::same_noise_test {

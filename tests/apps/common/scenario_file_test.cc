@@ -1,5 +1,6 @@
 // What files name starts from them, wherever the program runs; a run's files start from anywhere.
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/scenario_file.h>
 
 #include <gmock/gmock.h>
@@ -11,7 +12,7 @@
 
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 

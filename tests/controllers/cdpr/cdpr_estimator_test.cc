@@ -6,8 +6,8 @@
 #include <random>
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -1,9 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,10 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/goal_path.h>
 
 #include <gmock/gmock.h>
 
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>

@@ -8,7 +8,7 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>

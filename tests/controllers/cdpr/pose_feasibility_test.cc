@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

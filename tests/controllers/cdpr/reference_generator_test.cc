@@ -1,9 +1,10 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/reference_generator.h>
 
 #include <gmock/gmock.h>
 
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

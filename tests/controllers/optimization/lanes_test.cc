@@ -1,5 +1,5 @@
-#include <tenon/controllers/optimization/lanes.h>
-#include <tenon/controllers/optimization/small_product.h>
+#include <tenon/controllers/optimization/lanes/lanes.h>
+#include <tenon/controllers/optimization/lanes/small_product.h>
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/optimization/slq_test_problems.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>

@@ -1,3 +1,4 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 
 #include <gmock/gmock.h>
@@ -5,7 +6,7 @@
 #include <thread>
 
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -6,9 +6,10 @@
 #include <random>
 #include <thread>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/matchers.h>
 

@@ -7,8 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/plants/model/euler.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>

@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <memory>
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
-#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/disturbances.h>

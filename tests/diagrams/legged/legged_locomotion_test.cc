@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <tenon/controllers/legged/profile/locomotion_profile.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>

@@ -1,6 +1,6 @@
 // Closed loops: what the controllers promise each other, on the plant.
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 

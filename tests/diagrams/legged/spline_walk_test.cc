@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include <tenon/controllers/legged/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/framework/fields.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 

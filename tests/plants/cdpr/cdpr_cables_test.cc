@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

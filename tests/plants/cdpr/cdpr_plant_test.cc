@@ -7,8 +7,8 @@
 #include <limits>
 #include <thread>
 
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>

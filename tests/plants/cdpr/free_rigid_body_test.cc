@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

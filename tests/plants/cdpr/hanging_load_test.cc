@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/systems/framework/diagram_builder.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -9,7 +9,7 @@
 
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 #include <tenon/plants/legged/internal/per_leg.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 #include <Eigen/Geometry>
 

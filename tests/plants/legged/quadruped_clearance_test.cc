@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/resources.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <algorithm>
 #include <cmath>

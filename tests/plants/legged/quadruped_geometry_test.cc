@@ -1,3 +1,4 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
 
 #include <gtest/gtest.h>

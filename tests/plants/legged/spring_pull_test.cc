@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <tenon/plants/legged/quadruped_body.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -1,3 +1,4 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <fmt/format.h>
@@ -12,8 +13,8 @@
 #include <sstream>
 
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/resources.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>

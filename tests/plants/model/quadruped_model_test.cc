@@ -1,3 +1,4 @@
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <gtest/gtest.h>

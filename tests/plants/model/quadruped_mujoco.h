@@ -10,7 +10,7 @@
 #include <string>
 
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/quaternion.h>
+#include <tenon/plants/signals/quaternion.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::test {

@@ -2,9 +2,10 @@
 
 #include <cmath>
 
-#include <tenon/plants/model/legged_signals.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::test {
 

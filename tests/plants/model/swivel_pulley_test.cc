@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/matchers.h>
 
 namespace tenon::swivel_pulley_test {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -9,7 +9,7 @@
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/joint_encoders.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include <tenon/plants/model/euler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

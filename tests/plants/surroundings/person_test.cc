@@ -7,7 +7,7 @@
 #include <string>
 
 #include <tenon/plants/surroundings/leash.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/expect_throws.h>

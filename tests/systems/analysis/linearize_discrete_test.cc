@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

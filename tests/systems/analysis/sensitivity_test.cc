@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>

@@ -9,8 +9,8 @@
 #include <set>
 #include <stdexcept>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/primitives/uniform_noise.h>
 
 namespace tenon::campaign_test {

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::sampling_test {
 namespace {

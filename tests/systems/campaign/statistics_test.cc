@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::statistics_test {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/gain.h>

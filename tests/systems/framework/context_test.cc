@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 

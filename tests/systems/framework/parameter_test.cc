@@ -1,4 +1,4 @@
-#include <tenon/systems/framework/parameter.h>
+#include <tenon/systems/framework/block/parameter.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <tenon/systems/framework/publish.h>
+#include <tenon/systems/framework/block/publish.h>
 
 #include <gtest/gtest.h>
 

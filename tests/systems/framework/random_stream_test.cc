@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/block/random_stream.h>
 
 #include <array>
 #include <cmath>

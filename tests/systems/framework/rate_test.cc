@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/rational.h>
-#include <tenon/systems/framework/rate.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/internal/rational.h>
+#include <tenon/systems/framework/block/rate.h>
 
 #include <limits>
 

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/internal/schedule.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/diagram/internal/schedule.h>
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <functional>
 #include <limits>
@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include <tenon/systems/analysis/analysis.h>
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/diagram.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/live/live_server.h>
 #include <tenon/systems/simulation/simulator.h>

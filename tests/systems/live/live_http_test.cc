@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include <tenon/systems/io/output_file.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/live/internal/live_channel.h>
 
 namespace tenon::internal::live_http_test {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include <tenon/systems/framework/signal.h>
+#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::test {
 

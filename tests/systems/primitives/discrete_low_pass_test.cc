@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/zero_order_hold.h>

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include <tenon/systems/framework/diagram_builder.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/zero_order_hold.h>

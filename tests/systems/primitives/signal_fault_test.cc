@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/tests/testing/allocation_guard.h>

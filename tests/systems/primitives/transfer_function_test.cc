@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/tests/testing/allocation_guard.h>

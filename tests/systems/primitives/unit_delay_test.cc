@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/zero_order_hold.h>

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/temporary_path.h>

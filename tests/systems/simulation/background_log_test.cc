@@ -16,8 +16,8 @@
 #include <sstream>
 #include <thread>
 
-#include <tenon/systems/framework/diagram_builder.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::sundials_integrator_test {

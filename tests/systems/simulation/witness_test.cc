@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::witness_test {

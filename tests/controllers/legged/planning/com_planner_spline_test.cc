@@ -9,7 +9,7 @@
 
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>

@@ -13,7 +13,7 @@
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <tenon/systems/framework/errors.h>
-#include <tenon/systems/framework/fields.h>
-#include <tenon/systems/framework/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>

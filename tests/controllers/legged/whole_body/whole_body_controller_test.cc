@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include <tenon/systems/analysis/linearize_discrete.h>
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <tenon/systems/framework/errors.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>

@@ -1,0 +1,451 @@
+#include <tenon/apps/quadruped/quadruped_proposal.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/robots/internal/quadruped_urdf.h>
+#include <tenon/plants/robots/internal/urdf_file.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <tenon/systems/yaml/internal/yaml_writer.h>
+
+namespace tenon {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr double kAlong = 0.8;    // cosine, to count as along an axis
+constexpr double kFarFoot = 0.4;  // of the thigh: a nearer frame below the knee is no foot
+constexpr double kAlike = 0.05;   // a knee that bends by so much more backward than forward [rad]
+constexpr double kMargin = 0.02;  // from the end of a joint's range [rad]
+constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};  // of the leg's length
+constexpr std::array<const char*, kJointsPerLeg> kKinds{"abduction", "hip_pitch", "knee"};
+
+struct Foot {
+  std::string link;
+  Vector3d centre = Vector3d::Zero();  ///< in the link [m]
+  double radius = 0;                   ///< 0 if nothing tells it [m]
+  Vector3d p_B = Vector3d::Zero();     ///< with all joints at 0 [m]
+};
+
+/// From the root: the joints that turn.
+using Chain = std::vector<urdf::JointConstSharedPtr>;
+
+class Proposal {
+ public:
+  Proposal(const std::filesystem::path& path, const std::map<std::string, double, std::less<>>& locked)
+      : path_(path), file_(internal::ParseUrdf(path)), locked_(locked.begin(), locked.end()) {}
+
+  QuadrupedProposal Make() {
+    Walk(*file_.model->getRoot(), Isometry3d::Identity(), {});
+    ChooseLegs();
+    Read();
+    CheckAxes();
+    for (int leg = 0; leg < kNumLegs; ++leg) Bend(leg);
+    return {Write(), notes_};
+  }
+
+ private:
+  template <class... Args>
+  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
+    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
+  }
+  template <class... Args>
+  void Note(fmt::format_string<Args...> format, Args&&... args) {
+    notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  /// Collects the poses of all links and the chains that end in bodies on which nothing turns.
+  bool Walk(const urdf::Link& link, const Isometry3d& T_BL, Chain chain) {
+    poses_[link.name] = T_BL;
+    bool turns = false;
+    for (const auto& joint : link.child_joints) {
+      Isometry3d T_BJ = T_BL * internal::ToEigen(joint->parent_to_joint_origin_transform);
+      const auto angle = locked_.find(joint->name);
+      Chain below = chain;
+      const bool is_free = internal::Turns(*joint) && angle == locked_.end();
+      if (is_free) below.push_back(joint);
+      if (angle != locked_.end())
+        T_BJ.rotate(Eigen::AngleAxisd(angle->second,
+                                      Vector3d(joint->axis.x, joint->axis.y, joint->axis.z).normalized()));
+      const bool more = Walk(*file_.model->getLink(joint->child_link_name), T_BJ, below);
+      if (is_free && !more) chains_.push_back(below);
+      turns = turns || is_free || more;
+    }
+    return turns;
+  }
+
+  static std::string Names(const Chain& chain) {
+    std::vector<std::string> names;
+    for (const auto& joint : chain) names.push_back(joint->name);
+    return fmt::format("{}", fmt::join(names, " - "));
+  }
+
+  double Lowest(const urdf::Link& link) const {
+    double z = poses_.at(link.name).translation().z();
+    for (const auto& child : link.child_links) z = std::min(z, Lowest(*child));
+    return z;
+  }
+  const urdf::Link& LinkOf(const urdf::Joint& joint) const {
+    return *file_.model->getLink(joint.child_link_name);
+  }
+
+  void ChooseLegs() {
+    std::vector<Chain> legs;
+    for (const Chain& chain : chains_)
+      if (chain.size() == kJointsPerLeg) legs.push_back(chain);
+    std::stable_sort(legs.begin(), legs.end(), [this](const Chain& a, const Chain& b) {
+      return Lowest(LinkOf(*a.back())) < Lowest(LinkOf(*b.back()));
+    });
+    if (legs.size() < kNumLegs) {
+      std::string found;
+      for (const Chain& chain : chains_) found += fmt::format("; {} ({})", Names(chain), chain.size());
+      Fail(
+          "found {} chains of three joints that turn, but a quadruped has four legs of abduction, hip pitch "
+          "and "
+          "knee; lock what is too much, --lock JOINT=ANGLE. Chains{}",
+          legs.size(), found.empty() ? ": none" : found);
+    }
+    legs.resize(kNumLegs);
+    std::set<std::string> used;
+    for (const Chain& leg : legs)
+      for (const auto& joint : leg) used.insert(joint->name);
+    for (const Chain& chain : chains_) {
+      for (const auto& joint : chain) {
+        if (!used.insert(joint->name).second) continue;
+        const double angle =
+            joint->type == urdf::Joint::REVOLUTE && joint->limits->lower < joint->limits->upper
+                ? std::clamp(0.0, joint->limits->lower, joint->limits->upper)
+                : 0;
+        locked_[joint->name] = angle;
+        Note("joint '{}' is no leg's: locked at {:.3g} rad", joint->name, angle);
+      }
+    }
+    const auto hip = [this](const Chain& leg) -> Vector3d {
+      return poses_.at(leg[1]->child_link_name).translation();
+    };
+    std::stable_sort(legs.begin(), legs.end(),
+                     [&](const Chain& a, const Chain& b) { return hip(a).x() > hip(b).x(); });
+    for (const std::size_t first : {0, 2})
+      if (hip(legs[first]).y() < hip(legs[first + 1]).y()) std::swap(legs[first], legs[first + 1]);
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      legs_[i] = legs[i];
+      feet_[i] = FindFoot(legs[i]);
+    }
+  }
+
+  /// All that hangs on a link: shapes and frames.
+  void Search(const urdf::Link& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
+    const Isometry3d& T_BL = poses_.at(link.name);
+    const auto consider = [&](Foot* best, const Vector3d& centre, double radius) {
+      const Vector3d p = T_BL * centre;
+      if (best->link.empty() || (p - knee).norm() > (best->p_B - knee).norm() + 1e-9)
+        *best = {link.name, centre, radius, p};
+    };
+    double round = 0;
+    for (const auto& collision : link.collision_array) {
+      if (collision->geometry == nullptr) continue;
+      const Vector3d centre = internal::ToEigen(collision->origin).translation();
+      if (collision->geometry->type == urdf::Geometry::SPHERE)
+        consider(sphere, centre, std::static_pointer_cast<urdf::Sphere>(collision->geometry)->radius);
+      if (collision->geometry->type == urdf::Geometry::CYLINDER && centre.isZero(1e-9))
+        round = std::static_pointer_cast<urdf::Cylinder>(collision->geometry)->radius;
+    }
+    consider(frame, Vector3d::Zero(), round);
+    for (const auto& child : link.child_links) Search(*child, knee, sphere, frame);
+  }
+
+  Foot FindFoot(const Chain& leg) {
+    const urdf::Link& shank = LinkOf(*leg.back());
+    const Vector3d knee = poses_.at(shank.name).translation();
+    const double thigh = (knee - poses_.at(leg[1]->child_link_name).translation()).norm();
+    Foot sphere, frame;
+    Search(shank, knee, &sphere, &frame);
+    const auto far = [&](const Foot& foot) {
+      return !foot.link.empty() && (foot.p_B - knee).norm() > kFarFoot * thigh;
+    };
+    if (far(sphere) && (sphere.p_B - knee).norm() > 0.9 * (frame.p_B - knee).norm()) return sphere;
+    if (far(frame)) return frame;
+    Fail(
+        "link '{}', below the knee '{}', has no foot: neither a frame on a fixed joint nor a sphere among "
+        "its "
+        "collision shapes; add a link by a fixed joint at the centre of the foot",
+        shank.name, leg.back()->name);
+  }
+
+  /// The robot with limits that are made up where the URDF has none; its weight and size tell what to take.
+  void Read() {
+    internal::UrdfReading reading;
+    reading.locked = {locked_.begin(), locked_.end()};
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      reading.feet[i] = feet_[i].link;
+      reading.foot_centres[i] = feet_[i].centre;
+      for (std::size_t k = 0; k < kJointsPerLeg; ++k) {
+        const urdf::Joint& joint = *legs_[i][k];
+        const bool has = joint.limits != nullptr;
+        if (!has || !(joint.limits->effort > 0)) reading.limits[k].torque = 1;
+        if (!has || !(joint.limits->velocity > 0)) reading.limits[k].speed = 1;
+        if (joint.type == urdf::Joint::REVOLUTE && !(has && joint.limits->lower < joint.limits->upper))
+          reading.limits[k].range = Eigen::Vector2d(-pi, pi);
+      }
+    }
+    for (const std::string& warning : internal::ReadUrdf(path_, reading, &robot_)) notes_.push_back(warning);
+    limits_ = reading.limits;
+    length_ = robot_.LegLength(0);
+    weight_ = kGravity * robot_.mass();
+  }
+
+  void CheckAxes() const {
+    for (int j = 0; j < kNumJoints; ++j) {
+      const int axis = j % kJointsPerLeg == 0 ? 0 : 1;
+      if (std::abs(robot_.joint(j).axis[axis]) > kAlong) continue;
+      const Vector3d& a = robot_.joint(j).axis;
+      Fail(
+          "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of the root link, but a leg's joints turn about "
+          "x, y and "
+          "y, where x points forward and z up; if the robot looks along another axis, hang it on a new root "
+          "link "
+          "by a fixed joint that turns it",
+          robot_.joint(j).name, a[0], a[1], a[2]);
+    }
+  }
+
+  /// An angle that is the same but for whole turns, inside a joint's range.
+  static std::optional<double> Inside(const JointDescription& joint, double angle) {
+    for (const double turn : {0.0, -2 * pi, 2 * pi}) {
+      if (angle + turn > joint.lower + kMargin && angle + turn < joint.upper - kMargin) return angle + turn;
+    }
+    return {};
+  }
+
+  /// Joint angles with the foot below the hip: the leg's plane upright, the knee bent, the leg turned down.
+  void Bend(int leg) {
+    const auto& joints = robot_.legs[static_cast<std::size_t>(leg)].joints;
+    const Vector3d &a0 = joints[0].axis, &a1 = joints[1].axis,
+                   &foot = robot_.legs[static_cast<std::size_t>(leg)].foot_J;
+    const double side = a1.y() > 0 ? 1 : -1;
+    double q0 = -std::atan2(side * a1.z(), side * a1.y()) * (a0.x() > 0 ? 1 : -1);
+    if (joints[0].lower < joints[0].upper && !Inside(joints[0], q0))
+      q0 = std::clamp(q0, joints[0].lower + kMargin, joints[0].upper - kMargin);
+    const Eigen::Matrix3d R0 = Eigen::AngleAxisd(q0, a0).toRotationMatrix();
+    const Vector3d down = R0.transpose() * -Vector3d::UnitZ();
+    const auto in_plane = [&](const Vector3d& p) -> Vector3d { return p - p.dot(a1) * a1; };
+    const auto from_hip = [&](double knee) -> Vector3d {
+      return in_plane(joints[2].p_PJ + Eigen::AngleAxisd(knee, joints[2].axis) * foot);
+    };
+    const double length = in_plane(joints[2].p_PJ).norm() + in_plane(foot).norm();
+    double least = std::numeric_limits<double>::infinity();  // bend so far
+    const auto consider = [&](double knee) {
+      const Vector3d e = from_hip(knee);
+      const std::optional<double> hip = Inside(joints[1], std::atan2(a1.dot(e.cross(down)), e.dot(down)));
+      const std::optional<double> bent = Inside(joints[2], knee);
+      if (!hip || !bent) return;
+      const Vector3d thigh_B = R0 * in_plane(Eigen::AngleAxisd(*hip, a1) * joints[2].p_PJ);
+      const bool backward = thigh_B.x() < 0;
+      const double bend = std::abs(knee) - (backward ? kAlike : 0);
+      if (bend >= least) return;
+      least = bend;
+      robot_.stance.segment<3>(kJointsPerLeg * leg) << q0, *hip, *bent;
+      backward_[static_cast<std::size_t>(leg)] = backward;
+    };
+    for (const double part : kBending) {
+      constexpr int kSteps = 720;
+      for (int i = 0; i < kSteps; ++i) {  // where the foot is at this distance
+        double low = -pi + 2 * pi * i / kSteps, high = low + 2 * pi / kSteps;
+        const auto beyond = [&](double knee) { return from_hip(knee).norm() - part * length; };
+        if ((beyond(low) > 0) == (beyond(high) > 0)) continue;
+        for (int halving = 0; halving < 40; ++halving)
+          ((beyond((low + high) / 2) > 0) == (beyond(low) > 0) ? low : high) = (low + high) / 2;
+        consider(low);
+      }
+      bending_[static_cast<std::size_t>(leg)] = part;
+      if (std::isfinite(least)) return;
+    }
+    Fail(
+        "joint '{}': no angles of hip and knee within their ranges bring the foot '{}' below the hip; "
+        "correct the "
+        "ranges, or write the robot's YAML by hand",
+        joints[1].name, feet_[static_cast<std::size_t>(leg)].link);
+  }
+
+  /// With two digits.
+  static std::string Round(double value) {
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+    return fmt::format("{:.10g}", std::round(value / unit) * unit);
+  }
+  template <class F>
+  static std::string PerLeg(const F& of) {
+    std::string text;
+    for (std::size_t i = 0; i < kNumLegs; ++i)
+      text += fmt::format("{}{}: {}", i == 0 ? "" : ", ", kLegNames[i], of(i));
+    return text;
+  }
+
+  std::string WriteLimits() {
+    std::string text;
+    for (std::size_t k = 0; k < kJointsPerLeg; ++k) {
+      const internal::JointLimits& limits = limits_[k];
+      std::vector<std::string> own;
+      if (limits.torque) own.push_back("torque_N_m: " + Round(0.5 * weight_ * length_));
+      if (limits.speed) own.push_back("speed_rad_per_s: " + Round(3 / std::sqrt(length_ / kGravity)));
+      if (limits.range) own.push_back("range_rad: [-3.1416, 3.1416]");
+      if (own.empty()) continue;
+      Note("the URDF has no {} of the {} joints: guessed, see joint_limits", "limits", kKinds[k]);
+      text += fmt::format("  {}: {{{}}}\n", kKinds[k], fmt::join(own, ", "));
+    }
+    if (text.empty()) return "";
+    return "\n# What the URDF does not say of the joints, the same in all legs. Guesses: half the weight "
+           "times the leg's\n"
+           "# length, and 3 rad in the time sqrt(leg / g). Give the drives' data.\njoint_limits:\n" +
+           text;
+  }
+
+  std::string WriteFeet() {
+    std::string text = fmt::format(
+        "\n# The links that hold the feet's spheres: below the knee, what is farthest from it. A leg is the "
+        "chain of\n"
+        "# three joints above its foot: abduction, hip pitch, knee. The hips tell front from rear.\n"
+        "feet: {{{}}}\n",
+        PerLeg([&](std::size_t i) { return internal::YamlScalar(feet_[i].link); }));
+    const bool centred =
+        std::all_of(feet_.begin(), feet_.end(), [](const Foot& f) { return f.centre.isZero(1e-9); });
+    if (!centred)
+      text += fmt::format(
+          "# The spheres' centres in these links, of the collision shapes.\nfoot_centres_m: {{{}}}\n",
+          PerLeg([&](std::size_t i) {
+            const Vector3d& c = feet_[i].centre;
+            return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c[0], c[1], c[2]);
+          }));
+    double radius = feet_[0].radius;
+    const bool known = radius > 0;
+    if (!known) {
+      radius = 0.05 * length_;
+      Note("nothing tells how thick the feet are: foot_radius_m is guessed as {} m", Round(radius));
+    }
+    text += known
+                ? fmt::format("foot_radius_m: {:.6g}         # of the collision shape\n", radius)
+                : fmt::format("foot_radius_m: {}         # a guess: 5 % of the leg; the URDF does not say\n",
+                              Round(radius));
+    return text;
+  }
+
+  std::string WriteDrive() {
+    double damping = 0, friction = 0;
+    for (const Chain& leg : legs_) {
+      for (const auto& joint : leg) {
+        if (joint->dynamics == nullptr) continue;
+        damping += joint->dynamics->damping / kNumJoints;
+        friction += joint->dynamics->friction / kNumJoints;
+      }
+    }
+    double torque = 0;
+    for (int j = 0; j < kNumJoints; ++j) torque = std::max(torque, robot_.joint(j).torque_limit);
+    if (torque > 10 * weight_ * length_)
+      Note(
+          "the URDF's torque limit of {:.4g} N m is {:.0f} times weight times leg length, a placeholder "
+          "perhaps: "
+          "give the drives' under joint_limits",
+          torque, torque / (weight_ * length_));
+    return fmt::format(
+        "\n# One drive for all joints. Damping and friction are the URDF's means; it does not tell the "
+        "rotors' inertia.\n"
+        "drive:\n"
+        "  rotor_inertia_kg_m2: 0               # seen at the joint: times the gear ratio squared\n"
+        "  damping_N_m_s_per_rad: {:.4g}\n"
+        "  friction_N_m: {:.4g}\n"
+        "  full_torque_speed_ratio: 0.5         # full torque up to this part of the speed limit, a "
+        "plausible choice\n"
+        "  stop_stiffness_N_m_per_rad: {}      # end stops: 4 times weight times leg length, a choice\n"
+        "  stop_dissipation_s_per_rad: 0.5\n",
+        damping, friction, Round(4 * weight_ * length_));
+  }
+
+  std::string WriteContact() const {
+    const double depth = length_ / 600, time = std::sqrt(length_ / kGravity);
+    return fmt::format(
+        "\n# Feet on the ground: a foot that carries a quarter of the weight, {:.0f} N, sinks in by 1/600 of "
+        "the leg,\n"
+        "# {:.2g} mm. The rest are DogBot's numbers for this weight and size.\n"
+        "contact:\n"
+        "  stiffness_N_per_m: {}\n"
+        "  dissipation_s_per_m: {}\n"
+        "  blend_m: {}\n"
+        "  bristle_stiffness_per_m: {}\n"
+        "  bristle_damping_s_per_m: {}\n"
+        "  bristle_friction: 0.2\n"
+        "  full_friction_N: {}\n"
+        "  release_time_s: {}\n",
+        weight_ / 4, 1e3 * depth, Round(weight_ / 4 / depth), Round(12.4 * time / length_), Round(depth / 5),
+        Round(600 / length_), Round(2.5 * time / length_), Round(weight_ / 40), Round(0.02 * time));
+  }
+
+  std::string Write() {
+    std::string name = path_.stem().string();
+    std::string text = fmt::format(
+        "# {}: what its URDF cannot say; made by tenon-robot. {:.4g} kg, legs of {:.3g} m.\n\n"
+        "name: {}\nurdf: {}\n",
+        file_.model->getName(), robot_.mass(), length_, internal::YamlScalar(name),
+        internal::YamlScalar(path_.filename().string()));
+    text += WriteFeet();
+    text +=
+        "imu_position_m: [0, 0, 0]     # of the inertial unit on the trunk, whose axes are the root link's; "
+        "a guess\n";
+    text += fmt::format(
+        "\n# Joint angles at which it stands: feet below the hips at {} of the leg's length; knees point "
+        "where they are\n"
+        "# less bent, within the joints' ranges: {}.\n"
+        "nominal_stance:\n",
+        std::ranges::count(bending_, bending_[0]) == kNumLegs
+            ? fmt::format("{:.2g}", bending_[0])
+            : fmt::format("{{{}}}",
+                          PerLeg([&](std::size_t i) { return fmt::format("{:.2g}", bending_[i]); })),
+        PerLeg([&](std::size_t i) { return backward_[i] ? "backward" : "forward"; }));
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const Vector3d q = robot_.stance.segment<3>(kJointsPerLeg * leg);
+      text += fmt::format("  {}: [{:.4g}, {:.4g}, {:.4g}]\n", kLegNames[static_cast<std::size_t>(leg)],
+                          std::abs(q[0]) < 1e-9 ? 0.0 : q[0], q[1], q[2]);
+    }
+    if (!locked_.empty()) {
+      text += "\n# Joints that are no leg's, and the angles at which they stay.\nlocked_joints:\n";
+      for (const auto& [joint, angle] : locked_)
+        text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
+    }
+    text += WriteLimits();
+    text += WriteDrive();
+    text += WriteContact();
+    return text;
+  }
+
+  const std::filesystem::path path_;
+  const internal::UrdfFile file_;
+  std::map<std::string, double> locked_;
+  std::map<std::string, Isometry3d> poses_;  ///< of the links in B, with all joints at 0
+  std::vector<Chain> chains_;
+  std::array<Chain, kNumLegs> legs_;
+  std::array<Foot, kNumLegs> feet_;
+  std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< made up
+  QuadrupedDescription robot_;
+  std::array<bool, kNumLegs> backward_{};
+  std::array<double, kNumLegs> bending_{};
+  double length_ = 0, weight_ = 0;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
+                                   const std::map<std::string, double, std::less<>>& locked) {
+  return Proposal(urdf, locked).Make();
+}
+
+}  // namespace tenon

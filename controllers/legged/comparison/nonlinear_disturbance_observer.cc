@@ -1,0 +1,48 @@
+#include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+
+namespace tenon {
+
+void NonlinearDisturbanceObserverParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  for (const auto& [name, value] :
+       {std::pair{"gain", gain}, std::pair{"min_singular_value", min_singular_value}})
+    Demand(std::isfinite(value) && value > 0, fmt::format("{} = {} must be positive", name, value));
+}
+
+LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,
+                                                            const FootForces& foot_forces,
+                                                            const GroundPlane& ground,
+                                                            const Vec<12>& held_torque, double gain,
+                                                            double min_singular_value, Memory& memory) const {
+  QuadrupedDynamics dynamics;
+  DecoupledDynamics decoupled;
+  model_.Calc(state, &dynamics);
+  model_.CalcDecoupled(state, dynamics, &decoupled);
+
+  const Vec<12> known_torque =
+      DecoupledGroundTorque(dynamics, foot_forces, ground.ContactArm(params.robot.foot_radius)) -
+      decoupled.coriolis;
+  if (memory.started) {
+    const double period = params.rate.period();
+    const double x = params.reading == NdoReading::kM ? gain : 1 / gain;
+    Eigen::Matrix<double, 12, 12> stiffened = decoupled.M_q;
+    stiffened.diagonal().array() += x * period;
+    const Vec<12> impulse =
+        decoupled.M_q * (state.qd - memory.qd) -
+        period * ((known_torque + memory.known_torque) / 2 + held_torque + memory.estimate);
+    memory.estimate += x * stiffened.llt().solve(impulse);
+  }
+  memory.started = true;
+  memory.qd = state.qd;
+  memory.known_torque = known_torque;
+  return {memory.estimate, SolveFootForces(dynamics, decoupled, memory.estimate, min_singular_value)};
+}
+
+}  // namespace tenon

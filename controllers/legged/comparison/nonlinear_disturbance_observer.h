@@ -1,0 +1,110 @@
+#pragma once
+
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <array>
+
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
+
+namespace tenon {
+
+/// How the gain matrix Lambda of the observer depends on X, of which publications differ.
+enum class NdoReading {
+  kM,        ///< Lambda = X M_q^-1
+  kInverse,  ///< Lambda = X^-1 M_q^-1
+};
+constexpr auto EnumNames(NdoReading) {
+  return std::array{Named{NdoReading::kM, "m"}, Named{NdoReading::kInverse, "inverse"}};
+}
+
+struct NonlinearDisturbanceObserverParams {
+  QuadrupedDescription robot;  ///< what the observer believes
+  NdoReading reading = NdoReading::kM;
+  double gain = 10;                  ///< X, the same for all joints [N m s/rad], or its inverse [rad/(N m s)]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, as in LegMomentumObserver [m]
+  Rate rate = Hz(1000);
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The nonlinear disturbance observer that Morlando 2023 compares its leg observer with, in the decoupled
+/// coordinates of the legs (DecoupledDynamics),
+///
+///     M_q qdd + C_q nu = tau + J_q^T f + F,
+///     F_hat = z + p,   p = x qd,   Lambda = x M_q^-1,
+///     z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),
+///
+/// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat): of first order, as fast as the legs are light. In
+/// steps of h by the implicit rule, stable for all x,
+///
+///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f
+///                - F_hat[n-1])),
+///
+/// where tau is the torque of the interval and C_q nu - J_q^T f the mean of its ends. The first tick only
+/// remembers, so that it may start on a moving robot. Ports, and what becomes of F_hat at the feet, are as
+/// with LegMomentumObserver of LegDynamics::kThesis.
+///
+///     | port        | kind            | type             |
+///     | state       | input           | LeggedState      |
+///     | torque      | input           | Vec<12> [N m]    |
+///     | foot_forces | input           | FootForces       |
+///     | ground      | input           | GroundPlane; level if not connected |
+///     | estimate    | output, sampled | LegForceEstimate |
+///
+/// `gain` and `min_singular_value` are Parameters: a run can change them.
+class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanceObserverParams> {
+ public:
+  using LeafSystem::LeafSystem;
+
+  /// Of the last tick.
+  struct Memory {
+    bool started = false;
+    Vec<12> qd = Vec<12>::Zero();
+    Vec<12> known_torque = Vec<12>::Zero();  ///< J_q^T f - C_q nu
+    Vec<12> estimate = Vec<12>::Zero();
+
+    static FieldList Fields() {
+      return {{"started", &Memory::started},
+              {"qd", &Memory::qd},
+              {"known_torque", &Memory::known_torque},
+              {"estimate", &Memory::estimate}};
+    }
+  };
+
+ private:
+  const QuadrupedModel model_{params.robot};
+
+ public:
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
+  Parameter<double> gain{this, {"gain"}, params.gain, "X, in N m s/rad, or its inverse"};
+  Parameter<double> min_singular_value{this,
+                                       {"min_singular_value", "m"},
+                                       params.min_singular_value,
+                                       "of a leg's Jacobian; below, its foot force is damped"};
+
+  DiscreteState<Vec<12>> held_torque{this,
+                                     {"held_torque", "N m", kJointElements}};  ///< of the interval that ends
+  Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
+                              [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<LegForceEstimate> estimate{
+      this,
+      {"estimate"},
+      Sampled{params.rate},
+      Uses(state, foot_forces, ground, held_torque, gain, min_singular_value, memory),
+      &NonlinearDisturbanceObserver::CalcEstimate};
+
+ private:
+  LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
+                                const GroundPlane& ground, const Vec<12>& held_torque, double gain,
+                                double min_singular_value, Memory& memory) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
+#include <tenon/plants/model/quadruped_model.h>
+
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
+
+namespace tenon {
+
+struct TrackingErrorParams {
+  QuadrupedDescription robot;        ///< the true one
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+
+  void Validate() const;  ///< throws ParameterError
+};
+
+struct WalkingErrors {
+  Vec<3> com = Vec<3>::Zero();           ///< x - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();          ///< |p - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true| of each foot in stance; 0 of the others [N]
+  Vec<3> com_position = Vec<3>::Zero();  ///< x [m]
+
+  static FieldList Fields() {
+    return {{"com", &WalkingErrors::com, "m"},
+            {"foot", &WalkingErrors::foot, "m", kLegElements},
+            {"ground_force", &WalkingErrors::ground_force, "N", kLegElements},
+            {"com_position", &WalkingErrors::com_position, "m"}};
+  }
+};
+
+/// The same over ground, with the drift of an estimate taken out that no sensor of the robot can see: of the
+/// planned motion, which is planned where the robot believes to be, as seen from the robot. With the true and
+/// the estimated position p, p^ and heading psi, psi^ of the trunk, a point x of the robot is at
+///
+///     x^ = p^ + Rz(psi^ - psi) (x - p)
+///
+/// in the axes of the plan. Errors of the estimated roll and pitch are errors still.
+struct PathErrors {
+  Vec<3> com = Vec<3>::Zero();    ///< x^ - x_ref of the centre of mass [m]
+  Vec<4> foot = Vec<4>::Zero();   ///< |x^ - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<3> drift = Vec<3>::Zero();  ///< p^ - p [m]
+  double yaw_drift = 0;           ///< psi^ - psi, from -pi to pi [rad]
+
+  static FieldList Fields() {
+    return {{"com", &PathErrors::com, "m"},
+            {"foot", &PathErrors::foot, "m", kLegElements},
+            {"drift", &PathErrors::drift, "m"},
+            {"yaw_drift", &PathErrors::yaw_drift, "rad"}};
+  }
+};
+
+/// How far a walking robot is from what was planned for it. It judges a run; nothing should be controlled by
+/// it, since it takes the true state and the true masses.
+///
+///     ports in   state, foot_forces              the true ones
+///                told                            the state that the controller is told
+///                schedule, body, feet, plan      of the controller
+///                external_torque                 of disturbances at the joints; none if not connected
+///     ports out  errors
+///                path                            the same without the drift of what is told
+///                external_foot_forces            those disturbances as forces at the feet, which do the same
+///                                                at the joints, as observers tell them: see SolveFootForces
+///     parameter  min_singular_value              [m]
+class TrackingError final : public LeafSystem<TrackingErrorParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<LeggedState> told{this, {"told"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<ContactSchedule> schedule{this, {"schedule"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<FeetReference> feet{this, {"feet"}};
+  InputPort<WholeBodyPlan> plan{this, {"plan"}};
+  InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
+  Parameter<double> min_singular_value{this,
+                                       {"min_singular_value", "m"},
+                                       params.min_singular_value,
+                                       "of a leg's Jacobian; below, its foot force is damped"};
+
+ private:
+  QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &TrackingError::CalcDynamics};
+
+ public:
+  OutputPort<WalkingErrors> errors{
+      this, {"errors"}, Uses(dynamics_, foot_forces, schedule, body, feet, plan), &TrackingError::CalcErrors};
+  OutputPort<PathErrors> path{
+      this, {"path"}, Uses(dynamics_, state, told, schedule, body, feet), &TrackingError::CalcPath};
+  OutputPort<FootForces> external_foot_forces{this,
+                                              {"external_foot_forces"},
+                                              Uses(dynamics_, external_torque, min_singular_value),
+                                              &TrackingError::CalcExternalFootForces};
+
+ private:
+  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
+  WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
+                           const ContactSchedule& schedule, const BodyReference& body,
+                           const FeetReference& feet, const WholeBodyPlan& plan) const;
+  PathErrors CalcPath(const QuadrupedDynamics& dynamics, const LeggedState& state, const LeggedState& told,
+                      const ContactSchedule& schedule, const BodyReference& body,
+                      const FeetReference& feet) const;
+  FootForces CalcExternalFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& external_torque,
+                                    double min_singular_value) const;
+};
+
+}  // namespace tenon
+
+TENON_DECLARE_SIGNAL(tenon::WalkingErrors);
+TENON_DECLARE_SIGNAL(tenon::PathErrors);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
+#include <tenon/plants/model/quadruped_description.h>
+
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/geometry.h>
+
+namespace tenon {
+
+struct WalkViewParams {
+  QuadrupedDescription robot;
+};
+
+/// What a walking controller believes and wants, for a replay: the path of the CoM's reference, the estimated
+/// force on it, and the estimated forces on the legs, at the feet.
+///
+///     ports in   state, body, wrench, leg_forces
+///     port out   geometry
+class WalkView final : public LeafSystem<WalkViewParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<BodyReference> body{this, {"body"}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}};
+  InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                MakeShapes(params.robot),
+                                Uses(state, body, wrench, leg_forces),
+                                &WalkView::CalcGeometry};
+
+ private:
+  static Geometry MakeShapes(const QuadrupedDescription& robot);
+  void CalcGeometry(const LeggedState& state, const BodyReference& body, const WrenchEstimate& wrench,
+                    const LegForceEstimate& leg_forces, Geometry* geometry) const;
+};
+
+}  // namespace tenon

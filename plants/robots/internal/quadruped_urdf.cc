@@ -1,0 +1,340 @@
+#include <tenon/plants/robots/internal/quadruped_urdf.h>
+
+#include <fmt/format.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace tenon::internal {
+namespace {
+
+/// A mended inertia may differ by this, to its largest entry, in the link that makes up most of its body.
+constexpr double kMostMended = 0.05;
+constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pitch", "knee"};
+
+/// The nearest inertia that a rigid body can have: the second moments of mass along its principal axes,
+/// J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
+Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+  const Eigen::Vector3d I = solver.eigenvalues();
+  const Eigen::Vector3d J = (Eigen::Vector3d::Constant(I.sum() / 2) - I).cwiseMax(0.0);
+  const Eigen::Vector3d moments = Eigen::Vector3d::Constant(J.sum()) - J;
+  return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+/// Reads one URDF; bodies are numbered 0 for the trunk and 1 + joint for the others.
+class Reader {
+ public:
+  Reader(const std::filesystem::path& path, const UrdfReading& reading, QuadrupedDescription* robot)
+      : file_(ParseUrdf(path)), reading_(reading), robot_(*robot) {}
+
+  std::vector<std::string> Read() {
+    CheckLocked();
+    for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
+    Add(*model_->getRoot(), 0, Eigen::Isometry3d::Identity());
+    for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
+    robot_.trunk = Finished(0, Eigen::Vector3d::Zero());
+    for (std::size_t body = 0; body < looks_.size(); ++body) {
+      if (looks_[body].triangles.empty()) continue;
+      robot_.meshes[body] = std::make_shared<const TriangleMesh>(Simplified(std::move(looks_[body])));
+    }
+    WarnOfMeshes();
+    return std::move(warnings_);
+  }
+
+ private:
+  /// A link's part of a body, in B with all joints at 0.
+  struct Part {
+    std::string link;
+    RigidInertia inertia;
+  };
+
+  template <class... Args>
+  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
+    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
+  }
+  template <class... Args>
+  void Warn(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string what = fmt::format(format, std::forward<Args>(args)...);
+    warnings_.push_back(fmt::format("{}: {}", file_.PlaceOf(what), what));
+  }
+
+  void CheckLocked() const {
+    for (const auto& [name, angle] : reading_.locked) {
+      const urdf::JointConstSharedPtr joint = model_->getJoint(name);
+      if (joint != nullptr && Turns(*joint)) continue;
+      std::vector<std::string> names;
+      for (const auto& entry : model_->joints_)
+        if (Turns(*entry.second)) names.push_back(entry.first);
+      const std::string nearest = NearestName(name, names);
+      Fail(
+          "there is no joint '{}' that turns, to be locked{}; correct its name, under 'locked_joints' or in "
+          "--lock",
+          Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+    }
+  }
+
+  /// The angle at which a joint is locked: by the YAML, or because it follows one that is.
+  std::optional<double> LockedAt(const urdf::Joint& joint) const {
+    const auto at = reading_.locked.find(joint.name);
+    if (at != reading_.locked.end()) return at->second;
+    if (joint.mimic == nullptr || joint.mimic->joint_name == joint.name) return {};
+    const auto leader = reading_.locked.find(joint.mimic->joint_name);
+    if (leader == reading_.locked.end()) return {};
+    return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+  }
+
+  /// Notes which joints are the leg's: the three that turn between its foot and the root.
+  void FindLeg(int leg, const std::string& foot) {
+    const char* leg_name = kLegNames[static_cast<std::size_t>(leg)];
+    urdf::LinkConstSharedPtr link = model_->getLink(foot);
+    if (link == nullptr) {
+      std::vector<std::string> names;
+      for (const auto& entry : model_->links_) names.push_back(entry.first);
+      const std::string nearest = NearestName(foot, names);
+      Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'",
+           Excerpt(foot), leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+    }
+    std::vector<urdf::JointConstSharedPtr> chain;
+    for (; link->parent_joint != nullptr; link = link->getParent()) {
+      if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint)) chain.push_back(link->parent_joint);
+    }
+    if (chain.size() != kJointsPerLeg) {
+      std::string names;
+      for (auto joint = chain.rbegin(); joint != chain.rend(); ++joint)
+        names += (names.empty() ? "'" : ", '") + (*joint)->name + "'";
+      Fail(
+          "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
+          "abduction, hip pitch and knee pitch; add what is missing, give what is too much an angle under "
+          "'locked_joints'",
+          leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names,
+          kJointsPerLeg);
+    }
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const urdf::Joint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
+      const std::string& name = joint.name;
+      if (joint.mimic != nullptr)
+        Fail(
+            "joint '{}' of leg {} moves with '{}' (<mimic>), but a leg's joints have a drive each; lock it "
+            "under 'locked_joints', or take <mimic> out",
+            name, leg_name, joint.mimic->joint_name);
+      const auto [at, is_new] = joints_.emplace(name, kJointsPerLeg * leg + i);
+      if (!is_new)
+        Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'", name,
+             kLegNames[static_cast<std::size_t>(at->second / kJointsPerLeg)], leg_name);
+    }
+  }
+
+  /// Adds a link and what hangs on it to `body`; T_BL is its pose with all joints at 0.
+  void Add(const urdf::Link& link, int body, const Eigen::Isometry3d& T_BL) {
+    poses_[link.name] = T_BL;
+    std::string& names = names_[static_cast<std::size_t>(body)];
+    names += (names.empty() ? "'" : ", '") + link.name + "'";
+    if (link.inertial != nullptr)
+      parts_[static_cast<std::size_t>(body)].push_back(
+          {link.name, ToRigidInertia(*link.inertial).In(T_BL.linear(), T_BL.translation())});
+    for (const urdf::VisualSharedPtr& visual : link.visual_array)
+      if (visual->geometry != nullptr && visual->geometry->type == urdf::Geometry::MESH)
+        AddMesh(link.name, static_cast<const urdf::Mesh&>(*visual->geometry), body,
+                T_BL * ToEigen(visual->origin));
+    for (const auto& joint : link.child_joints) {
+      Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
+      int child = body;
+      if (const std::optional<double> angle = LockedAt(*joint)) {
+        T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
+      } else if (Turns(*joint)) {
+        child = NoteJoint(*joint, T_BJ) + 1;
+      } else if (joint->type != urdf::Joint::FIXED) {
+        Fail("joint '{}' is neither revolute nor fixed; a quadruped has no others, make it fixed",
+             joint->name);
+      }
+      Add(*model_->getLink(joint->child_link_name), child, T_BJ);
+    }
+  }
+
+  /// Adds a mesh to what the body looks like, in B so far; notes what cannot be read.
+  void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM) {
+    const auto miss = [&](const std::string& why) {
+      if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
+    };
+    const std::optional<std::filesystem::path> file = FindMesh(visual.filename, file_.name);
+    if (!file) return miss(fmt::format("the mesh '{}' is not found", visual.filename));
+    try {
+      const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
+      TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
+      const auto first = static_cast<std::uint32_t>(out.corners.size());
+      for (const auto& [x, y, z] : mesh->corners) {
+        const Eigen::Vector3d p(x * visual.scale.x, y * visual.scale.y, z * visual.scale.z);
+        const Eigen::Vector3f p_B = (T_BM * p).cast<float>();
+        out.corners.push_back({p_B.x(), p_B.y(), p_B.z()});
+      }
+      for (const auto& [a, b, c] : mesh->triangles)
+        out.triangles.push_back({first + a, first + b, first + c});
+    } catch (const ParameterError& error) {
+      miss(error.what());
+    }
+  }
+
+  void WarnOfMeshes() {
+    if (num_missing_ == 0) return;
+    const int others = num_missing_ - 1;
+    const std::string more = others == 0   ? ""
+                             : others == 1 ? ", nor is 1 other"
+                                           : fmt::format(", nor are {} others", others);
+    Warn(
+        "{}{}; plain shapes are drawn instead (packages are looked for around the URDF and in "
+        "ROS_PACKAGE_PATH)",
+        missing_, more);
+  }
+
+  Eigen::Vector3d AxisOf(const urdf::Joint& joint) const {
+    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+    if (!(axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
+    return axis.normalized();
+  }
+
+  /// Returns its number.
+  int NoteJoint(const urdf::Joint& joint, const Eigen::Isometry3d& T_BJ) {
+    const auto at = joints_.find(joint.name);
+    if (at == joints_.end())
+      Fail("joint '{}' turns but belongs to no leg; give it an angle under 'locked_joints', or make it fixed",
+           joint.name);
+    JointDescription& out = JointOf(at->second);
+    out.name = joint.name;
+    out.p_PJ = T_BJ.translation();  // in B so far
+    out.axis = T_BJ.linear() * AxisOf(joint);
+    const auto kind = static_cast<std::size_t>(at->second % kJointsPerLeg);
+    const JointLimits& own = reading_.limits[kind];
+    const urdf::JointLimitsSharedPtr& limits = joint.limits;
+    out.torque_limit = own.torque.value_or(limits == nullptr ? 0 : limits->effort);
+    out.speed_limit = own.speed.value_or(limits == nullptr ? 0 : limits->velocity);
+    if (!(out.torque_limit > 0 && out.speed_limit > 0))
+      Fail(
+          "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
+          "with positive values, or torque_N_m and speed_rad_per_s under 'joint_limits.{}' in the YAML",
+          joint.name, kLimitKeys[kind]);
+    out.lower = -std::numeric_limits<double>::infinity();
+    out.upper = std::numeric_limits<double>::infinity();
+    if (own.range) {
+      out.lower = (*own.range)[0];
+      out.upper = (*own.range)[1];
+    } else if (joint.type == urdf::Joint::REVOLUTE) {
+      out.lower = limits->lower;
+      out.upper = limits->upper;
+    }
+    if (!(out.lower < out.upper))
+      Fail(
+          "joint '{}' has the range {} to {} rad; the lower limit must be below the upper: correct it, or "
+          "give range_rad under 'joint_limits.{}' in the YAML",
+          joint.name, out.lower, out.upper, kLimitKeys[kind]);
+    return at->second;
+  }
+
+  /// Moves what is so far in B to the joints' frames.
+  void FinishLeg(int leg) {
+    LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
+    Eigen::Vector3d parent = Eigen::Vector3d::Zero();
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      JointDescription& joint = out.joints[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d p_BJ = joint.p_PJ;
+      out.bodies[static_cast<std::size_t>(i)] = Finished(1 + kJointsPerLeg * leg + i, p_BJ);
+      for (std::array<float, 3>& p : looks_[static_cast<std::size_t>(1 + kJointsPerLeg * leg + i)].corners)
+        for (std::size_t k = 0; k < 3; ++k) p[k] -= static_cast<float>(p_BJ[static_cast<Eigen::Index>(k)]);
+      joint.p_PJ = p_BJ - parent;
+      parent = p_BJ;
+    }
+    const auto at = static_cast<std::size_t>(leg);
+    out.foot_J = poses_.at(reading_.feet[at]) * reading_.foot_centres[at] - parent;
+  }
+
+  /// What a link adds to a body of this mass. Frames that only name a place often have made-up inertias.
+  RigidInertia Believed(const Part& part, double body_mass) {
+    const RigidInertia& given = part.inertia;
+    if (given.mass < 0)
+      Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
+           given.mass);
+    if (given.mass == 0) {
+      if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass: it is left out", part.link);
+      return {};
+    }
+    try {
+      CheckInertia(given.inertia);
+      return given;
+    } catch (const ParameterError& error) {
+      const Eigen::Matrix3d mended = Mended(given.inertia);
+      const double change = (mended - given.inertia).cwiseAbs().maxCoeff();
+      const bool is_small = change < kMostMended * given.inertia.cwiseAbs().maxCoeff();
+      if (given.mass > body_mass / 2 && !is_small) Fail("link '{}': {}", part.link, error.what());
+      const Eigen::Vector3d taken = mended.selfadjointView<Eigen::Lower>().eigenvalues();
+      Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
+           taken[1], taken[2]);
+      return {given.mass, given.com, mended};
+    }
+  }
+
+  RigidInertia Finished(int body, const Eigen::Vector3d& origin) {
+    const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
+    const std::string& names = names_[static_cast<std::size_t>(body)];
+    double mass = 0;
+    for (const Part& part : parts) mass += std::max(part.inertia.mass, 0.0);
+    RigidInertia sum;
+    for (const Part& part : parts) sum = sum + Believed(part, mass);
+    if (!(sum.mass > 0))
+      Fail("the body of link {} has no mass; give one of them an <inertial> with a positive mass", names);
+    try {
+      CheckInertia(sum.inertia);
+    } catch (const ParameterError& error) {
+      Fail("the body of link {}: {}", names, error.what());
+    }
+    return sum.In(Eigen::Matrix3d::Identity(), -origin);
+  }
+
+  JointDescription& JointOf(int j) {
+    return robot_.legs[static_cast<std::size_t>(j / kJointsPerLeg)]
+        .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
+  }
+
+  const UrdfFile file_;
+  const urdf::ModelInterfaceSharedPtr& model_ = file_.model;
+  const UrdfReading& reading_;
+  QuadrupedDescription& robot_;
+  std::map<std::string, int> joints_;                    // of the legs, by name
+  std::map<std::string, Eigen::Isometry3d> poses_;       // of the links in B
+  std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // of the bodies
+  std::array<std::string, 1 + kNumJoints> names_;        // of the links that make them up
+  std::array<TriangleMesh, 1 + kNumJoints> looks_;       // of the bodies, as far as there are meshes
+  int num_missing_ = 0;                                  // meshes
+  std::string missing_;                                  // why the first of them is
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+void JointLimits::Validate() const {
+  for (const auto& [key, value] : {std::pair("torque_N_m", torque), std::pair("speed_rad_per_s", speed)}) {
+    if (value && !(*value > 0))
+      throw ParameterError(
+          fmt::format("{} is {} but must be positive; leave it out for the URDF's", key, *value));
+  }
+  if (range && !((*range)[0] < (*range)[1]))
+    throw ParameterError(
+        fmt::format("range_rad is {} to {}, but the first must be below the second; leave it "
+                    "out for the URDF's",
+                    (*range)[0], (*range)[1]));
+}
+
+std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
+                                  QuadrupedDescription* robot) {
+  return Reader(path, reading, robot).Read();
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,90 @@
+#include <tenon/plants/robots/internal/urdf_file.h>
+
+#include <console_bridge/console.h>
+#include <fmt/format.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <regex>
+
+namespace tenon::internal {
+namespace {
+
+/// What the parser has to say; it would write to stderr otherwise.
+class ParserLog : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    if (text_.empty()) text_ = text;  // what follows from the first is no news
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::string UrdfFile::PlaceOf(const std::string& what) const {
+  static const std::regex kName(R"((link|joint) ['\[]([^'\]]{1,80})['\]])", std::regex::icase);
+  for (auto at = std::sregex_iterator(what.begin(), what.end(), kName); at != std::sregex_iterator(); ++at) {
+    const bool is_link = std::tolower(at->str(1).front()) == 'l';
+    const auto line = lines.find(fmt::format("{} {}", is_link ? "link" : "joint", at->str(2)));
+    if (line != lines.end()) return fmt::format("{}:{}", name, line->second);
+  }
+  return name;
+}
+
+void UrdfFile::Fail(const std::string& what) const {
+  throw ParameterError(fmt::format("{}: {}", PlaceOf(what), what));
+}
+
+UrdfFile ParseUrdf(const std::filesystem::path& path) {
+  UrdfFile file{path.string(), {}, {}};
+  std::ifstream in(path);
+  if (!in)
+    file.Fail(fmt::format("the file cannot be read: {}; name a URDF file, a robot's YAML as seen from there",
+                          std::strerror(errno)));
+  std::string text;
+  for (char part[1 << 16]; text.size() <= kMaxUrdfBytes && in;
+       text.append(part, static_cast<std::size_t>(in.gcount())))
+    in.read(part, sizeof(part));  // a device may have no end
+  CheckedUrdf checked = CheckUrdf(text, file.name);
+  file.lines = std::move(checked.lines);
+  static std::mutex mutex;  // the parser's log is the process's
+  const std::lock_guard lock(mutex);
+  ParserLog log;
+  console_bridge::useOutputHandler(&log);
+  file.model = urdf::parseURDF(checked.text);
+  console_bridge::restorePreviousOutputHandler();
+  if (file.model == nullptr || file.model->getRoot() == nullptr)
+    file.Fail(fmt::format("this is no URDF: {}; correct the XML",
+                          log.text().empty() ? "it has no links" : log.text()));
+  return file;
+}
+
+Eigen::Isometry3d ToEigen(const urdf::Pose& pose) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  const urdf::Rotation& q = pose.rotation;
+  T.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  T.translation() << pose.position.x, pose.position.y, pose.position.z;
+  return T;
+}
+
+RigidInertia ToRigidInertia(const urdf::Inertial& in) {
+  Eigen::Matrix3d inertia;
+  inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
+  const Eigen::Isometry3d T = ToEigen(in.origin);
+  return RigidInertia{in.mass, Eigen::Vector3d::Zero(), inertia}.In(T.linear(), T.translation());
+}
+
+bool Turns(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+}
+
+}  // namespace tenon::internal

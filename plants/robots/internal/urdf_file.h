@@ -1,0 +1,35 @@
+#pragma once
+
+#include <tenon/plants/robots/internal/urdf_check.h>
+#include <tenon/plants/model/rigid_inertia.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <string>
+
+#include <urdf_model/model.h>
+#include <urdf_world/types.h>
+
+namespace tenon::internal {
+
+/// A URDF as urdfdom has read it, and where its links and joints stand in the file.
+struct UrdfFile {
+  std::string name;
+  UrdfLines lines;
+  urdf::ModelInterfaceSharedPtr model;
+
+  /// The file, with the line of the first link or joint that a message names: link 'this', or Joint [this].
+  std::string PlaceOf(const std::string& what) const;
+  /// Throws ParameterError with that place.
+  [[noreturn]] void Fail(const std::string& what) const;
+};
+
+/// Throws ParameterError if the file cannot be read or is no URDF.
+UrdfFile ParseUrdf(const std::filesystem::path& path);
+
+Eigen::Isometry3d ToEigen(const urdf::Pose& pose);
+RigidInertia ToRigidInertia(const urdf::Inertial& in);
+/// Revolute or continuous.
+bool Turns(const urdf::Joint& joint);
+
+}  // namespace tenon::internal

@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+#include <tenon/plants/model/standing.h>
+#include <tenon/plants/robots/internal/quadruped_urdf.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <optional>
+#include <vector>
+
+namespace tenon {
+namespace {
+
+/// One value for each leg.
+template <class T>
+struct PerLeg {
+  T front_left = internal::Zeroed<T>(), front_right = front_left, rear_left = front_left,
+    rear_right = front_left;
+  std::array<T, kNumLegs> InOrder() const { return {front_left, front_right, rear_left, rear_right}; }
+  static FieldList Fields() {
+    return {Required(kLegNames[0], &PerLeg::front_left), Required(kLegNames[1], &PerLeg::front_right),
+            Required(kLegNames[2], &PerLeg::rear_left), Required(kLegNames[3], &PerLeg::rear_right)};
+  }
+};
+
+/// A joint that is no leg's, or one too many in a leg.
+struct LockedJoint {
+  std::string joint;
+  double angle = 0;  ///< [rad]
+  static FieldList Fields() {
+    return {Required("joint", &LockedJoint::joint), Required("angle_rad", &LockedJoint::angle)};
+  }
+};
+
+/// Instead of what the URDF says of the joints, the same for all legs.
+struct LimitsOfJoints {
+  internal::JointLimits abduction, hip_pitch, knee;
+  static FieldList Fields() {
+    return {{"abduction", &LimitsOfJoints::abduction},
+            {"hip_pitch", &LimitsOfJoints::hip_pitch},
+            {"knee", &LimitsOfJoints::knee}};
+  }
+};
+
+/// The YAML file.
+struct RobotFile {
+  std::string name;
+  std::string urdf;
+  PerLeg<std::string> feet;
+  std::optional<PerLeg<Eigen::Vector3d>> foot_centres;
+  double foot_radius = 0;
+  LimitsOfJoints limits;
+  std::vector<LockedJoint> locked;
+  Eigen::Vector3d imu = Eigen::Vector3d::Zero();
+  PerLeg<Eigen::Vector3d> stance;
+  DriveProperties drive;
+  ContactProperties contact;
+
+  static FieldList Fields() {
+    return {Required("name", &RobotFile::name),
+            Required("urdf", &RobotFile::urdf),
+            Required("feet", &RobotFile::feet),
+            Required("foot_radius_m", &RobotFile::foot_radius),
+            {"foot_centres_m", &RobotFile::foot_centres},
+            {"joint_limits", &RobotFile::limits},
+            {"locked_joints", &RobotFile::locked},
+            {"imu_position_m", &RobotFile::imu},
+            Required("nominal_stance", &RobotFile::stance),
+            Required("drive", &RobotFile::drive),
+            Required("contact", &RobotFile::contact)};
+  }
+  void Validate() const {
+    if (!(foot_radius > 0))
+      throw ParameterError(
+          fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
+                      "sphere that touches the ground",
+                      foot_radius));
+    if (foot_radius > 0.1)
+      throw ParameterError(fmt::format(
+          "foot_radius_m is {:.6g} m but must be at most 0.1: terrain takes no larger feet", foot_radius));
+  }
+};
+
+/// Refuses legs in another order and a stance out of reach.
+void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
+                 const YamlDocument& document) {
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto at = static_cast<std::size_t>(leg);
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const JointDescription& joint = robot.legs[at].joints[static_cast<std::size_t>(i)];
+      const double q = robot.stance[kJointsPerLeg * leg + i];
+      if (q < joint.lower || q > joint.upper)
+        throw ParameterError(fmt::format(
+            "{}: the angle {} rad is outside the range {} to {} rad of the joint '{}' in the URDF; "
+            "change one of them",
+            document.PlaceOf(fmt::format("nominal_stance.{}.{}", kLegNames[at], i)), q, joint.lower,
+            joint.upper, joint.name));
+    }
+    const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
+    const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
+    if ((p[0] > 0) != front || (p[1] > 0) != left)
+      throw ParameterError(fmt::format(
+          "{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is {} "
+          "{} "
+          "(x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
+          document.PlaceOf(fmt::format("feet.{}", kLegNames[at])), feet.InOrder()[at], p[0], p[1], p[2],
+          p[0] > 0 ? "front" : "rear", p[1] > 0 ? "left" : "right"));
+  }
+  try {
+    StandingOn(robot, {});
+  } catch (const ParameterError& error) {
+    throw ParameterError(document.Placed("nominal_stance", error.what()));
+  }
+}
+
+QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::string>* warnings = nullptr) {
+  const auto file = document.Read<RobotFile>();
+  QuadrupedDescription robot;
+  robot.name = file.name;
+  robot.foot_radius = file.foot_radius;
+  robot.imu_B = file.imu;
+  robot.drive = file.drive;
+  robot.contact = file.contact;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
+        file.stance.InOrder()[static_cast<std::size_t>(leg)];
+  internal::UrdfReading reading;
+  reading.feet = file.feet.InOrder();
+  if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
+  for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;
+  reading.limits = {file.limits.abduction, file.limits.hip_pitch, file.limits.knee};
+  try {
+    const std::vector<std::string> mended = internal::ReadUrdf(document.Path("urdf"), reading, &robot);
+    if (warnings != nullptr) *warnings = mended;
+  } catch (const ParameterError& error) {
+    throw ParameterError(document.Placed("urdf", error.what()));
+  }
+  CheckStance(robot, file.feet, document);
+  return robot;
+}
+
+}  // namespace
+
+QuadrupedDescription LoadQuadruped(const std::string& path) {
+  return ReadRobot(YamlDocument::Load(path));
+}
+
+static YamlDocument LoadRobot(const YamlFile& what) {
+  if (const std::string file = ResourceMap(what).Text("file"); file.ends_with(".urdf"))
+    throw ParameterError(
+        fmt::format("'{0}' is a URDF, and a robot is a YAML file beside it: make one by tenon-robot {0}",
+                    internal::Excerpt(file)));
+  return LoadResource("robots", what, "urdf");
+}
+
+QuadrupedDescription LoadQuadruped(const YamlFile& what) {
+  return ReadRobot(LoadRobot(what));
+}
+
+std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {
+  std::vector<std::string> warnings;
+  ReadRobot(LoadRobot(what), &warnings);
+  return warnings;
+}
+
+}  // namespace tenon

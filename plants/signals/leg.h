@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+
+namespace tenon {
+
+inline constexpr int kNumLegs = 4;
+inline constexpr int kJointsPerLeg = 3;
+inline constexpr int kNumJoints = kNumLegs * kJointsPerLeg;  ///< joint 3 leg + i is the leg's i-th
+
+/// Index of a leg, everywhere.
+enum Leg { kFrontLeft, kFrontRight, kRearLeft, kRearRight };
+inline constexpr std::array<const char*, kNumLegs> kLegNames{"front_left", "front_right", "rear_left",
+                                                             "rear_right"};
+/// The same as names of a signal's elements, and those of the joints; a robot's own names are in
+/// JointDescription.
+inline constexpr const char* kLegElements = "front_left,front_right,rear_left,rear_right";
+inline constexpr const char* kJointElements =
+    "front_left_abduction,front_left_hip_pitch,front_left_knee,"
+    "front_right_abduction,front_right_hip_pitch,front_right_knee,"
+    "rear_left_abduction,rear_left_hip_pitch,rear_left_knee,"
+    "rear_right_abduction,rear_right_hip_pitch,rear_right_knee";
+
+}  // namespace tenon

@@ -1,0 +1,39 @@
+// The descriptions of the signals that ports carry, one for all libraries.
+#include <tenon/plants/signals/cable_vector.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/plants/signals/leash_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/plants/signals/motion_signals.h>
+
+TENON_DEFINE_SIGNAL(tenon::CableVector);
+TENON_DEFINE_SIGNAL(tenon::PlatformState);
+TENON_DEFINE_SIGNAL(tenon::PlatformAcceleration);
+TENON_DEFINE_SIGNAL(tenon::PlatformWrench);
+TENON_DEFINE_SIGNAL(tenon::CableSignals);
+TENON_DEFINE_SIGNAL(tenon::CableFaults);
+TENON_DEFINE_SIGNAL(tenon::CdprEnergy);
+TENON_DEFINE_SIGNAL(tenon::PoseMeasurement);
+TENON_DEFINE_SIGNAL(tenon::Payload);
+TENON_DEFINE_SIGNAL(tenon::LoadEstimate);
+TENON_DEFINE_SIGNAL(tenon::WrenchEstimate);
+TENON_DEFINE_SIGNAL(tenon::LegForceEstimate);
+TENON_DEFINE_SIGNAL(tenon::ContactSchedule);
+TENON_DEFINE_SIGNAL(tenon::WalkCommand);
+TENON_DEFINE_SIGNAL(tenon::GroundPlane);
+TENON_DEFINE_SIGNAL(tenon::ImuMeasurement);
+TENON_DEFINE_SIGNAL(tenon::PersonState);
+TENON_DEFINE_SIGNAL(tenon::LeashState);
+TENON_DEFINE_SIGNAL(tenon::LeggedState);
+TENON_DEFINE_SIGNAL(tenon::LeggedAcceleration);
+TENON_DEFINE_SIGNAL(tenon::JointMotion);
+TENON_DEFINE_SIGNAL(tenon::FootForces);
+TENON_DEFINE_SIGNAL(tenon::JointLocks);
+TENON_DEFINE_SIGNAL(tenon::ExternalForce);
+TENON_DEFINE_SIGNAL(tenon::ExternalForces);
+TENON_DEFINE_SIGNAL(tenon::BodyReference);
+TENON_DEFINE_SIGNAL(tenon::FeetReference);
+TENON_DEFINE_SIGNAL(tenon::PlanarPath);

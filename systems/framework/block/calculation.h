@@ -1,0 +1,257 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+#include <tenon/systems/framework/block/source.h>
+
+namespace tenon {
+
+/// The current time [s], as a prerequisite: `Uses(time, x)`.
+struct Time {
+  using Argument = const double&;
+  void AppendTo(std::vector<internal::Slot>& slots) const { slots.push_back({internal::Slot::What::kTime}); }
+};
+
+namespace internal {
+
+template <class>
+inline constexpr bool kFalse = false;
+
+/// What a calculation can use, and what its function receives for it.
+template <class S>
+concept Usable = requires {
+  typename S::Argument;
+};
+struct Refused {};  ///< what has been complained of once
+
+inline bool Exists(const Time&) {
+  return true;  // of a base class
+}
+inline bool Exists(const Declared& member) {
+  return Declared::IsDeclared(member);
+}
+
+/// Tells two functions apart where the compiler does not: Clang 14 gives lambdas of a class that is declared
+/// inside a function one name, and templates made of them one body. Evaluated where the calculation is
+/// declared and again in that body.
+#ifdef __clang__
+template <class F>
+constexpr std::uint64_t HashOf() {
+  Fnv1a hash;
+  hash.Add(__PRETTY_FUNCTION__);
+  return hash.value();
+}
+template <class F>
+using TagOf = std::integral_constant<std::uint64_t, HashOf<F>()>;
+#else
+template <class F>
+using TagOf = std::integral_constant<std::uint64_t, 0>;
+#endif
+template <class S>
+struct ArgumentOf {
+  using Type = Refused;
+};
+template <Usable S>
+struct ArgumentOf<S> {
+  using Type = typename S::Argument;
+};
+
+}  // namespace internal
+
+/// The declared prerequisites of a calculation, made by Uses: `Arguments` are what its function receives.
+template <class... Arguments>
+struct UsesList {
+  std::vector<internal::Slot> slots;
+  int undeclared = 0;  ///< the first one that does not exist yet, counted from 1
+};
+
+/// Declares what a calculation uses: its function receives exactly these values, in this order. Inputs,
+/// outputs, states, shared values and `time` arrive as const references, scratch and random streams as
+/// references, InputPorts as a list. All must belong to the calculation's own block.
+template <class... S>
+auto Uses(const S&... sources) {
+  UsesList<typename internal::ArgumentOf<S>::Type...> uses;
+  if constexpr ((internal::Usable<S> && ...)) {
+    uses.slots.reserve(sizeof...(S));
+    int index = 0;
+    const auto append = [&](const auto& source) {
+      ++index;
+      if (!internal::Exists(source)) {
+        if (uses.undeclared == 0) uses.undeclared = index;
+      } else {
+        source.AppendTo(uses.slots);
+      }
+    };
+    (append(sources), ...);
+  } else {
+    static_assert(internal::kFalse<UsesList<S...>>,
+                  "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. What "
+                  "never changes (params) need not be declared.");
+  }
+  return uses;
+}
+
+/// What a calculation declared with UsesAtRunTime reads its sources from.
+class Reads {
+ public:
+  Reads(std::byte* memory, const internal::Offset* list, const Source& calculation)
+      : memory_(memory), offsets_(list + 1), calculation_(calculation) {}
+  /// The value of a port or state; throws RunError, naming both, if it was not declared.
+  template <class S>
+  typename S::Argument operator[](const S& source) const {
+    return *reinterpret_cast<std::remove_reference_t<typename S::Argument>*>(memory_ + Find(source));
+  }
+
+ private:
+  internal::Offset Find(const Source& source) const;
+  std::byte* memory_;
+  const internal::Offset* offsets_;
+  const Source& calculation_;
+};
+
+/// Second choice beside Uses, for blocks whose ports are only known at run time: the function receives a
+/// `const Reads&` and asks it for the values; a read that was not declared is refused.
+UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources);
+
+namespace internal {
+
+template <class A>
+decltype(auto) LoadArgument(const Closure& closure, std::byte* memory, const Offset* row, std::size_t i) {
+  if constexpr (std::is_reference_v<A>) {
+    (void)closure;
+    return *std::launder(reinterpret_cast<std::remove_reference_t<A>*>(memory + row[1 + i]));
+  } else {
+    return A(memory, row + row[1 + i], *closure.calculation);
+  }
+}
+
+/// The parameters of a member function; any other callable has none of its own.
+template <class F>
+struct MemberFunction {
+  static constexpr bool kIs = false, kConst = true;
+};
+template <class R, class C, class... P>
+struct MemberFunction<R (C::*)(P...) const> {
+  static constexpr bool kIs = true, kConst = true;
+  using Class = C;
+  using Signature = void(std::remove_cvref_t<P>...);
+};
+template <class R, class C, class... P>
+struct MemberFunction<R (C::*)(P...)> {
+  static constexpr bool kIs = true, kConst = false;
+};
+
+/// What a function gives that is called for its effect: nothing, and not even that while it is muted.
+struct Published {
+  bool muted = false;
+  static FieldList Fields() { return {{"muted", &Published::muted}}; }
+};
+
+/// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
+/// large values, takes a `Target*` after its arguments and fills it in place; where the target is Published,
+/// it returns nothing.
+template <class Target, class F, class... A>
+struct Calculation {
+  using Traits = MemberFunction<F>;
+
+  /// Exact parameter types make wrong wirings one readable line; Eigen alone would convert and print pages.
+  static constexpr bool Returns() {
+    if constexpr (Traits::kIs) {
+      return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>...)>;
+    } else {
+      return std::is_invocable_v<const F&, A...>;
+    }
+  }
+  static constexpr bool FillsInPlace() {
+    if constexpr (Traits::kIs) {
+      return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>..., Target*)>;
+    } else {
+      return std::is_invocable_v<const F&, A..., Target*>;
+    }
+  }
+
+  /// A number may come as another kind of number; anything else exactly.
+  static constexpr bool ReturnsTarget() {
+    using Result =
+        std::remove_cvref_t<decltype(Call(std::declval<const ClosureOf<F>&>(), std::declval<A>()...))>;
+    return std::is_same_v<Result, Target> || (Scalar<Result> && Scalar<Target>) ||
+           (std::is_void_v<Result> && std::is_same_v<Target, Published>);
+  }
+
+  template <class... Values>
+  static decltype(auto) Call(const ClosureOf<F>& closure, Values&&... values) {
+    if constexpr (Traits::kIs) {
+      const auto* self = static_cast<const typename Traits::Class*>(closure.self);
+      return (self->*closure.function)(std::forward<Values>(values)...);
+    } else {
+      return closure.function(std::forward<Values>(values)...);
+    }
+  }
+
+  template <std::size_t... I>
+  static constexpr Thunk Run(std::index_sequence<I...>) {
+    return [](const Closure* const* closures, const Offset* row, std::byte* memory, std::size_t count,
+              std::size_t* current, [[maybe_unused]] std::size_t carried) {
+      if constexpr ((CanCarry<A>() || ...)) {
+        if ((RunCarrying<I, A, I...>(closures, row, memory, count, current, carried) || ...)) return;
+      }
+      for (std::size_t i = 0; i < count; ++i, row += 1 + sizeof...(A)) {
+        *current = i;
+        const auto& closure = static_cast<const ClosureOf<F>&>(*closures[i]);
+        auto* target = std::launder(reinterpret_cast<Target*>(memory + row[0]));
+        if constexpr (std::is_same_v<Target, Published>) {
+          if (!target->muted) Call(closure, LoadArgument<A>(closure, memory, row, I)...);
+        } else if constexpr (Returns()) {
+          *target = Call(closure, LoadArgument<A>(closure, memory, row, I)...);
+        } else {
+          Call(closure, LoadArgument<A>(closure, memory, row, I)..., target);
+        }
+      }
+    };
+  }
+
+ private:
+  /// Whether an argument can be carried from call to call in a register: that makes a chain of gains as fast
+  /// as its multiplications. Each takes a loop of its own, so only where there are few.
+  template <class Argument>
+  static constexpr bool CanCarry() {
+    return std::is_same_v<Target, double> && std::is_same_v<Argument, const double&> && sizeof...(A) <= 3 &&
+           Returns();
+  }
+
+  /// Does so if it is argument K that is carried.
+  template <std::size_t K, class Argument, std::size_t... I>
+  static bool RunCarrying(const Closure* const* closures, const Offset* row, std::byte* memory,
+                          std::size_t count, std::size_t* current, std::size_t carried) {
+    if constexpr (CanCarry<Argument>()) {
+      if (carried != K) return false;
+      double value = LoadArgument<Argument>(*closures[0], memory, row, K);
+      for (std::size_t i = 0; i < count; ++i, row += 1 + sizeof...(A)) {
+        *current = i;
+        const auto& closure = static_cast<const ClosureOf<F>&>(*closures[i]);
+        value = Call(closure, TakeArgument<A, I == K>(value, closure, memory, row, I)...);
+        *std::launder(reinterpret_cast<double*>(memory + row[0])) = value;
+      }
+      return true;
+    }
+    return false;
+  }
+  template <class Argument, bool kIsCarried>
+  static decltype(auto) TakeArgument([[maybe_unused]] const double& carried, const Closure& closure,
+                                     std::byte* memory, const Offset* row, std::size_t i) {
+    if constexpr (kIsCarried) {
+      return static_cast<const double&>(carried);
+    } else {
+      return LoadArgument<Argument>(closure, memory, row, i);
+    }
+  }
+};
+
+}  // namespace internal
+}  // namespace tenon

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <tenon/systems/framework/block/random_stream.h>
+
+namespace tenon {
+
+/// A distribution of a number, as files name it, with its two parameters:
+///
+///     uniform    low, high
+///     normal     mean, standard deviation
+///     lognormal  those of the logarithm
+class Distribution {
+ public:
+  /// None if nothing is known by that name.
+  static std::optional<Distribution> Named(std::string_view name, const std::array<double, 2>& parameters);
+
+  /// Throws ParameterError if the bounds are in the wrong order or the deviation is negative.
+  void Validate() const;
+  double Draw(RandomStream& random) const;
+
+ private:
+  enum class Kind { kUniform, kNormal, kLognormal };
+  Distribution(Kind kind, std::string_view name, const std::array<double, 2>& parameters)
+      : kind_(kind), name_(name), parameters_(parameters) {}
+
+  Kind kind_;
+  std::string name_;
+  std::array<double, 2> parameters_;
+};
+
+}  // namespace tenon

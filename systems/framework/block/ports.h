@@ -1,0 +1,168 @@
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/block/calculation.h>
+#include <tenon/systems/framework/block/system.h>
+
+namespace tenon {
+
+template <class T>
+class ContinuousState;
+template <class T>
+class DiscreteState;
+class Subdiagram;
+
+/// A value that a block reads. Must be connected, unless it has a default. `T` is any copyable type.
+template <class T>
+class InputPort : public Source {
+ public:
+  using Value = T;
+  using Argument = const T&;
+
+  InputPort(System* owner, Spec spec)
+      : Source(owner, SourceKind::kInput, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
+  /// Optional: reads as `unconnected` if nothing is connected.
+  InputPort(System* owner, Spec spec, T unconnected) : InputPort(owner, std::move(spec)) {
+    model_ = std::move(unconnected);
+    SetHasInitialValue();
+  }
+
+ private:
+  T model_ = internal::Zeroed<T>();
+};
+
+/// A source that has a calculation.
+template <class T>
+class Calculated : public Source {
+ protected:
+  Calculated(System* owner, SourceKind kind, Spec spec)
+      : Source(owner, kind, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
+
+  /// `tag` is that of F as the block knows it.
+  template <class... A, class F>
+  void Calculate(UsesList<A...> uses, F function, std::uint64_t tag) {
+    this->CheckUses(uses.undeclared, tag != internal::TagOf<F>::value);
+    using Code = internal::Calculation<T, F, A...>;
+    if constexpr ((std::is_same_v<A, internal::Refused> || ...)) {
+      // Uses has said what is wrong.
+    } else if constexpr (!Code::Traits::kConst) {
+      static_assert(internal::kFalse<F>, "A calculation must be const: what changes lives in the context.");
+    } else if constexpr (!Code::Returns() && !Code::FillsInPlace()) {
+      static_assert(internal::kFalse<F>,
+                    "The function's parameters must be exactly the values of Uses(...), in that order.");
+    } else {
+      if constexpr (Code::Returns()) {
+        static_assert(
+            Code::ReturnsTarget(),
+            "The function must return exactly the type of the port, state or shared value; that of a "
+            "Publish, nothing.");
+      }
+      SetCalculation(Code::Run(std::index_sequence_for<A...>{}), std::move(function), std::move(uses.slots));
+    }
+  }
+
+  T model_ = internal::Zeroed<T>();
+};
+
+/// A value that a block provides.
+///
+/// Without Sampled it is a function of time, states and inputs, computed when somebody needs it. With
+/// Sampled{rate} it is computed at its ticks and held between; at a tick all due outputs run in dataflow
+/// order, so a chain of sampled blocks has no hidden delay. `initial` is the value before the first tick,
+/// needed if there is an offset; it also gives the size of values whose size is known at run time only.
+template <class T>
+class OutputPort : public Calculated<T> {
+ public:
+  using Value = T;
+  using Argument = const T&;
+
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : Calculated<T>(owner, SourceKind::kOutput, std::move(spec)) {
+    this->Calculate(std::move(uses), std::move(function), tag);
+  }
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, T initial, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function), tag) {
+    this->model_ = std::move(initial);
+  }
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), std::move(uses), std::move(function), tag) {
+    this->SetTrigger({Trigger::When::kSampled, sampled, nullptr});
+  }
+  template <class... A, class F>
+  OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function,
+             std::uint64_t tag = internal::TagOf<F>::value)
+      : OutputPort(owner, std::move(spec), sampled, std::move(uses), std::move(function), tag) {
+    this->model_ = std::move(initial);
+    this->SetHasInitialValue();
+  }
+  /// A state, as it is.
+  OutputPort(Leaf* owner, const ContinuousState<T>& state) : OutputPort(owner, state, Spec("")) {}
+  OutputPort(Leaf* owner, const DiscreteState<T>& state) : OutputPort(owner, state, Spec("")) {}
+  /// A state by a name of the port's own; units and names of elements that `spec` leaves out are the state's.
+  OutputPort(Leaf* owner, Spec spec, const ContinuousState<T>& state)
+      : OutputPort(owner, state, std::move(spec)) {}
+  OutputPort(Leaf* owner, Spec spec, const DiscreteState<T>& state)
+      : OutputPort(owner, state, std::move(spec)) {}
+  /// Of a nested diagram: connect an inner output to it.
+  OutputPort(Subdiagram* owner, Spec spec);
+
+ private:
+  OutputPort(Leaf* owner, const Source& state, Spec spec)
+      : Calculated<T>(
+            owner, SourceKind::kOutput,
+            internal::Completed(std::move(spec),
+                                internal::CheckDeclared(state, "an OutputPort that shows a state").spec())) {
+    this->SetDriver(state);
+  }
+};
+
+/// The values of an InputPorts list, as its calculation receives them.
+template <class T>
+class Inputs {
+ public:
+  Inputs(const std::byte* memory, const internal::Offset* list, const Source&)
+      : memory_(memory), offsets_(list + 1), size_(*list) {}
+  std::size_t size() const { return size_; }
+  const T& operator[](std::size_t i) const { return *reinterpret_cast<const T*>(memory_ + offsets_[i]); }
+
+ private:
+  const std::byte* memory_;
+  const internal::Offset* offsets_;
+  std::size_t size_;
+};
+
+/// A list of input ports whose number is known at run time only; they are named `name_0`, `name_1`, ….
+template <class T>
+class InputPorts : public internal::Declared {
+ public:
+  using Argument = Inputs<T>;
+
+  InputPorts(Leaf* owner, const Spec& spec, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      ports_.push_back(std::make_unique<InputPort<T>>(
+          owner, Spec{spec.name + "_" + std::to_string(i), spec.units, spec.elements}));
+    }
+  }
+  std::size_t size() const { return ports_.size(); }
+  InputPort<T>& operator[](std::size_t i) { return *ports_.at(i); }
+  const InputPort<T>& operator[](std::size_t i) const { return *ports_.at(i); }
+  void AppendTo(std::vector<internal::Slot>& slots) const {
+    slots.push_back({internal::Slot::What::kList, nullptr, static_cast<std::uint32_t>(size())});
+    for (const auto& port : ports_) port->AppendTo(slots);
+  }
+
+ private:
+  std::vector<std::unique_ptr<InputPort<T>>> ports_;
+};
+
+}  // namespace tenon

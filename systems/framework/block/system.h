@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tenon/systems/framework/block/calculation.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/block/source.h>
+
+namespace tenon {
+
+namespace internal {
+
+class ParameterSource;
+
+/// Values of the Parameters of one block.
+class ParameterValues {
+ public:
+  struct Value {
+    const TypeInfo* type;
+    std::size_t offset;  ///< in the block's params [bytes]
+    const void* value;
+  };
+  void Add(Value value) { values_.push_back(value); }
+  /// Into a copy of the block's params.
+  void WriteInto(std::byte* params) const {
+    for (const Value& each : values_) each.type->assign(params + each.offset, each.value);
+  }
+
+ private:
+  std::vector<Value> values_;
+};
+
+}  // namespace internal
+
+/// A block: a LeafSystem that computes, or a Subdiagram that holds further blocks. Has a name, unique among
+/// its siblings, and ports that are members of the derived class.
+class System {
+ public:
+  System() = default;
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
+  virtual ~System() = default;
+
+  const std::string& name() const { return name_; }
+  /// Names from the outermost subdiagram down, joined by dots; the name alone at top level.
+  std::string path() const;
+  const System* parent() const { return parent_; }
+  /// The block that took this one's place in the diagram (see DiagramBuilder::Replace); null if it stands
+  /// there.
+  const System* replaced_by() const { return replaced_by_; }
+  /// The ports, states and other members, in the order of their declaration.
+  const std::vector<Source*>& sources() const { return sources_; }
+
+ private:
+  friend class Source;
+  friend class internal::Assembly;
+  friend class internal::Compiler;
+
+  std::string name_;
+  const System* parent_ = nullptr;
+  internal::Assembly* holder_ = nullptr;  ///< what it was added to
+  const System* replaced_by_ = nullptr;
+  const System* replaces_ = nullptr;
+  std::vector<Source*> sources_;
+};
+
+/// A block that computes. Use LeafSystem.
+class Leaf : public System {
+ public:
+  const Time time{};
+
+ private:
+  friend class Context;
+  friend class internal::ParameterSource;
+  /// Throws ParameterError unless the block's parameters make sense with these values of its Parameters.
+  virtual void ValidateParameters(const internal::ParameterValues&) const {}
+  /// Where its parameters lie.
+  virtual std::span<const std::byte> ParameterBytes() const { return {}; }
+};
+
+/// The base of every block of one's own. Ports, states and calculations are members that register themselves:
+///
+///     struct PdParams {
+///       double kp = 10;         // N/m
+///       double kd = 2;          // N s/m
+///       Rate rate = Hz(1000);
+///     };
+///     class Pd final : public LeafSystem<PdParams> {
+///      public:
+///       using LeafSystem::LeafSystem;
+///       InputPort<Vec<2>>  x{this, {"x", "m, m/s"}};
+///       InputPort<double>  ref{this, {"ref", "m"}};
+///       OutputPort<double> u{this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), &Pd::CalcU};
+///      private:
+///       double CalcU(const Vec<2>& x, double ref) const {
+///         return params.kp * (ref - x[0]) - params.kd * x[1];
+///       }
+///     };
+///
+/// `params` stand in the base, so that the members can use them. If they have a `void Validate() const`, it
+/// runs first and throws ParameterError; the builder adds the block's name. What is to be changed during a
+/// run is declared as Parameter.
+template <class P>
+class LeafSystem : public Leaf {
+ public:
+  using Params = P;
+  explicit LeafSystem(P p = P()) : params(std::move(p)) {
+    if constexpr (requires { params.Validate(); }) params.Validate();
+  }
+  const P params;
+
+ private:
+  void ValidateParameters([[maybe_unused]] const internal::ParameterValues& values) const override {
+    if constexpr (requires { params.Validate(); }) {
+      P changed = params;
+      values.WriteInto(reinterpret_cast<std::byte*>(&changed));
+      changed.Validate();
+    }
+  }
+  std::span<const std::byte> ParameterBytes() const override {
+    return {reinterpret_cast<const std::byte*>(&params), sizeof(P)};
+  }
+};
+
+/// A block without parameters.
+template <>
+class LeafSystem<void> : public Leaf {};
+
+/// Throws ParameterError(text) unless `condition` holds.
+inline void Demand(bool condition, const std::string& text) {
+  if (!condition) throw ParameterError(text);
+}
+
+}  // namespace tenon

@@ -1,0 +1,163 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/files/output_file.h>
+
+namespace tenon {
+
+using internal::Cell;
+
+namespace {
+
+/// What a snapshot begins with. The checksum is of all that follows, so that no byte can change unseen.
+struct Header {
+  std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
+  std::uint64_t version = 3;
+  std::uint64_t size = 0;  ///< of what follows [bytes]
+  std::uint64_t checksum = 0;
+};
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 32, "it has no padding");
+
+std::uint64_t ChecksumOf(std::span<const std::byte> bytes) {
+  internal::Fnv1a checksum;
+  checksum.Add({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return checksum.value();
+}
+
+/// What follows the header. Throws RunError unless it is whole.
+std::span<const std::byte> CheckedPayload(std::span<const std::byte> snapshot) {
+  const Header mine;
+  Header header;
+  const std::size_t known = std::min(snapshot.size(), sizeof(Header));
+  if (known > 0) std::memcpy(&header, snapshot.data(), known);
+  if (header.magic != mine.magic) throw RunError("this is no snapshot: give what Context::Save wrote");
+  if (header.version != mine.version)
+    throw RunError(
+        fmt::format("the snapshot has format {}, this program reads {}: save it again with this one",
+                    header.version, mine.version));
+  const std::span<const std::byte> payload = snapshot.subspan(known);
+  if (known < sizeof(Header) || payload.size() < header.size)
+    throw RunError(fmt::format("the snapshot is cut short: {} bytes, more are needed", snapshot.size()));
+  if (payload.size() > header.size)
+    throw RunError(
+        fmt::format("the snapshot is damaged: {} bytes follow its end", payload.size() - header.size));
+  if (ChecksumOf(payload) != header.checksum)
+    throw RunError("the snapshot is damaged: its checksum is wrong; take another copy of it");
+  return payload;
+}
+
+}  // namespace
+
+std::vector<std::byte> Context::Save() const {
+  const internal::Program& program = diagram_->program();
+  if (!failure_.empty()) {
+    throw RunError(fmt::format("a run that failed cannot be saved: {}; save before", failure_));
+  }
+  internal::Archive archive;
+  archive.bytes().resize(sizeof(Header));
+  internal::Save(program.signature, archive);
+  internal::Save(time(), archive);
+  internal::Save(seed_, archive);
+  internal::Save(progress_, archive);
+  internal::Save(next_step_, archive);
+  internal::Save(last_error_, archive);
+  internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Save(step_start_.valid, archive);
+  if (step_start_.valid) internal::Save(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
+  for (const Cell& cell : program.saved) {
+    const Source& source = *cell.source;
+    const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
+    internal::Save(fresh, archive);
+    try {
+      internal::Save(*source.type_, memory_.get() + cell.offset, archive);
+    } catch (const Error& error) {
+      throw RunError(fmt::format("'{}' cannot be saved: {}", source.path(), error.what()));
+    }
+  }
+  for (const bool fixed : fixed_) internal::Save(fixed, archive);
+  Header header;
+  const std::span<const std::byte> payload = std::span(archive.bytes()).subspan(sizeof(Header));
+  header.size = payload.size();
+  header.checksum = ChecksumOf(payload);
+  std::memcpy(archive.bytes().data(), &header, sizeof(Header));
+  return std::move(archive.bytes());
+}
+
+void Context::Restore(std::span<const std::byte> bytes) {
+  Clone()->Load(bytes);  // a snapshot that is refused leaves this context as it is
+  Load(bytes);
+}
+
+void Context::Load(std::span<const std::byte> bytes) {
+  const internal::Program& program = diagram_->program();
+  internal::Archive archive;
+  const std::span<const std::byte> payload = CheckedPayload(bytes);
+  archive.Write(payload.data(), payload.size());
+  std::uint64_t signature = 0;
+  internal::Load(signature, archive);
+  if (signature != program.signature) {
+    throw RunError("the snapshot is of another diagram: restore it into the one that it was saved from");
+  }
+  double time = 0;
+  internal::Load(time, archive);
+  internal::Load(seed_, archive);
+  internal::Load(progress_, archive);
+  internal::Load(next_step_, archive);
+  internal::Load(last_error_, archive);
+  if (!std::isfinite(time) || progress_ > Progress::kTickDue)
+    throw RunError("the snapshot is damaged: its time, or what has happened by then, makes no sense");
+  SetTime(time);
+  failure_.clear();
+  internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Load(step_start_.valid, archive);
+  if (step_start_.valid) {
+    internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
+    if (step_start_.states.size() != static_cast<std::size_t>(program.num_continuous)) {
+      throw RunError("the snapshot is damaged: its states are not as many as the diagram's");
+    }
+  }
+  for (const Cell& cell : program.saved) {
+    bool fresh = false;
+    internal::Load(fresh, archive);
+    internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
+    const int calculation = cell.source->calculation_;
+    if (calculation < 0) continue;
+    const std::uint64_t stamp = program.calculations[calculation].varies ? instant_ : 1;
+    stamps_[calculation] = fresh ? stamp : 0;
+  }
+  for (std::size_t i = 0; i < fixed_.size(); ++i) {
+    bool fixed = false;
+    internal::Load(fixed, archive);
+    fixed_[i] = fixed;
+  }
+  PackStates();
+  if (!archive.exhausted()) throw RunError("the snapshot is longer than this diagram's: it is damaged");
+}
+
+void Context::SaveFile(const std::string& file) const {
+  const std::vector<std::byte> bytes = Save();
+  WriteFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+void Context::RestoreFile(const std::string& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) throw RunError(fmt::format("cannot read the snapshot '{}'", file));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  try {
+    Restore(bytes);
+  } catch (const Error& error) {
+    throw RunError(fmt::format("cannot restore '{}': {}", file, error.what()));
+  }
+}
+
+}  // namespace tenon

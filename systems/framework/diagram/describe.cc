@@ -1,0 +1,185 @@
+#include <cxxabi.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <typeinfo>
+
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+
+namespace tenon {
+namespace {
+
+using internal::CalculationInfo;
+using internal::Program;
+
+/// The class of a block as one writes it, without our namespace.
+std::string ClassName(const System& block) {
+  const std::unique_ptr<char, decltype(&std::free)> name(
+      abi::__cxa_demangle(typeid(block).name(), nullptr, nullptr, nullptr), &std::free);
+  std::string text = name ? name.get() : typeid(block).name();
+  for (const std::string ours : {"tenon::", "(anonymous namespace)::", "internal::"}) {
+    for (std::size_t at; (at = text.find(ours)) != std::string::npos;) text.erase(at, ours.size());
+  }
+  constexpr std::size_t kLongest = 60;  // functions' blocks are called after their lambdas
+  return text.size() > kLongest ? text.substr(0, text.find('<')) : text;
+}
+
+std::string Units(const Source& source) {
+  return source.spec().units.empty() ? "" : fmt::format(" [{}]", source.spec().units);
+}
+
+std::string When(const Source& source) {
+  const Trigger& trigger = source.trigger();
+  switch (trigger.when) {
+    case Trigger::When::kAlways:
+      return "";
+    case Trigger::When::kSampled: {
+      const double offset = trigger.sampled.offset;
+      const std::string from = offset > 0 ? fmt::format(" from {:g} ms", offset * 1000) : "";
+      return fmt::format(", every {:g} ms{}", trigger.sampled.rate.period() * 1000, from);
+    }
+    case Trigger::When::kEachStep:
+      return ", after each step";
+    case Trigger::When::kAtStart:
+      return ", at the start";
+    case Trigger::When::kWitness:
+      return fmt::format(", when '{}' crosses zero", trigger.witness->name());
+  }
+  return "";
+}
+
+const char* KindName(SourceKind kind) {
+  switch (kind) {
+    case SourceKind::kInput:
+      return "input";
+    case SourceKind::kOutput:
+      return "output";
+    case SourceKind::kContinuous:
+      return "continuous state";
+    case SourceKind::kDiscrete:
+      return "discrete state";
+    case SourceKind::kParameter:
+      return "parameter";
+    case SourceKind::kUpdate:
+      return "update";
+    case SourceKind::kShared:
+      return "shared";
+    case SourceKind::kScratch:
+      return "scratch";
+    case SourceKind::kWorkspace:
+      return "workspace";
+    case SourceKind::kRandom:
+      return "random";
+    case SourceKind::kWitness:
+      return "witness";
+    case SourceKind::kKink:
+      return "kink";
+    case SourceKind::kNextJump:
+      return "next jump";
+    case SourceKind::kMonitor:
+      return "monitor";
+    case SourceKind::kPublish:
+      return "publish";
+    case SourceKind::kTime:
+    case SourceKind::kDerivative:
+      break;
+  }
+  return "derivative";
+}
+
+class Description {
+ public:
+  explicit Description(const Program& program) : program_(program) {}
+
+  std::string Write(const std::vector<std::unique_ptr<System>>& blocks) {
+    text_ = "Blocks\n";
+    WriteBlocks(blocks, "  ");
+    WriteTicks();
+    WriteIntegration();
+    return text_;
+  }
+
+ private:
+  void WriteBlocks(const std::vector<std::unique_ptr<System>>& blocks, const std::string& indent) {
+    for (const auto& block : blocks) {
+      text_ += fmt::format("{}{}: {}\n", indent, block->name(), ClassName(*block));
+      for (const Source* source : block->sources()) {
+        if (source->kind() == SourceKind::kDerivative) continue;
+        std::string from;
+        if (source->driver() != nullptr) from = fmt::format(" <- {}", source->driver()->path());
+        const bool open = source->kind() == SourceKind::kInput && source->driver() == nullptr;
+        if (open) from = source->is_optional() ? ", has a default" : ", open";
+        text_ += fmt::format("{}  {} {}: {}{}{}{}\n", indent, KindName(source->kind()), source->name(),
+                             source->type_name(), Units(*source), When(*source), from);
+      }
+      if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
+        WriteBlocks(nested->blocks(), indent + "  ");
+    }
+  }
+
+  void WriteTicks() {
+    if (program_.groups.empty()) return;
+    text_ += "Ticks\n";
+    for (std::size_t i = 0; i < program_.groups.size(); ++i) {
+      const internal::SampleGroup& group = program_.groups[i];
+      const double period = 1000.0 * static_cast<double>(group.period.numerator) /
+                            static_cast<double>(group.period.denominator),
+                   offset = 1000.0 * static_cast<double>(group.offset.numerator) /
+                            static_cast<double>(group.offset.denominator);
+      text_ +=
+          fmt::format("  every {:g} ms{}{}\n", period, offset > 0 ? fmt::format(" from {:g} ms", offset) : "",
+                      group.feeds ? ", restarts the integrator" : ", reads only");
+      const internal::TickPlan plan = program_.MakeTick({static_cast<int>(i)});
+      WriteOps("computes", plan.outputs);
+      WriteOps("asks", plan.monitors);
+      WriteOps("updates", plan.updates.ops);
+    }
+    if (program_.groups.size() < 2) return;
+    internal::Groups all;
+    for (std::size_t i = 0; i < program_.groups.size(); ++i) all.push_back(static_cast<int>(i));
+    text_ += "  all together\n";
+    WriteOps("computes", program_.MakeTick(all).outputs);
+  }
+
+  void WriteIntegration() {
+    if (program_.num_continuous == 0) return;
+    text_ += fmt::format("Integration of {} states\n", program_.num_continuous);
+    WriteOps("before", program_.held);
+    WriteOps("at each stage", program_.derivatives.ops);
+    WriteOps("looks for zeros of", program_.witnesses.ops);
+    WriteOps("after each step", program_.each_step.ops);
+    WriteOps("after each step asks", program_.each_step_monitors);
+    std::string restarts;
+    for (const CalculationInfo& info : program_.calculations) {
+      const Source& source = *info.source;
+      if (!info.feeds || source.trigger().when == Trigger::When::kAlways) continue;
+      if (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kUpdate)
+        restarts += fmt::format("{}{}", restarts.empty() ? "" : ", ", source.path());
+    }
+    if (!restarts.empty()) text_ += fmt::format("  starts again after: {}\n", restarts);
+  }
+
+  void WriteOps(const char* what, const internal::OpList& ops) {
+    if (ops.empty()) return;
+    text_ += fmt::format("    {}: ", what);
+    for (const internal::Op& op : ops) {
+      text_ += fmt::format("{}{}", &op == ops.data() ? "" : ", ",
+                           program_.calculations[op.calculation].source->path());
+    }
+    text_ += '\n';
+  }
+
+  const Program& program_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string Diagram::Describe() const {
+  return Description(*program_).Write(blocks_);
+}
+
+}  // namespace tenon

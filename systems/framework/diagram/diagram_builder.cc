@@ -1,0 +1,279 @@
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <exception>
+
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/compiler.h>
+
+namespace tenon {
+
+namespace internal {
+
+void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const {
+  if (!built_) return;
+  throw BuildError(fmt::format(
+      "{}({}): {} built already, and what is built does not change; call it before Build, or make "
+      "another builder",
+      call, subject.empty() ? "" : "'" + subject + "'",
+      self_ == nullptr ? "this builder has" : fmt::format("the diagram with '{}' is", self_->path())));
+}
+
+void Assembly::MarkBuilt() {
+  built_ = true;
+  for (const auto* blocks : {&blocks_, &replaced_}) {
+    for (const auto& block : *blocks) {
+      if (self_ == nullptr) block->holder_ = nullptr;  // another builder may be created at this address
+      if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) nested->MarkBuilt();
+    }
+  }
+}
+
+void Assembly::CheckName(const std::string& name) const {
+  CheckNotBuilt("Add", name);
+  if (name.empty() || name.find_first_of(". \t\n,") != std::string::npos) {
+    throw BuildError(fmt::format(
+        "a block cannot be named '{}': names are not empty and hold no dot, comma or blank", name));
+  }
+  if (by_name_.contains(name)) {
+    throw BuildError(fmt::format("there are two blocks named '{}': give one of them another name", name));
+  }
+}
+
+System& Assembly::Adopt(std::unique_ptr<System> block, const std::string& name) {
+  block->name_ = name;
+  block->parent_ = self_;
+  block->holder_ = this;
+  by_name_.emplace(name, block.get());
+  blocks_.push_back(std::move(block));
+  return *blocks_.back();
+}
+
+void Assembly::RethrowWithName(const std::string& name) {
+  try {
+    throw;
+  } catch (const ParameterError& error) {
+    std::throw_with_nested(ParameterError(fmt::format("block '{}': {}", name, error.what())));
+  } catch (const BuildError& error) {
+    std::throw_with_nested(BuildError(fmt::format("inside '{}': {}", name, error.what())));
+  }
+}
+
+bool Assembly::IsBelow(const System& block) const {
+  for (const System* each = &block; each != nullptr; each = each->parent_) {
+    if (each->holder_ == this) return true;
+  }
+  return false;
+}
+
+void Assembly::CheckBelow(const System& block) const {
+  CheckNotBuilt("Replace", block.path());
+  if (!IsBelow(block)) {
+    throw BuildError(fmt::format(
+        "block '{}' cannot be replaced here: it was not added to this builder or nested diagram, or is built "
+        "already; replace blocks before Build",
+        block.path()));
+  }
+  if (!block.sources_.empty()) CheckStands(*block.sources_.front());
+}
+
+void Assembly::CheckStands(const Source& port) const {
+  if (const std::string fault = DescribeReplacement(port); !fault.empty()) throw BuildError(fault);
+  if (&port.owner() != self_ && !IsBelow(port.owner())) {
+    throw BuildError(fmt::format(
+        "port '{}' does not belong to a block of this builder: change connections before Build, through the "
+        "builder that holds both blocks",
+        port.path()));
+  }
+}
+
+void Assembly::AppendSources(std::vector<Source*>& sources) {
+  if (self_ != nullptr) sources.insert(sources.end(), self_->sources_.begin(), self_->sources_.end());
+  for (const auto& block : blocks_) {
+    if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) {
+      nested->AppendSources(sources);
+    } else {
+      sources.insert(sources.end(), block->sources_.begin(), block->sources_.end());
+    }
+  }
+}
+
+std::vector<Source*> Assembly::AllSources() {
+  Assembly* root = this;
+  while (root->self_ != nullptr && root->self_->holder_ != nullptr) root = root->self_->holder_;
+  std::vector<Source*> sources;
+  root->AppendSources(sources);
+  return sources;
+}
+
+System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
+  std::vector<std::unique_ptr<System>>& siblings = old.holder_->blocks_;
+  const auto place =
+      std::find_if(siblings.begin(), siblings.end(), [&](const auto& block) { return block.get() == &old; });
+  std::swap(*place, made);
+  System &block = **place, &replaced = *made;
+  block.name_ = replaced.name_;
+  block.parent_ = replaced.parent_;
+  block.holder_ = replaced.holder_;
+  block.replaces_ = &replaced;
+  replaced.replaced_by_ = &block;
+  old.holder_->by_name_[block.name_] = &block;
+  old.holder_->replaced_.push_back(std::move(made));
+
+  const auto counterpart = [&](const Source& port) -> Source* {
+    for (Source* source : block.sources_) {
+      if (source->kind() == port.kind() && source->name() == port.name() &&
+          *source->type_->id == *port.type_->id)
+        return source;
+    }
+    return nullptr;
+  };
+  // Also what that had replaced before, and what read it and found nothing.
+  for (const System* before = &replaced; before != nullptr; before = before->replaces_) {
+    for (const Source* port : before->sources_) {
+      if (port->kind() != SourceKind::kInput || port->driver_ == nullptr) continue;
+      Source* input = counterpart(*port);
+      if (input == nullptr || input->driver_ != nullptr) continue;
+      input->SetDriver(*port->driver_);
+      input->ignores_units_ = port->ignores_units_;
+    }
+  }
+  const auto replaces = [&](const System* driver) {
+    while (driver != &block && driver->replaced_by_ != nullptr) driver = driver->replaced_by_;
+    return driver == &block;
+  };
+  for (Source* source : AllSources()) {
+    if (source->driver_ == nullptr || source->driver_->kind() != SourceKind::kOutput ||
+        &source->driver_->owner() == &block || !replaces(&source->driver_->owner())) {
+      continue;
+    }
+    if (const Source* output = counterpart(*source->driver_)) source->SetDriver(*output);
+  }
+  return block;
+}
+
+void Assembly::Splice(const Source& output, Source& in, const Source& out) {
+  CheckNotBuilt("Insert", in.path());
+  for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
+  if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
+    throw BuildError(
+        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in "
+                    "this order",
+                    in.path(), out.path()));
+  }
+  if (in.driver_ != nullptr && in.driver_ != &output) {
+    throw BuildError(fmt::format("'{}' cannot be inserted behind '{}': it is connected to '{}' already",
+                                 in.path(), output.path(), in.driver_->path()));
+  }
+  bool read = false;
+  for (Source* source : AllSources()) {
+    if (source->driver_ != &output || source == &in) continue;
+    source->SetDriver(out);
+    read = true;
+  }
+  if (!read) {
+    throw BuildError(fmt::format(
+        "nothing reads '{}': there is no connection into which '{}' could be inserted; take the port that is "
+        "connected",
+        output.path(), in.owner().path()));
+  }
+  in.SetDriver(output);
+}
+
+void Assembly::Disconnect(Source& input) {
+  CheckNotBuilt("Disconnect", input.path());
+  CheckStands(input);
+  const bool port =
+      input.kind() == SourceKind::kInput || (input.kind() == SourceKind::kOutput && input.run_ == nullptr &&
+                                             dynamic_cast<const Subdiagram*>(&input.owner()) != nullptr);
+  if (!port || input.driver_ == nullptr) {
+    throw BuildError(fmt::format("'{}' has no connection that could be taken away", input.path()));
+  }
+  input.driver_ = nullptr;
+  input.ignores_units_ = false;
+}
+
+void Assembly::Join(const Source& from, Source& to) {
+  CheckNotBuilt("Connect", to.path());
+  for (const Source* port : {&from, static_cast<const Source*>(&to)}) {
+    if (const std::string fault = DescribeReplacement(*port); !fault.empty()) throw BuildError(fault);
+  }
+  const auto is_here = [&](const Source& port, SourceKind child, SourceKind own) {
+    const System& owner = port.owner();
+    if (&owner == self_ && self_ != nullptr) return port.kind() == own;
+    if (owner.holder_ == this) return port.kind() == child;
+    if (self_ != nullptr || !IsBelow(owner)) return false;
+    return port.kind() == child || (port.kind() == own && dynamic_cast<const Subdiagram*>(&owner) != nullptr);
+  };
+  const auto check = [&](const Source& port, SourceKind child, SourceKind own, const char* role) {
+    if (is_here(port, child, own)) return;
+    throw BuildError(fmt::format(
+        "port '{}' cannot be the {} of a connection here: it belongs to a block of another builder or nested "
+        "diagram, or points the wrong way; connect outputs of blocks of this builder to their inputs",
+        port.path(), role));
+  };
+  check(from, SourceKind::kOutput, SourceKind::kInput, "source");
+  check(to, SourceKind::kInput, SourceKind::kOutput, "target");
+  if (to.driver_ != nullptr) {
+    throw BuildError(fmt::format("port '{}' is connected twice: to '{}' and to '{}'; remove one connection",
+                                 to.path(), to.driver_->path(), from.path()));
+  }
+  to.SetDriver(from);
+}
+
+void Assembly::IgnoreUnitsOf(Source& to) {
+  to.ignores_units_ = true;
+}
+
+}  // namespace internal
+
+const Source& Source::Current() const {
+  const System* replaced = nullptr;  // the outermost
+  for (const System* block = owner_; block != nullptr; block = block->parent()) {
+    if (block->replaced_by() != nullptr) replaced = block;
+  }
+  if (replaced == nullptr) return *this;
+  std::vector<std::string> names;  // from the inside out
+  for (const System* block = owner_; block != replaced; block = block->parent())
+    names.push_back(block->name());
+  const System* now = replaced;
+  while (now->replaced_by() != nullptr) now = now->replaced_by();
+  for (; now != nullptr && !names.empty(); names.pop_back()) {
+    const auto* nested = dynamic_cast<const Subdiagram*>(now);
+    now = nullptr;
+    if (nested == nullptr) break;
+    for (const auto& block : nested->blocks()) {
+      if (block->name() == names.back()) now = block.get();
+    }
+  }
+  if (now != nullptr) {
+    for (const Source* source : now->sources()) {
+      if (source->kind() == kind_ && source->name() == name() && *source->type_->id == *type_->id)
+        return *source;
+    }
+  }
+  throw BuildError(
+      fmt::format("'{}' is needed, but the block that replaced '{}' has no '{}' ({}): give it that, or do "
+                  "without what reads it",
+                  path(), replaced->path(), name(), type_name()));
+}
+
+std::shared_ptr<const Diagram> DiagramBuilder::Compile(const char* call, bool open_inputs) {
+  CheckNotBuilt(call, "");
+  auto program =
+      std::make_unique<const internal::Program>(internal::Compiler::Compile(blocks(), open_inputs));
+  MarkBuilt();
+  return std::shared_ptr<const Diagram>(new Diagram(TakeBlocks(), TakeReplaced(), std::move(program)));
+}
+
+std::shared_ptr<const Diagram> DiagramBuilder::Build() {
+  return Compile("Build", false);
+}
+
+std::shared_ptr<const Diagram> DiagramBuilder::BuildWithOpenInputs() {
+  return Compile("BuildWithOpenInputs", true);
+}
+
+}  // namespace tenon

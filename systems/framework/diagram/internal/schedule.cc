@@ -1,0 +1,80 @@
+#include <tenon/systems/framework/diagram/internal/schedule.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <tenon/systems/framework/types/errors.h>
+
+namespace tenon::internal {
+namespace {
+constexpr std::int64_t kMaxTicksPerSecond = 1'000'000'000'000;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+}  // namespace
+
+Schedule::Schedule(const std::vector<SampleGroup>& groups) {
+  for (const SampleGroup& group : groups) {
+    for (const std::int64_t denominator : {group.period.denominator, group.offset.denominator}) {
+      const std::int64_t factor = denominator / std::gcd(per_second_, denominator);
+      if (factor > kMaxTicksPerSecond / per_second_) {
+        throw BuildError(fmt::format(
+            "the sample times of '{}' and '{}' have no common tick above a picosecond: round their periods",
+            groups.front().example, group.example));
+      }
+      per_second_ *= factor;
+    }
+  }
+  for (const SampleGroup& group : groups) {
+    const std::int64_t offset = group.offset.numerator * (per_second_ / group.offset.denominator);
+    entries_.push_back(
+        {group.period.numerator * (per_second_ / group.period.denominator), offset, offset, group.feeds});
+  }
+  due_.reserve(entries_.size());
+  FindNext();
+}
+
+void Schedule::MoveTo(double time, bool inclusive) {
+  // The first tick that counts. The product may round up to a tick that `time` is short of, or past.
+  const auto per_second = static_cast<double>(per_second_);
+  auto first = static_cast<std::int64_t>(std::floor(time * per_second));
+  const auto counts = [&](double tick_time) { return inclusive ? tick_time >= time : tick_time > time; };
+  while (!counts(static_cast<double>(first) / per_second)) ++first;
+  for (Entry& entry : entries_) {
+    const std::int64_t late = first - entry.offset;
+    const std::int64_t periods = late <= 0 ? 0 : (late + entry.period - 1) / entry.period;
+    entry.next = entry.offset + periods * entry.period;
+  }
+  FindNext();
+}
+
+const Groups& Schedule::Take() {
+  due_.clear();
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].next != next_tick_) continue;
+    due_.push_back(static_cast<int>(i));
+    entries_[i].next += entries_[i].period;
+  }
+  FindNext();
+  return due_;
+}
+
+double Schedule::Time(std::int64_t tick) const {
+  return tick == kNever ? std::numeric_limits<double>::infinity()
+                        : static_cast<double>(tick) / static_cast<double>(per_second_);
+}
+
+void Schedule::FindNext() {
+  std::int64_t feeding = kNever;
+  next_tick_ = kNever;
+  for (const Entry& entry : entries_) {
+    next_tick_ = std::min(next_tick_, entry.next);
+    if (entry.feeds) feeding = std::min(feeding, entry.next);
+  }
+  next_time_ = Time(next_tick_);
+  next_feeding_time_ = Time(feeding);
+}
+
+}  // namespace tenon::internal

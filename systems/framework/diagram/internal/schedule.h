@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <tenon/systems/framework/diagram/internal/program.h>
+
+namespace tenon::internal {
+
+/// The ticks of a run, in integers of 1 / L seconds. Entries are a program's sample groups, then those of
+/// logs.
+class Schedule {
+ public:
+  /// Throws BuildError if the periods have no common tick above a picosecond.
+  explicit Schedule(const std::vector<SampleGroup>& groups);
+
+  /// Makes the next ticks those after `time` (`inclusive`: at or after).
+  void MoveTo(double time, bool inclusive);
+  /// Time of the next tick [s]; infinity if there is none.
+  double next_time() const { return next_time_; }
+  /// Time of the next one at which the integrator has to start again [s]; infinity if there is none.
+  double next_feeding_time() const { return next_feeding_time_; }
+  /// Entries that are due at the next tick, which is thereby passed; valid until the next call.
+  const Groups& Take();
+
+ private:
+  void FindNext();
+  double Time(std::int64_t tick) const;
+
+  struct Entry {
+    std::int64_t period;
+    std::int64_t offset;
+    std::int64_t next;
+    bool feeds;
+  };
+  std::vector<Entry> entries_;
+  Groups due_;
+  std::int64_t per_second_ = 1;
+  std::int64_t next_tick_ = 0;
+  double next_time_ = 0;
+  double next_feeding_time_ = 0;
+};
+
+}  // namespace tenon::internal

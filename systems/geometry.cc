@@ -1,0 +1,3 @@
+#include <tenon/systems/geometry.h>
+
+TENON_DEFINE_SIGNAL(tenon::Geometry);

@@ -1,0 +1,144 @@
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/apps/quadruped/quadruped_proposal.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon::quadruped_proposal_test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+std::string ReadUrdf(const std::string& robot) {
+  std::stringstream text;
+  text << std::ifstream(std::string(TENON_ROBOTS_DIR) + "/" + robot + ".urdf").rdbuf();
+  return text.str();
+}
+std::string Replaced(const std::string& text, const std::string& from, const std::string& to) {
+  const std::regex what(from);
+  EXPECT_TRUE(std::regex_search(text, what)) << from;
+  return std::regex_replace(text, what, to);
+}
+
+/// A directory with one URDF, and what is proposed for it.
+class QuadrupedProposalTest : public ::testing::Test {
+ protected:
+  QuadrupedProposalTest() { fs::create_directories(directory_); }
+  ~QuadrupedProposalTest() override { fs::remove_all(directory_); }
+
+  QuadrupedProposal Propose(const std::string& urdf,
+                            const std::map<std::string, double, std::less<>>& locked = {}) {
+    std::ofstream(directory_ / "robot.urdf") << urdf;
+    return ProposeQuadruped(directory_ / "robot.urdf", locked);
+  }
+  QuadrupedDescription Load(const QuadrupedProposal& proposal) {
+    std::ofstream(directory_ / "robot.yaml") << proposal.yaml;
+    return LoadQuadruped(directory_ / "robot.yaml");
+  }
+
+ private:
+  const fs::path directory_ = test::TemporaryPath(
+      std::string("tenon_proposal_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+// Also where YAML would take them for something else.
+TEST_F(QuadrupedProposalTest, NamesAreWhatTheyAre) {
+  const QuadrupedProposal plain = Propose(ReadUrdf("dogbot"));
+  EXPECT_THAT(plain.yaml, HasSubstr("front_left: front_left_foot,"));
+  const auto stance = Load(plain).stance;
+  const QuadrupedProposal made = Propose(Replaced(ReadUrdf("dogbot"), "front_left_foot", "12, #foot"));
+  EXPECT_THAT(made.yaml, HasSubstr("front_left: \"12, #foot\","));
+  EXPECT_EQ(Load(made).stance, stance);
+}
+
+// From the URDF alone, what DogBot's own YAML says: the feet, and knees that point backward.
+TEST_F(QuadrupedProposalTest, FindsDogBotsLegs) {
+  const QuadrupedDescription made = Load(Propose(ReadUrdf("dogbot"))),
+                             own = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/dogbot.yaml");
+  EXPECT_EQ(made.mass(), own.mass());
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    EXPECT_THAT(made.FootPosition(leg, own.stance), IsNear(own.FootPosition(leg, own.stance), 1e-12)) << leg;
+    const Eigen::Vector3d hip = made.HipPosition(leg, made.stance),
+                          foot = made.FootPosition(leg, made.stance);
+    EXPECT_NEAR(foot.x(), hip.x(), 1e-3);
+    EXPECT_NEAR(hip.z() - foot.z(), 0.7 * made.LegLength(leg), 1e-3);
+    EXPECT_LT(made.stance[3 * leg + 2] * own.stance[3 * leg + 2] * -1, 0);
+  }
+  EXPECT_NEAR(made.contact.stiffness, own.contact.stiffness, 0.1 * own.contact.stiffness);
+  EXPECT_NEAR(made.drive.stop_stiffness, own.drive.stop_stiffness, 0.1 * own.drive.stop_stiffness);
+}
+
+// Knees turned around in the ranges of A1's hind legs: as in many robots.
+TEST_F(QuadrupedProposalTest, KneesFollowTheirRanges) {
+  std::string urdf = ReadUrdf("a1");
+  const std::size_t hind = urdf.find("<joint name=\"RL_calf_joint\"");
+  urdf.replace(hind, std::string::npos,
+               Replaced(urdf.substr(hind), "lower=\"-2.6965\" upper=\"-0.9163\"",
+                        "lower=\"0.9163\" upper=\"2.6965\""));
+  const QuadrupedDescription robot = Load(Propose(urdf));
+  EXPECT_LT(robot.stance[2], 0);
+  EXPECT_GT(robot.stance[3 * kRearLeft + 2], 0);
+  EXPECT_NEAR(robot.FootPosition(kRearLeft, robot.stance).x(), robot.HipPosition(kRearLeft, robot.stance).x(),
+              1e-3);
+}
+
+TEST_F(QuadrupedProposalTest, GuessesLimitsThatAreMissingAndSaysSo) {
+  const QuadrupedProposal proposal = Propose(
+      Replaced(Replaced(ReadUrdf("a1"), "<limit [^/]*/>", ""), "type=\"revolute\"", "type=\"continuous\""));
+  EXPECT_THAT(proposal.notes, Contains(HasSubstr("no limits of the knee joints")));
+  EXPECT_NEAR(Load(proposal).joint(2).torque_limit, 0.5 * 9.81 * 12.776 * 0.4, 1);
+  // A revolute joint must have a range too.
+  EXPECT_THAT(Propose(Replaced(ReadUrdf("a1"), "<limit [^/]*/>", "")).yaml,
+              HasSubstr("range_rad: [-3.1416, 3.1416]"));
+}
+
+TEST_F(QuadrupedProposalTest, LocksWhatIsNoLegs) {
+  const std::string arm =
+      "<link name=\"arm\"/><joint name=\"shoulder\" type=\"continuous\"><parent link=\"trunk\"/>"
+      "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>";
+  const QuadrupedProposal proposal = Propose(Replaced(ReadUrdf("a1"), "</robot>", arm));
+  EXPECT_THAT(proposal.notes, Contains(HasSubstr("joint 'shoulder' is no leg's: locked at 0 rad")));
+  EXPECT_NEAR(Load(proposal).mass(), 12.776, 1e-9);
+}
+
+TEST_F(QuadrupedProposalTest, TakesTheSphereOfTheCollisionShape) {
+  const std::string sphere =
+      "$1<collision><origin xyz=\"0 0 0.01\"/><geometry><sphere radius=\"0.02\"/></geometry></collision>";
+  const QuadrupedDescription robot =
+      Load(Propose(Replaced(ReadUrdf("a1"), "(<link name=\".._foot\">)", sphere)));
+  EXPECT_EQ(robot.foot_radius, 0.02);
+  EXPECT_THAT(robot.legs[0].foot_J, IsNear(Eigen::Vector3d(0, 0, -0.19), 1e-12));
+}
+
+TEST_F(QuadrupedProposalTest, RefusesWhatIsNoQuadruped) {
+  const auto refused = [&](const std::string& urdf, auto... parts) {
+    return Throws<ParameterError>([&] { Propose(urdf); }, "robot.urdf", parts...);
+  };
+  EXPECT_TRUE(refused(
+      Replaced(ReadUrdf("a1"), "\"FL_calf_joint\" type=\"revolute\"", "\"FL_calf_joint\" type=\"fixed\""),
+      "found 3 chains of three joints", "FL_hip_joint - FL_thigh_joint (2)", "--lock"));
+  EXPECT_TRUE(refused(Replaced(ReadUrdf("a1"), "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 1\"/>"),
+                      "'FL_hip_joint' turns about", "fixed joint that turns it"));
+  EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
+                               "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
+                      "has no foot", "add a link by a fixed joint"));
+  EXPECT_TRUE(refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>",
+                      "xacro file", "expand it first: xacro "));
+}
+
+}  // namespace
+}  // namespace tenon::quadruped_proposal_test

@@ -1,0 +1,141 @@
+#include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/controllers/legged/quadruped_bench.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+
+namespace tenon::nonlinear_disturbance_observer_test {
+namespace {
+
+using test::DogBot;
+using test::QuadrupedBench;
+using Observed = test::Observed<NonlinearDisturbanceObserver>;
+
+NonlinearDisturbanceObserverParams Params(NdoReading reading) {
+  NonlinearDisturbanceObserverParams params;
+  params.robot = DogBot();
+  params.reading = reading;
+  return params;
+}
+
+/// Legs that move in flight, from a start in motion.
+QuadrupedBench Flying() {
+  QuadrupedBench bench(DogBot());
+  bench.x.w_W = {0.5, -0.3, 0.2};
+  for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = std::cos(j);
+  bench.joint_reference = test::Swinging(bench.robot);
+  return bench;
+}
+
+// The error equation F_hat' = Lambda (F - F_hat), integrated by itself with the M_q of the moving robot: by
+// the implicit rule in both readings, and exactly where M_q / x is long beside a tick.
+TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+  RandomStream random(7);
+  const Vec<12> torque = test::RandomVector<12>(random, 5);
+  for (const NdoReading reading : {NdoReading::kM, NdoReading::kInverse}) {
+    QuadrupedBench bench = Flying();
+    bench.external = [=](const LeggedState&, const QuadrupedDynamics&, double) {
+      Vec<18> force = Vec<18>::Zero();
+      force.tail<12>() = torque;
+      return force;
+    };
+    const double x = reading == NdoReading::kM ? 10 : 0.1, h = 1e-3;
+    Observed run(bench, Params(reading));
+    Vec<12> implicit = torque, exact = torque;  // the errors
+    double worst_implicit = 0, worst_exact = 0;
+    for (int n = 1; n <= 300; ++n) {
+      const Vec<12> error = torque - run.Tick().joint_torque;
+      QuadrupedDynamics dynamics;
+      DecoupledDynamics decoupled;
+      run.bench.model.Calc(run.bench.x, &dynamics);
+      run.bench.model.CalcDecoupled(run.bench.x, dynamics, &decoupled);
+      const Matrix12 Lambda = x * test::Inverse(decoupled.M_q);
+      implicit = test::Solve(Matrix12::Identity() + h * Lambda, implicit);
+      const test::SymmetricModes modes(decoupled.M_q);
+      const Vec<12> decay = (-x * h * modes.eigenvalues.cwiseInverse()).array().exp();
+      exact = (modes.eigenvectors * decay.asDiagonal() * modes.eigenvectors.transpose() * exact).eval();
+      worst_implicit = std::max(worst_implicit, (error - implicit).norm());
+      worst_exact = std::max(worst_exact, (error - exact).norm());
+    }
+    EXPECT_LT(worst_implicit, 0.01 * torque.norm());
+    if (reading == NdoReading::kInverse) {
+      EXPECT_LT(worst_exact, 0.02 * torque.norm());
+      EXPECT_GT(exact.norm(), 0.05 * torque.norm()) << "it has not settled yet";
+    } else {
+      EXPECT_LT(implicit.norm(), 1e-3 * torque.norm()) << "it has settled";
+    }
+  }
+}
+
+TEST(NonlinearDisturbanceObserverTest, StartsOnAMovingRobotWithoutTransient) {
+  Observed run(Flying(), Params(NdoReading::kM));
+  // p(0) = X qd would be 24 N m.
+  for (int n = 0; n < 100; ++n) ASSERT_LT(run.Tick().joint_torque.norm(), 0.1) << n;
+}
+
+TEST(NonlinearDisturbanceObserverTest, TellsTheForceOnAFoot) {
+  const Vec<3> force(15, -10, 5);
+  QuadrupedBench bench = Flying();
+  bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {
+    return QuadrupedBench::PointJacobian(dynamics, 2, dynamics.feet[2].p_W).transpose() * force;
+  };
+  Observed run(bench, Params(NdoReading::kM));
+  for (int n = 0; n < 200; ++n) run.Tick();
+  const LegForceEstimate& estimate = run.Tick();
+  EXPECT_THAT(estimate.foot_force.rear_left, IsNear(force, 0.3));
+  EXPECT_LT(estimate.foot_force.front_right.norm(), 0.3);
+}
+
+TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
+  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
+  Observed run(Flying(), Params(NdoReading::kM));
+  run.Tick();
+  const AllocationGuard guard;
+  run.rig.Tick();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST(NonlinearDisturbanceObserverTest, RefusesWhatMakesNoSense) {
+  const auto refuses = [](const NonlinearDisturbanceObserverParams& params, const auto&... parts) {
+    return Throws<ParameterError>([&] { NonlinearDisturbanceObserver observer(params); }, parts...);
+  };
+  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+  NonlinearDisturbanceObserverParams params = Params(NdoReading::kM);
+  params.gain = -1;
+  EXPECT_TRUE(refuses(params, "gain = -1 must be positive"));
+  params = Params(NdoReading::kM);
+  params.min_singular_value = 0;
+  EXPECT_TRUE(refuses(params, "min_singular_value = 0 must be positive"));
+}
+
+TEST(NonlinearDisturbanceObserverTest, GainsAreSetInARun) {
+  NonlinearDisturbanceObserverParams changed = Params(NdoReading::kM);
+  changed.gain = 4;
+  changed.min_singular_value = 0.3;
+  QuadrupedBench bench = Flying();
+  bench.external = [](const LeggedState&, const QuadrupedDynamics&, double) {
+    Vec<18> force = Vec<18>::Zero();
+    force.tail<12>().setConstant(2);
+    return force;
+  };
+  Observed plain(bench, Params(NdoReading::kM)), set(bench, Params(NdoReading::kM)), built(bench, changed);
+  set.rig.Set(set.rig->gain, 4).Set(set.rig->min_singular_value, 0.3);
+  const LegForceEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
+  EXPECT_EQ(found.joint_torque, expected.joint_torque);
+  EXPECT_EQ(found.foot_force[kFrontLeft], expected.foot_force[kFrontLeft]);
+  EXPECT_NE(plain.RunTo(0.05).joint_torque, expected.joint_torque);
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gain, 0); }, "gain = 0", "positive"));
+}
+
+}  // namespace
+}  // namespace tenon::nonlinear_disturbance_observer_test

@@ -1,0 +1,80 @@
+#include <tenon/diagrams/legged/locomotion_profile.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
+
+namespace tenon::locomotion_profile_test {
+namespace {
+
+// The gains in SI units with which DogBot's figures were found.
+TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
+  const RobotScale scale = ScaleOf(test::DogBot());
+  EXPECT_NEAR(scale.Weight(), 9.81 * (9.3 + 4 * (0.836 + 1.851 + 0.302)), 1e-9);
+  EXPECT_NEAR(scale.length, 0.315 + std::hypot(0.035, 0.3), 1e-12);
+  const LocomotionProfile profile = LoadLocomotionProfile("standard", scale);
+  const WholeBodyGains& gains = profile.whole_body;
+  constexpr double kDigits = 1e-7;
+  EXPECT_NEAR(gains.com_stiffness / 2500, 1, kDigits);
+  EXPECT_NEAR(gains.com_damping / 400, 1, kDigits);
+  EXPECT_NEAR(gains.com_limit / 0.08, 1, kDigits);
+  EXPECT_NEAR(gains.swing_limit / 200, 1, kDigits);
+  EXPECT_NEAR(gains.qp.wrench_weight, 100, 0);
+  EXPECT_NEAR(gains.qp.moment_weight / 30, 1, kDigits);
+  EXPECT_NEAR(gains.qp.tilt_weight / 500, 1, kDigits);
+  EXPECT_NEAR(gains.qp.yaw_weight / 3, 1, kDigits);
+  EXPECT_NEAR(gains.qp.acceleration_weight / 1e-4, 1, kDigits);
+  EXPECT_NEAR(gains.qp.slack_weight / 1e6, 1, kDigits);
+  EXPECT_NEAR(profile.ground.roughness / 0.03, 1, kDigits);
+  EXPECT_NEAR(profile.ground.level_walk / 0.02, 1, kDigits);
+  EXPECT_NEAR(profile.ground.start_roughness / 0.005, 1, kDigits);
+  EXPECT_NEAR(LoadGaits({"standard"}, scale).touchdown_force / 4, 1, kDigits);
+}
+
+// What decides how a robot moves is the same for one that is larger by 2 in length and by 8 in mass, in its
+// own units of time, sqrt(2): a frequency of the CoM over 1 / t, a damping ratio, and the ratio of two costs.
+TEST(LocomotionProfileTest, RobotsOfAllSizesAreAlike) {
+  const RobotScale small = ScaleOf(test::DogBot()), large{8 * small.mass, 2 * small.length};
+  const LocomotionProfile a = LoadLocomotionProfile("standard", small),
+                          b = LoadLocomotionProfile("standard", large);
+  const auto frequency = [](const LocomotionProfile& p, const RobotScale& s) {
+    return std::sqrt(p.whole_body.com_stiffness / s.mass) * s.Time();
+  };
+  EXPECT_NEAR(frequency(a, small), frequency(b, large), 1e-9);
+  const auto damping_ratio = [](const LocomotionProfile& p, const RobotScale& s) {
+    return p.whole_body.com_damping / (2 * std::sqrt(p.whole_body.com_stiffness * s.mass));
+  };
+  EXPECT_NEAR(damping_ratio(a, small), damping_ratio(b, large), 1e-9);
+  // Costs of a force of 1 % of the weight, of that force at the end of a leg, and of an acceleration of g.
+  const auto costs = [](const LocomotionProfile& p, const RobotScale& s) {
+    const WholeBodyQpParams& qp = p.whole_body.qp;
+    const double force = 0.01 * s.Weight(), moment = force * s.length;
+    return Eigen::Vector4d(qp.wrench_weight * force * force, qp.moment_weight * moment * moment,
+                           qp.acceleration_weight * 9.81 * 9.81, qp.slack_weight * 9.81 * 9.81);
+  };
+  const Eigen::Vector4d of_a = costs(a, small), of_b = costs(b, large);
+  EXPECT_TRUE((of_a / of_a[0]).isApprox(of_b / of_b[0], 1e-9));
+  EXPECT_NEAR(b.ground.roughness, 2 * a.ground.roughness, 1e-12);
+  EXPECT_NEAR(LoadGaits({"standard"}, large).touchdown_force,
+              8 * LoadGaits({"standard"}, small).touchdown_force, 1e-9);
+}
+
+TEST(LocomotionProfileTest, RefusesGainsOfOneRobot) {
+  const auto load = [](const char* profile) {
+    LoadLocomotionProfile(YamlFile{profile}, ScaleOf(test::DogBot()));
+  };
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { load("{file: standard, whole_body: {com_stiffness_N_per_m: 2500}}"); },
+                             "com_stiffness_N_per_m", "com_stiffness_mg_per_l"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { load("{file: standard, ground: {roughness_m: 0.03}}"); },
+                                     "roughness_m", "roughness_l"));
+}
+
+}  // namespace
+}  // namespace tenon::locomotion_profile_test

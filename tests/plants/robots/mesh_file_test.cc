@@ -1,0 +1,168 @@
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/plants/robots/mesh_file.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/plants/model/mesh_test_files.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+namespace tenon::mesh_file_test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::FloatNear;
+using Corner = std::array<float, 3>;
+
+class MeshFileTest : public ::testing::Test {
+ protected:
+  MeshFileTest() { fs::create_directories(home); }
+  ~MeshFileTest() override { fs::remove_all(home); }
+  const fs::path home = test::TemporaryPath("meshes");
+};
+
+/// Six times the volume that the triangles enclose, positive if they are counterclockwise from outside.
+double SixVolumes(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Corner &p = mesh.corners.at(a), &q = mesh.corners.at(b), &r = mesh.corners.at(c);
+    sum += p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) +
+           p[2] * (q[0] * r[1] - q[1] * r[0]);
+  }
+  return sum;
+}
+
+/// A sphere of radius 1 with 2 n (n - 1) triangles.
+TriangleMesh Sphere(std::uint32_t n) {
+  TriangleMesh mesh{{{0, 0, 1}, {0, 0, -1}}, {}};
+  const auto at = [n](std::uint32_t ring, std::uint32_t i) { return 2 + (ring - 1) * n + i % n; };
+  for (std::uint32_t ring = 1; ring < n; ++ring) {
+    const double polar = std::numbers::pi * ring / n;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double turn = 2 * std::numbers::pi * i / n;
+      mesh.corners.push_back({static_cast<float>(std::sin(polar) * std::cos(turn)),
+                              static_cast<float>(std::sin(polar) * std::sin(turn)),
+                              static_cast<float>(std::cos(polar))});
+      if (ring == 1) mesh.triangles.push_back({0, at(1, i), at(1, i + 1)});
+      if (ring == n - 1) mesh.triangles.push_back({1, at(ring, i + 1), at(ring, i)});
+      if (ring == 1) continue;
+      mesh.triangles.push_back({at(ring - 1, i), at(ring, i), at(ring, i + 1)});
+      mesh.triangles.push_back({at(ring - 1, i), at(ring, i + 1), at(ring - 1, i + 1)});
+    }
+  }
+  return mesh;
+}
+
+TEST_F(MeshFileTest, ReadsThreeFormatsAlike) {
+  for (const char* name : {"t.stl", "t.obj", "t.dae"}) {
+    test::WriteTetrahedron(home / name);
+    const TriangleMesh mesh = *ReadMesh(home / name);
+    std::vector<Corner> corners = mesh.corners;
+    std::ranges::sort(corners);
+    const auto is = [](float x, float y, float z) {
+      return ElementsAre(FloatNear(x, 1e-6F), FloatNear(y, 1e-6F), FloatNear(z, 1e-6F));
+    };
+    EXPECT_THAT(corners, ElementsAre(is(0, 0, 0), is(0, 0, 3), is(0, 2, 0), is(1, 0, 0))) << name;
+    EXPECT_EQ(mesh.triangles.size(), 4u) << name;
+    EXPECT_NEAR(SixVolumes(mesh), 6, 1e-6) << name;
+  }
+}
+
+TEST_F(MeshFileTest, AFileIsReadOnceUntilItChanges) {
+  test::WriteTetrahedron(home / "t.stl");
+  const auto first = ReadMesh(home / "t.stl");
+  EXPECT_EQ(ReadMesh(home / "." / "t.stl"), first);
+  std::ofstream(home / "t.stl") << "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                                   "vertex 0 1 0\nendloop\nendfacet\nendsolid t\n";
+  fs::last_write_time(home / "t.stl", fs::last_write_time(home / "t.stl") + std::chrono::seconds(2));
+  EXPECT_EQ(ReadMesh(home / "t.stl")->triangles.size(), 1u);
+  EXPECT_EQ(first->triangles.size(), 4u);
+}
+
+TEST_F(MeshFileTest, ManyTrianglesBecomeFewOfTheSameShape) {
+  const TriangleMesh sphere = Sphere(100);
+  ASSERT_EQ(sphere.triangles.size(), 19800u);
+  const TriangleMesh few = Simplified(sphere);
+  EXPECT_LE(few.triangles.size(), kMostTriangles);
+  EXPECT_GE(few.triangles.size(), kMostTriangles / 2);
+  for (const Corner& p : few.corners) EXPECT_NEAR(std::hypot(p[0], p[1], p[2]), 1, 0.02);
+  EXPECT_NEAR(SixVolumes(few), 8 * std::numbers::pi, 0.02 * 8 * std::numbers::pi);
+  std::set<std::uint32_t> used;
+  for (const auto& triangle : few.triangles) used.insert(triangle.begin(), triangle.end());
+  EXPECT_EQ(used.size(), few.corners.size());
+  EXPECT_LE(Simplified(sphere, 20).triangles.size(), 20u) << "where shape cannot be kept, too";
+  EXPECT_EQ(Simplified(Sphere(10)).triangles, Sphere(10).triangles) << "few stay as they are";
+}
+
+TEST_F(MeshFileTest, FindsFilesAsUrdfsNameThem) {
+  const fs::path urdf = home / "my_robot/urdf/my.urdf";
+  fs::create_directories(urdf.parent_path());
+  test::WriteTetrahedron(home / "my_robot/meshes/a.stl");
+  test::WriteTetrahedron(home / "other_robot/meshes/b.stl");
+  test::WriteTetrahedron(home / "elsewhere/share/far_robot/c.stl");
+  EXPECT_TRUE(FindMesh("../meshes/a.stl", urdf));
+  EXPECT_TRUE(FindMesh("file://" + (home / "my_robot/meshes/a.stl").string(), urdf));
+  EXPECT_TRUE(FindMesh("package://my_robot/meshes/a.stl", urdf));
+  EXPECT_EQ(FindMesh("package://other_robot/meshes/b.stl", urdf), home / "other_robot/meshes/b.stl");
+  EXPECT_FALSE(FindMesh("package://far_robot/c.stl", urdf));
+  ::setenv("ROS_PACKAGE_PATH", ("/nowhere:" + (home / "elsewhere/share").string()).c_str(), 1);
+  EXPECT_TRUE(FindMesh("package://far_robot/c.stl", urdf));
+  ::unsetenv("ROS_PACKAGE_PATH");
+  ::setenv("AMENT_PREFIX_PATH", (home / "elsewhere").c_str(), 1);
+  EXPECT_TRUE(FindMesh("package://far_robot/c.stl", urdf));
+  ::unsetenv("AMENT_PREFIX_PATH");
+  for (const char* name : {"", "..", "package://", "package:///etc/passwd", "file://", "../meshes/no.stl"})
+    EXPECT_FALSE(FindMesh(name, urdf)) << name;
+}
+
+TEST_F(MeshFileTest, ACopyOfAUrdfFindsThemFromAnywhere) {
+  test::WriteTetrahedron(home / "my_robot/a.stl");
+  const std::string text =
+      "<mesh scale=\"1 1 1\" filename=\"package://my_robot/a.stl\"/> <mesh filename='a.stl'/>"
+      "<mesh filename=\"no.stl\"/><mesh/><mesh filename=\"a";
+  const std::string found = "file://" + fs::canonical(home / "my_robot/a.stl").string();
+  const std::string copy = WithMeshesFound(text, home / "my_robot/my.urdf");
+  EXPECT_EQ(copy, "<mesh scale=\"1 1 1\" filename=\"" + found + "\"/> <mesh filename='" + found +
+                      "'/><mesh filename=\"no.stl\"/><mesh/><mesh filename=\"a");
+  EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
+}
+
+// Of folders that have in their names what means something in XML.
+TEST_F(MeshFileTest, ACopyOfAUrdfIsXmlWhereverTheyStand) {
+  const fs::path folder = home / "R&D's <dogs>";
+  fs::create_directories(folder);
+  test::WriteTetrahedron(folder / "a&b.stl");
+  const std::string copy = WithMeshesFound("<mesh filename='a&amp;b.stl'/>", folder / "my.urdf");
+  EXPECT_EQ(copy, "<mesh filename='file://" + fs::canonical(home).string() +
+                      "/R&amp;D&apos;s &lt;dogs&gt;/a&amp;b.stl'/>");
+  EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
+}
+
+TEST_F(MeshFileTest, SaysWhatIsWrong) {
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "no.stl"); }, "no.stl", "there is no such file",
+                                     "export it as STL, OBJ or COLLADA"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home); }, "there is no such file"));
+  std::ofstream(home / "text.stl") << "this is no mesh";
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "text.stl"); }, "text.stl", "cannot be read"));
+  std::ofstream(home / "points.obj") << "v 0 0 0\nv 1 0 0\n";
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "points.obj"); }, "points.obj"));
+  std::ofstream(home / "far.obj") << "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "far.obj"); }, "far.obj"));
+  test::WriteTetrahedron(home / "large.stl");
+  fs::resize_file(home / "large.stl", 200'000'001);
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "large.stl"); }, "more than 200 MB"));
+}
+
+}  // namespace
+}  // namespace tenon::mesh_file_test
