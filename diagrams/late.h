@@ -1,9 +1,9 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/sample_delay.h>
+
+#include <string>
 
 namespace tenon {
 

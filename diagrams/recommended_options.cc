@@ -1,13 +1,12 @@
-#include <tenon/diagrams/recommended_options.h>
-
-#include <string>
-
-#include <fmt/core.h>
-
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
+
+#include <fmt/core.h>
+
+#include <string>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/simulation/simulator_options.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
 

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/signal.h>
+
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

@@ -1,4 +1,5 @@
 #include <tenon/apps/campaign/campaign_desk.h>
+#include <tenon/apps/common/progress.h>
 
 #include <fmt/core.h>
 
@@ -8,8 +9,6 @@
 #include <system_error>
 #include <thread>
 #include <vector>
-
-#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
 

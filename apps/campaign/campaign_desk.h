@@ -1,16 +1,16 @@
 #pragma once
 
+#include <tenon/apps/campaign/campaign_runner.h>
+#include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/progress.h>
+
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <mutex>
 #include <optional>
 #include <string>
-
-#include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,11 @@
 #include <tenon/apps/campaign/campaign_file.h>
+#include <tenon/apps/common/checks.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <limits>
-
-#include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 namespace {

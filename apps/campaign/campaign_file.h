@@ -1,5 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/yaml/yaml.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,10 +11,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/block/distribution.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

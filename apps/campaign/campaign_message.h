@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/apps/campaign/campaign_runner.h>
+
 #include <cstddef>
 #include <optional>
 #include <string>
-
-#include <tenon/apps/campaign/campaign_runner.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,5 @@
 #include <tenon/apps/campaign/campaign_mpi.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -7,12 +8,10 @@
 #include <thread>
 #include <vector>
 
-#include <tenon/systems/framework/types/errors.h>
-
 #ifdef TENON_WITH_MPI
-#include <mpi.h>
-
 #include <tenon/apps/campaign/campaign_message.h>
+
+#include <mpi.h>
 #endif
 
 namespace tenon::apps {

@@ -1,4 +1,9 @@
 #include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/systems/campaign/sampling.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
 
 #include <fmt/core.h>
 
@@ -7,12 +12,6 @@
 #include <map>
 #include <optional>
 #include <set>
-
-#include <tenon/systems/campaign/sampling.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <tenon/apps/campaign/campaign_file.h>
+#include <tenon/systems/yaml/yaml.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -7,9 +10,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_file.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

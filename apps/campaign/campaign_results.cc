@@ -1,23 +1,22 @@
 #include <tenon/apps/campaign/campaign_results.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/report/campaign_report.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/parse_number.h>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/report/campaign_report.h>
 
 namespace tenon::apps {
 namespace {

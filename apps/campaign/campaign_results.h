@@ -1,10 +1,10 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
+
+#include <filesystem>
+#include <string>
 
 namespace tenon::apps {
 

@@ -1,4 +1,7 @@
 #include <tenon/apps/campaign/campaign_runner.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -6,10 +9,6 @@
 #include <exception>
 #include <optional>
 #include <utility>
-
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 

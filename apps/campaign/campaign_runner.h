@@ -1,15 +1,15 @@
 #pragma once
 
+#include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/common/scenario_app.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_plan.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/scenario_app.h>
 
 namespace tenon::apps {
 

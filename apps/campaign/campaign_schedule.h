@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/systems/campaign/statistics.h>
+
 #include <cstddef>
 #include <map>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_plan.h>
-#include <tenon/systems/campaign/statistics.h>
 
 namespace tenon::apps {
 

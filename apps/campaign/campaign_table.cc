@@ -1,4 +1,6 @@
 #include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/parse_number.h>
 
 #include <fmt/core.h>
 
@@ -6,9 +8,6 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/parse_number.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/files/output_file.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -9,8 +11,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

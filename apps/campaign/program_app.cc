@@ -1,8 +1,10 @@
 #include <tenon/apps/campaign/program_app.h>
-
-#include <fmt/core.h>
+#include <tenon/apps/common/read_text.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,10 +18,6 @@
 #include <system_error>
 #include <thread>
 #include <vector>
-
-#include <tenon/apps/common/read_text.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
-
 #include <tenon/apps/common/scenario_app.h>
+
+#include <filesystem>
 
 namespace tenon::apps {
 

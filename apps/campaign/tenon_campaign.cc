@@ -1,14 +1,5 @@
 // tenon-campaign: runs a scenario many times, varied, in threads, across machines, and in parts.
 
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <array>
-#include <cctype>
-#include <thread>
-#include <unordered_set>
-#include <vector>
-
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_mpi.h>
 #include <tenon/apps/campaign/campaign_plan.h>
@@ -26,10 +17,19 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <thread>
+#include <unordered_set>
+#include <vector>
 
 namespace tenon::apps {
 namespace {

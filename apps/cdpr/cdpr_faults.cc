@@ -1,5 +1,4 @@
 #include <tenon/apps/cdpr/cdpr_faults.h>
-
 #include <tenon/plants/cdpr/cable_fault.h>
 
 namespace tenon::apps {

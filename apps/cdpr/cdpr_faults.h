@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include <tenon/apps/common/faults.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+
+#include <array>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,9 +1,8 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
+#include <tenon/apps/common/columns.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
 namespace {

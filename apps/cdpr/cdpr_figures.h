@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-
 #include <tenon/apps/common/checks.h>
 #include <tenon/systems/yaml/resources.h>
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include <tenon/apps/common/link_scenario.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <optional>
+#include <string>
 
 namespace tenon::apps {
 

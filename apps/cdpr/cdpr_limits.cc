@@ -1,14 +1,13 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
+#include <tenon/apps/common/beside.h>
+#include <tenon/apps/common/columns.h>
+#include <tenon/plants/model/segment_distance.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/apps/common/beside.h>
-#include <tenon/apps/common/columns.h>
-#include <tenon/plants/model/segment_distance.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <tenon/apps/common/breaches.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::apps {
 

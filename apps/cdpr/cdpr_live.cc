@@ -1,9 +1,9 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
+#include <tenon/plants/model/gravity.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
-#include <tenon/plants/model/gravity.h>
+#include <cmath>
 
 namespace tenon::apps {
 namespace {

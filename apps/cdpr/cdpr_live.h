@@ -1,12 +1,12 @@
 #pragma once
 
-#include <vector>
-
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/cdpr/platform_pull.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/live/live_server.h>
+
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,18 +1,17 @@
+#include <tenon/apps/cdpr/cdpr_figures.h>
+#include <tenon/apps/cdpr/cdpr_limits.h>
+#include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/tally.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
 #include <memory>
 #include <optional>
 #include <vector>
-
-#include <tenon/apps/cdpr/cdpr_figures.h>
-#include <tenon/apps/cdpr/cdpr_limits.h>
-#include <tenon/apps/cdpr/cdpr_live.h>
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/tally.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/scenario_app.h>
+
+#include <string>
 
 namespace tenon::apps {
 

@@ -1,18 +1,17 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/path_file.h>
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/checks.h>
-#include <tenon/apps/common/notes.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

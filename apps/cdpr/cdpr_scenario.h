@@ -1,12 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/outputs.h>
@@ -15,6 +8,14 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/framework/types/fields.h>
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace tenon::apps {
 

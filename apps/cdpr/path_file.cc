@@ -1,4 +1,7 @@
 #include <tenon/apps/cdpr/path_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
 
 #include <fmt/format.h>
 
@@ -8,10 +11,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,16 +1,16 @@
 // tenon-cdpr-workspace: where a cable robot can be, with proof, see docs/cdpr_workspace.md.
 
-#include <fmt/core.h>
-
-#include <vector>
-
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
-#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
+
+#include <vector>
 
 namespace tenon::apps {
 namespace {

@@ -1,21 +1,21 @@
 // tenon-tune-pd: finds the gains of the cable robot's length controller by optimisation, see
 // docs/pd_gains.md.
 
+#include <tenon/apps/cdpr/cdpr_figures.h>
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
+
 #include <fmt/core.h>
+#include <nlopt.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <exception>
 #include <limits>
-#include <nlopt.hpp>
-
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/apps/cdpr/cdpr_figures.h>
-#include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 namespace {

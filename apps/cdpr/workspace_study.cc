@@ -1,19 +1,19 @@
-#include <fmt/core.h>
 #include <tenon/apps/cdpr/workspace_study.h>
+#include <tenon/apps/common/number_or_null.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/volume_report.h>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
-
-#include <tenon/apps/common/number_or_null.h>
-#include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/plants/cdpr/cdpr_geometry.h>
-#include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/report/volume_report.h>
 
 namespace tenon::apps {
 namespace {

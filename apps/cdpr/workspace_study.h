@@ -1,14 +1,15 @@
 #pragma once
 
+#include <tenon/controllers/cdpr/cdpr_workspace.h>
+
 #include <Eigen/Core>
+
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/controllers/cdpr/cdpr_workspace.h>
 
 namespace tenon::apps {
 

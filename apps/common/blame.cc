@@ -1,8 +1,7 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
-
-#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

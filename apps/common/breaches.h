@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
+
 #include <map>
 #include <string>
 #include <utility>
-
-#include <tenon/apps/common/outputs.h>
 
 namespace tenon::apps {
 

@@ -1,11 +1,10 @@
 #include <tenon/apps/common/checks.h>
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/rate.h>
 
 namespace tenon::apps {
 

@@ -1,10 +1,9 @@
 #include <tenon/apps/common/columns.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,12 @@
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/memory_reserve.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
 
 #include <fmt/core.h>
 
@@ -11,15 +19,6 @@
 #include <new>
 #include <sstream>
 #include <system_error>
-
-#include <tenon/apps/common/live_session.h>
-#include <tenon/apps/common/memory_reserve.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

@@ -1,15 +1,16 @@
 #pragma once
 
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_app.h>
+#include <tenon/apps/common/scenario_file.h>
+
 #include <CLI/CLI.hpp>
+
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/run_options.h>
-#include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/common/scenario_file.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,6 @@
 #include <tenon/apps/common/comparison.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/core.h>
 
@@ -8,9 +10,6 @@
 #include <set>
 #include <string_view>
 #include <utility>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
 
 namespace tenon::apps {
 

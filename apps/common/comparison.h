@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
+
 #include <functional>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/outputs.h>
 
 namespace tenon::apps {
 

@@ -1,13 +1,12 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/faults.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <exception>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/primitives/signal_fault.h>
+
 #include <array>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/primitives/signal_fault.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,11 @@
 #include <tenon/apps/common/figure_text.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
 
 namespace tenon::apps {
 namespace {

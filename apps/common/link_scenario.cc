@@ -1,9 +1,8 @@
+#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/link_scenario.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
-
-#include <tenon/apps/common/checks.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::apps {
 

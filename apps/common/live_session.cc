@@ -1,8 +1,7 @@
 #include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/live_terminal.h>
 
 #include <fmt/format.h>
-
-#include <tenon/apps/common/live_terminal.h>
 
 namespace tenon::apps {
 

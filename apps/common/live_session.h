@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/live/live_server.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-
-#include <tenon/apps/common/progress.h>
-#include <tenon/systems/live/live_server.h>
 
 namespace tenon::apps {
 

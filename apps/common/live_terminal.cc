@@ -1,15 +1,14 @@
 #include <tenon/apps/common/live_terminal.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-
-#include <tenon/apps/common/progress.h>
-#include <tenon/systems/text/excerpt.h>
 
 namespace tenon::apps {
 namespace {

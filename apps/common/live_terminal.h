@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/live/live_server.h>
+
 #include <termios.h>
 
 #include <array>
 #include <chrono>
 #include <optional>
 #include <string>
-
-#include <tenon/systems/live/live_server.h>
 
 namespace tenon::apps {
 

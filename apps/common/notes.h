@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/apps/common/faults.h>
+
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/faults.h>
 
 namespace tenon::apps {
 

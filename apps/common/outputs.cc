@@ -1,8 +1,15 @@
+#include <tenon/apps/common/beside.h>
+#include <tenon/apps/common/figure_text.h>
+#include <tenon/apps/common/memory_reserve.h>
+#include <tenon/apps/common/number_or_null.h>
 #include <tenon/apps/common/outputs.h>
-
-#include <fmt/format.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/simulation/background_log.h>
+#include <tenon/systems/text/nearest_name.h>
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spawn.h>
 #include <sys/file.h>
 #include <sys/wait.h>
@@ -13,15 +20,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
-
-#include <tenon/apps/common/beside.h>
-#include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/memory_reserve.h>
-#include <tenon/apps/common/number_or_null.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/simulation/background_log.h>
 
 namespace tenon::apps {
 

@@ -1,5 +1,14 @@
 #pragma once
 
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/report/report.h>
+
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -10,15 +19,6 @@
 #include <system_error>
 #include <utility>
 #include <vector>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/live_session.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/run_options.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/report/report.h>
 
 namespace tenon::apps {
 

@@ -1,11 +1,10 @@
+#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/path_verdict.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <numbers>
-
-#include <tenon/apps/common/beside.h>
 
 namespace tenon::apps {
 

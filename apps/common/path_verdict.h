@@ -1,10 +1,10 @@
 #pragma once
 
-#include <optional>
-#include <utility>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
+
+#include <optional>
+#include <utility>
 
 namespace tenon::apps {
 

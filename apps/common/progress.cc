@@ -1,4 +1,8 @@
+#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -13,11 +17,6 @@
 #include <mutex>
 #include <new>
 #include <utility>
-
-#include <tenon/apps/common/memory_reserve.h>
-#include <tenon/apps/common/run_options.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

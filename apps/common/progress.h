@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/simulation/simulator.h>
+
 #include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
-
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps {
 

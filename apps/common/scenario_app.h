@@ -1,5 +1,11 @@
 #pragma once
 
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/yaml/yaml.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -7,12 +13,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/run_options.h>
-#include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,11 @@
+#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
@@ -10,14 +17,6 @@
 #include <sstream>
 #include <system_error>
 #include <typeinfo>
-
-#include <tenon/apps/common/read_text.h>
-#include <tenon/systems/yaml/mesh_paths.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 

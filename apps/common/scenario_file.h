@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/yaml/yaml.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

@@ -1,4 +1,7 @@
 #include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -10,10 +13,6 @@
 #include <memory>
 #include <optional>
 #include <typeinfo>
-
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <string>
+#include <vector>
 
 namespace tenon::apps {
 

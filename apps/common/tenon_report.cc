@@ -1,16 +1,16 @@
 // tenon-report: one page of several runs that are there already.
 
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/comparison.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/report.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/comparison.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/report/report.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,11 +1,10 @@
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
 namespace {

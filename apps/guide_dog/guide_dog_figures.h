@@ -1,13 +1,13 @@
 #pragma once
 
-#include <deque>
-#include <optional>
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <deque>
+#include <optional>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,4 +1,15 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
+#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
@@ -6,18 +17,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/apps/quadruped/drive_limits.h>
-#include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_live.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,9 +1,8 @@
+#include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/notes.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 
 #include <fmt/core.h>
-
-#include <tenon/apps/common/checks.h>
-#include <tenon/apps/common/notes.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
 
 namespace tenon::apps {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,12 +1,11 @@
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
-
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
 void EstimateFigures::Begin(const std::vector<std::string>& names) {

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/tally.h>
+#include <tenon/plants/model/quadruped_description.h>
+
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/tally.h>
-#include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,11 @@
+#include <tenon/apps/common/beside.h>
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/apps/common/beside.h>
-#include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
 namespace {

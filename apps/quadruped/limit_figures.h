@@ -1,16 +1,16 @@
 #pragma once
 
-#include <array>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <tenon/apps/common/breaches.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,16 +1,17 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace tenon::apps {
 

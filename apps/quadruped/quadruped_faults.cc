@@ -1,5 +1,4 @@
 #include <tenon/apps/quadruped/quadruped_faults.h>
-
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/plants/legged/joint_lock.h>
 

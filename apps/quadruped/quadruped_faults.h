@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include <tenon/apps/common/faults.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+
+#include <array>
+#include <vector>
 
 namespace tenon::apps {
 

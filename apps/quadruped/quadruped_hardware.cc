@@ -1,4 +1,6 @@
+#include <tenon/apps/common/checks.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
@@ -7,9 +9,6 @@
 #include <initializer_list>
 #include <numbers>
 #include <utility>
-
-#include <tenon/apps/common/checks.h>
-#include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <string>
-
 #include <tenon/apps/common/link_scenario.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
 
 namespace tenon::apps {
 

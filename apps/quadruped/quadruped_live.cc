@@ -1,12 +1,11 @@
 #include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/plants/legged/quadruped_geometry.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
-
-#include <tenon/plants/legged/quadruped_geometry.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
@@ -10,6 +8,8 @@
 #include <tenon/plants/legged/spring_pull.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/live/live_server.h>
+
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,12 +1,13 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/systems/yaml/internal/yaml_writer.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,8 +15,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-
-#include <tenon/systems/yaml/internal/yaml_writer.h>
 
 namespace tenon {
 namespace {

@@ -1,19 +1,18 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/stand_figures.h>
+#include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
 #include <memory>
 #include <optional>
 #include <vector>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/quadruped/drive_limits.h>
-#include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_live.h>
-#include <tenon/apps/quadruped/stand_figures.h>
-#include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 

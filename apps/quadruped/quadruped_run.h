@@ -1,11 +1,11 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+
+#include <string>
 
 namespace tenon::apps {
 

@@ -1,20 +1,19 @@
-#include <tenon/apps/quadruped/quadruped_scenario.h>
-
-#include <fmt/core.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/notes.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace tenon::apps {
 namespace {

@@ -1,14 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_faults.h>
@@ -19,6 +10,16 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/model_error.h>
 #include <tenon/systems/framework/types/fields.h>
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::apps {
 

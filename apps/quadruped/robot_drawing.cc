@@ -1,8 +1,8 @@
 #include <tenon/apps/quadruped/robot_drawing.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <vector>

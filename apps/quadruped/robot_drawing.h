@@ -1,8 +1,8 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/plants/model/quadruped_description.h>
+
+#include <string>
 
 namespace tenon::apps {
 

@@ -1,9 +1,8 @@
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/stand_figures.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/apps/common/columns.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <optional>
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <optional>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,18 +1,18 @@
 // tenon-gait-stability: the Floquet multipliers of a walking robot, and whether they foretell how a push
 // decays.
 
-#include <fmt/core.h>
-
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <numeric>
-
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
 
 namespace tenon::apps {
 namespace {

@@ -1,14 +1,5 @@
 // tenon-observer-order: what order and gains of the leg observer cost and bring, on a constant force.
 
-#include <fmt/core.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <limits>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
@@ -17,7 +8,16 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
 
 namespace tenon::apps {
 namespace {

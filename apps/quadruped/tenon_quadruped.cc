@@ -1,8 +1,5 @@
 // tenon-quadruped: a quadruped that stands, drops, or walks.
 
-#include <fmt/core.h>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
@@ -10,7 +7,10 @@
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,26 +1,26 @@
 // tenon-robot: from a URDF to a robot that walks.
 
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/figure_text.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/read_text.h>
+#include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/robot_drawing.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/systems/yaml/resources.h>
+
 #include <fmt/core.h>
 
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
-
-#include <tenon/systems/yaml/mesh_paths.h>
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/read_text.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/apps/quadruped/robot_drawing.h>
-#include <tenon/plants/robots/mesh_file.h>
-#include <tenon/apps/quadruped/quadruped_proposal.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon::apps {
 namespace {

@@ -1,3 +1,6 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/progress.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 
@@ -6,10 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/progress.h>
 
 namespace tenon::apps {
 

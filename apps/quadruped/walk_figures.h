@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <deque>
-#include <vector>
-
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
@@ -11,6 +7,10 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/signal_log.h>
+
+#include <array>
+#include <deque>
+#include <vector>
 
 namespace tenon::apps {
 

@@ -1,11 +1,11 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
-
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
 #include <algorithm>
 #include <limits>
 

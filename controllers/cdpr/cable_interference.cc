@@ -3,6 +3,7 @@
 #include <tenon/plants/model/segment_distance.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -3,6 +3,7 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 
 #include <Eigen/Core>
+
 #include <utility>
 #include <vector>
 

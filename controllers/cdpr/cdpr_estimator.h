@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>

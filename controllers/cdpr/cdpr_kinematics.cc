@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/cross_matrix.h>
@@ -11,6 +10,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
-
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_plan.h>
 #include <tenon/systems/framework/block/parameter.h>
+
+#include <memory>
 
 namespace tenon {
 

@@ -1,7 +1,5 @@
-#include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
-
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/balanced_reference.h>
+#include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/optimization/riccati.h>
@@ -10,6 +8,8 @@
 #include <tenon/systems/framework/block/system.h>
 
 #include <Eigen/LU>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>

@@ -1,7 +1,8 @@
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,6 +3,7 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 
 #include <Eigen/Core>
+
 #include <array>
 #include <functional>
 #include <vector>

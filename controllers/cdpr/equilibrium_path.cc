@@ -1,10 +1,11 @@
-#include <fmt/format.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

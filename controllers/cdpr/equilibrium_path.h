@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
+
 #include <memory>
 #include <optional>
 #include <vector>

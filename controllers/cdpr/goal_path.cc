@@ -1,11 +1,10 @@
 #include <tenon/controllers/cdpr/goal_path.h>
+#include <tenon/plants/signals/euler.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/plants/signals/euler.h>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
-
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <memory>
 
 namespace tenon {
 

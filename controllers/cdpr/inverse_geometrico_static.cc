@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
@@ -8,10 +7,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <fmt/format.h>
+#include <nlopt.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlopt.hpp>
 #include <numbers>
 #include <string>
 #include <vector>

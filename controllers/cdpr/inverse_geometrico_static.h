@@ -4,6 +4,7 @@
 #include <tenon/plants/model/cdpr_description.h>
 
 #include <Eigen/Core>
+
 #include <optional>
 
 namespace tenon {

@@ -1,15 +1,15 @@
-#include <tenon/controllers/cdpr/kino_centroidal_model.h>
-
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/signals/euler.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>

@@ -1,11 +1,11 @@
-#include <tenon/controllers/cdpr/load_estimator.h>
-
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/cdpr/load_estimator.h>
 #include <tenon/plants/model/cross_matrix.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,9 +1,10 @@
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

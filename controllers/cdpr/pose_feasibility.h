@@ -5,6 +5,7 @@
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 
 #include <Eigen/Core>
+
 #include <array>
 #include <vector>
 

@@ -1,8 +1,9 @@
-#include <fmt/format.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Householder>
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace tenon {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+
 #include <string>
 
 namespace tenon {

@@ -1,8 +1,9 @@
-#include <fmt/core.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 
 #include <fmt/core.h>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace tenon {
 

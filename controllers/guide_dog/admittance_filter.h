@@ -1,13 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <Eigen/Core>
 
 namespace tenon {
 

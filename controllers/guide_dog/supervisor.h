@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
-#include <utility>
-
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
+#include <utility>
 
 namespace tenon {
 

@@ -1,14 +1,15 @@
 #pragma once
 
+#include <tenon/controllers/optimization/lanes/packed_algebra.h>
+
 #include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/controllers/optimization/lanes/packed_algebra.h>
 
 namespace tenon::internal {
 

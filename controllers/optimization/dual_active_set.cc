@@ -1,12 +1,11 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
+#include <tenon/controllers/optimization/dual_active_set_steps.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/controllers/optimization/dual_active_set_steps.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

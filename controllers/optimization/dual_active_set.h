@@ -1,14 +1,15 @@
 #pragma once
 
+#include <tenon/controllers/optimization/cost_factor.h>
+#include <tenon/systems/framework/types/fields.h>
+
 #include <Eigen/Core>
+
 #include <array>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/controllers/optimization/cost_factor.h>
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/controllers/optimization/infinity.h>
+
+#include <algorithm>
+#include <cmath>
 
 // The two kinds of steps of DualActiveSet, for dual_active_set.cc alone.
 namespace tenon {

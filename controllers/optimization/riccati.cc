@@ -1,5 +1,4 @@
 #include <tenon/controllers/optimization/riccati.h>
-
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
+#include <tenon/controllers/optimization/slq_options.h>
 
 #include <Eigen/Core>
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+
 #include <array>
 #include <utility>
-
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

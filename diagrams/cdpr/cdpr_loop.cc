@@ -1,6 +1,5 @@
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
-
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/late.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <optional>
-#include <string>
-
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/cable_pd.h>
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
@@ -24,6 +20,10 @@
 #include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/jittered_delay.h>
+
+#include <memory>
+#include <optional>
+#include <string>
 
 namespace tenon {
 

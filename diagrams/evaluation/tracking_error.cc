@@ -1,13 +1,12 @@
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
-
-#include <fmt/core.h>
 #include <tenon/plants/signals/euler.h>
 
 #include <Eigen/Geometry>
+#include <fmt/core.h>
+
 #include <cmath>
 #include <numbers>
-
-#include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 namespace tenon {
 

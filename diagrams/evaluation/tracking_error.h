@@ -1,10 +1,9 @@
 #pragma once
 
+#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/plants/model/quadruped_model.h>
-
-#include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>

@@ -1,5 +1,4 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
-
 #include <tenon/plants/model/gravity.h>
 
 namespace tenon {

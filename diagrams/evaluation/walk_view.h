@@ -1,9 +1,8 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/plants/model/quadruped_description.h>
-
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/geometry.h>

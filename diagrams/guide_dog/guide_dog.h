@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 #include <tenon/controllers/guide_dog/supervisor.h>
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
@@ -14,6 +12,8 @@
 #include <tenon/plants/surroundings/leash.h>
 #include <tenon/plants/surroundings/obstacle_detector.h>
 #include <tenon/plants/surroundings/person.h>
+
+#include <optional>
 
 namespace tenon {
 

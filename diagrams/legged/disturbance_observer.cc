@@ -1,5 +1,4 @@
 #include <tenon/diagrams/legged/disturbance_observer.h>
-
 #include <tenon/systems/primitives/constant.h>
 
 namespace tenon {

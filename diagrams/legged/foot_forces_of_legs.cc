@@ -1,5 +1,4 @@
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
-
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/unit_delay.h>
 

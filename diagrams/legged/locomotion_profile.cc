@@ -1,5 +1,4 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
-
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 

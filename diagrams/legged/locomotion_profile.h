@@ -1,18 +1,18 @@
 #pragma once
 
-#include <array>
-#include <string>
-
+#include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
 #include <tenon/controllers/legged/observers/com_observer.h>
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/robot_scale.h>
+
+#include <array>
+#include <string>
 
 namespace tenon {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
-
 #include <tenon/diagrams/legged/quadruped_world.h>
 
 namespace tenon {

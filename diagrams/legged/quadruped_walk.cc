@@ -1,5 +1,4 @@
 #include <tenon/diagrams/legged/quadruped_walk.h>
-
 #include <tenon/diagrams/legged/walk_connections.h>
 #include <tenon/systems/yaml/yaml.h>
 

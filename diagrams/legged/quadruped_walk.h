@@ -1,14 +1,14 @@
 #pragma once
 
-#include <optional>
-
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
+
+#include <optional>
 
 namespace tenon {
 

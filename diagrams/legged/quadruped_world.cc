@@ -1,11 +1,9 @@
+#include <tenon/diagrams/late.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
-
 #include <tenon/plants/model/standing.h>
 #include <tenon/plants/sensors/shank_forces.h>
 
 #include <string>
-
-#include <tenon/diagrams/late.h>
 
 namespace tenon {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/signals/legged_signals.h>

@@ -1,23 +1,21 @@
-#include <tenon/docs/catalogue/catalogue.h>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/goal_path.h>
-#include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
+#include <tenon/docs/catalogue/catalogue.h>
 #include <tenon/plants/cdpr/cable_fault.h>
 #include <tenon/plants/cdpr/gusts.h>
 #include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/plants/cdpr/platform_pull.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/io/external_input.h>
 #include <tenon/systems/network/lcm.h>
@@ -56,6 +54,7 @@
 #include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::docs {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/simulation.h>
+
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/simulation.h>
 
 namespace tenon::docs {
 

@@ -1,4 +1,5 @@
 #include <tenon/docs/catalogue/documents.h>
+#include <tenon/docs/catalogue/page.h>
 
 #include <fmt/format.h>
 
@@ -6,8 +7,6 @@
 #include <cstdio>
 #include <fstream>
 #include <sstream>
-
-#include <tenon/docs/catalogue/page.h>
 
 namespace tenon::docs {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/docs/catalogue/catalogue.h>
+
 #include <filesystem>
 #include <string>
-
-#include <tenon/docs/catalogue/catalogue.h>
 
 namespace tenon::docs {
 

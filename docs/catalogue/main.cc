@@ -1,12 +1,12 @@
 // Writes what docs/ holds of the blocks and diagrams; tools/docs runs it.
 
+#include <tenon/docs/catalogue/documents.h>
+#include <tenon/docs/catalogue/scenario_page.h>
+
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
-
-#include <tenon/docs/catalogue/documents.h>
-#include <tenon/docs/catalogue/scenario_page.h>
 
 int main(int argc, char** argv) {
   if (argc != 3) {

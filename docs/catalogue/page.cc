@@ -1,4 +1,7 @@
 #include <tenon/docs/catalogue/page.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/geometry.h>
 
 #include <fmt/format.h>
 
@@ -7,10 +10,6 @@
 #include <set>
 #include <tuple>
 #include <typeinfo>
-
-#include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/geometry.h>
 
 namespace tenon::docs {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/docs/catalogue/catalogue.h>
+#include <tenon/docs/catalogue/headers.h>
+
 #include <map>
 #include <string>
 #include <vector>
-
-#include <tenon/docs/catalogue/catalogue.h>
-#include <tenon/docs/catalogue/headers.h>
 
 namespace tenon::docs {
 

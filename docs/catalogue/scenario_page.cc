@@ -1,3 +1,10 @@
+#include <tenon/apps/campaign/campaign_file.h>
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/scenario_keys.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/observer_order_scenario.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/docs/catalogue/headers.h>
 #include <tenon/docs/catalogue/scenario_page.h>
 
 #include <fmt/format.h>
@@ -9,14 +16,6 @@
 #include <set>
 #include <string_view>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_file.h>
-#include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/scenario_keys.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
-#include <tenon/apps/quadruped/observer_order_scenario.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/docs/catalogue/headers.h>
 
 namespace tenon::docs {
 namespace {

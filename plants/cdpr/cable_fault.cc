@@ -1,10 +1,9 @@
 #include <tenon/plants/cdpr/cable_fault.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/primitives/fault_schedule.h>
+
+#include <array>
+#include <vector>
 
 namespace tenon {
 

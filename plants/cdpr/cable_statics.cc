@@ -1,8 +1,8 @@
 #include <tenon/plants/cdpr/cable_statics.h>
-
-#include <fmt/format.h>
 #include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/format.h>
 
 #include <cmath>
 

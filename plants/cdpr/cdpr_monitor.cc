@@ -1,11 +1,10 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
+#include <tenon/plants/model/gravity.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/plants/model/gravity.h>
 
 namespace tenon {
 void CdprMonitorParams::Validate() const {

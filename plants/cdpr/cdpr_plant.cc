@@ -1,10 +1,10 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
-
-#include <fmt/format.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,9 +1,9 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
-
-#include <fmt/format.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 

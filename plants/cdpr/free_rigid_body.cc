@@ -1,12 +1,12 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
-
-#include <fmt/format.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace tenon {

@@ -3,6 +3,7 @@
 #include <tenon/plants/signals/cdpr_signals.h>
 
 #include <Eigen/Core>
+
 #include <memory>
 
 namespace tenon {

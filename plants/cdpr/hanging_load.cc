@@ -1,8 +1,8 @@
 #include <tenon/plants/cdpr/hanging_load.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

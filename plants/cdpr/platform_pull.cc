@@ -1,8 +1,8 @@
 #include <tenon/plants/cdpr/platform_pull.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tenon {

@@ -1,7 +1,7 @@
 #include <tenon/plants/cdpr/winch.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <algorithm>
 

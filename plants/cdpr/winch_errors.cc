@@ -1,10 +1,9 @@
 #include <tenon/plants/cdpr/winch_errors.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,6 +1,7 @@
 #include <tenon/plants/legged/foot_contact.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,10 +1,9 @@
 #include <tenon/plants/legged/joint_lock.h>
+#include <tenon/plants/model/quadruped_description.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon {
 

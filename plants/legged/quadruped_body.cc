@@ -1,11 +1,11 @@
-#include <tenon/plants/legged/quadruped_body.h>
-
 #include <tenon/plants/legged/internal/per_leg.h>
+#include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
 #include <array>
 #include <utility>
 

@@ -4,6 +4,7 @@
 #include <tenon/plants/signals/legged_signals.h>
 
 #include <Eigen/Core>
+
 #include <memory>
 #include <span>
 

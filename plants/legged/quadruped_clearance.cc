@@ -3,6 +3,7 @@
 #include <tenon/plants/model/segment_distance.h>
 
 #include <Eigen/Geometry>
+
 #include <cstddef>
 
 namespace tenon {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
 
 #include <array>

@@ -1,11 +1,11 @@
 #include <tenon/plants/legged/quadruped_geometry.h>
+#include <tenon/plants/model/gravity.h>
 
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
 #include <string>
-
-#include <tenon/plants/model/gravity.h>
 
 namespace tenon {
 namespace {

@@ -3,8 +3,8 @@
 #include <tenon/plants/legged/foot_contact.h>
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/framework/block/ports.h>

@@ -1,8 +1,8 @@
 #include <tenon/plants/legged/sliding_load.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

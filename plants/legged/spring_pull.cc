@@ -1,11 +1,10 @@
 #include <tenon/plants/legged/spring_pull.h>
-
-#include <fmt/core.h>
+#include <tenon/plants/model/gravity.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
+#include <fmt/core.h>
 
-#include <tenon/plants/model/gravity.h>
+#include <cmath>
 
 namespace tenon {
 namespace {

@@ -1,8 +1,8 @@
 #include <tenon/plants/model/cdpr_description.h>
-
-#include <fmt/format.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -5,6 +5,7 @@
 #include <tenon/systems/framework/types/signal.h>
 
 #include <Eigen/Core>
+
 #include <array>
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 #include <tenon/plants/model/model_error.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

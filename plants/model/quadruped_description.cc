@@ -1,9 +1,9 @@
 #include <tenon/plants/model/quadruped_description.h>
-
-#include <fmt/format.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -7,6 +7,7 @@
 #include <tenon/systems/geometry.h>
 
 #include <Eigen/Core>
+
 #include <array>
 #include <memory>
 #include <string>

@@ -1,9 +1,9 @@
-#include <tenon/plants/model/quadruped_model.h>
-
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/quadruped_model.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace tenon {

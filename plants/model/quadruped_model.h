@@ -1,10 +1,11 @@
 #pragma once
 
 #include <tenon/plants/model/gravity.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/signals/legged_signals.h>
 
 #include <Eigen/Core>
+
 #include <array>
 
 namespace tenon {

@@ -1,9 +1,9 @@
 #include <tenon/plants/model/rigid_inertia.h>
-
-#include <fmt/format.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace tenon {

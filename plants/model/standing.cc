@@ -1,16 +1,15 @@
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
-
-#include <fmt/core.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <numbers>
-
-#include <tenon/plants/signals/euler.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/load_robot.h>
@@ -6,6 +5,8 @@
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <fmt/format.h>
 
 #include <optional>
 #include <vector>

@@ -1,5 +1,7 @@
 #include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/framework/types/errors.h>
 
+#include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -7,14 +9,11 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-
-#include <tenon/systems/geometry.h>
 
 namespace tenon {
 

@@ -1,7 +1,7 @@
 #include <tenon/plants/sensors/cable_sensors.h>
+#include <tenon/plants/sensors/sensor_noise.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/sensors/sensor_noise.h>
 
 #include <algorithm>
 #include <cmath>

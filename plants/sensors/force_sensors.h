@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>

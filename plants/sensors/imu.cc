@@ -1,9 +1,9 @@
 #include <tenon/plants/sensors/imu.h>
-
-#include <fmt/format.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace tenon {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/parameter.h>

@@ -1,8 +1,8 @@
 #include <tenon/plants/sensors/imu_errors.h>
+#include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <fmt/format.h>
-#include <tenon/plants/signals/quaternion.h>
-#include <tenon/plants/sensors/sensor_noise.h>
 
 #include <cmath>
 

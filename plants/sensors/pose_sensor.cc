@@ -1,5 +1,4 @@
 #include <tenon/plants/sensors/pose_sensor.h>
-
 #include <tenon/plants/sensors/sensor_noise.h>
 
 namespace tenon {

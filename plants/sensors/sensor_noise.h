@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/signal.h>
 
 #include <cmath>

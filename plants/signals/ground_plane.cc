@@ -1,9 +1,9 @@
+#include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/ground_plane.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
-#include <tenon/plants/signals/euler.h>
+#include <cmath>
 
 namespace tenon {
 namespace {

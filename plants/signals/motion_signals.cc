@@ -1,6 +1,7 @@
 #include <tenon/plants/signals/motion_signals.h>
 
 #include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace tenon {

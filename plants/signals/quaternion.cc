@@ -1,6 +1,7 @@
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace tenon {

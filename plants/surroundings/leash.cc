@@ -1,8 +1,8 @@
 #include <tenon/plants/surroundings/leash.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

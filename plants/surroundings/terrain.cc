@@ -1,10 +1,10 @@
 #include <tenon/plants/surroundings/terrain.h>
-
-#include <fmt/format.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,14 +1,13 @@
 #include <tenon/systems/analysis/analysis.h>
-
-#include <fmt/core.h>
+#include <tenon/systems/analysis/internal/numbers.h>
 
 #include <Eigen/QR>
+#include <fmt/core.h>
+#include <unsupported/Eigen/NonLinearOptimization>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <unsupported/Eigen/NonLinearOptimization>
-
-#include <tenon/systems/analysis/internal/numbers.h>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/framework/diagram/diagram.h>
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
 
 namespace tenon {
 

@@ -1,3 +1,4 @@
+#include <tenon/systems/analysis/internal/period_map.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 
 #include <fmt/core.h>
@@ -5,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-
-#include <tenon/systems/analysis/internal/period_map.h>
 
 namespace tenon {
 namespace internal {

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/simulation/simulator_options.h>
+
 #include <Eigen/Core>
+
 #include <map>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
 

@@ -1,19 +1,18 @@
 #include <tenon/systems/analysis/lqr.h>
-
-#include <fmt/core.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <string>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

@@ -1,15 +1,14 @@
+#include <tenon/systems/analysis/internal/period_map.h>
 #include <tenon/systems/analysis/return_map.h>
-
-#include <fmt/core.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/text/nearest_name.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/systems/analysis/internal/period_map.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 namespace {

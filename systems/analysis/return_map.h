@@ -1,12 +1,13 @@
 #pragma once
 
+#include <tenon/systems/analysis/linearize_discrete.h>
+
 #include <Eigen/Core>
+
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/analysis/linearize_discrete.h>
 
 namespace tenon {
 

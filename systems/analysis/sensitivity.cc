@@ -1,11 +1,10 @@
+#include <tenon/systems/analysis/internal/numbers.h>
 #include <tenon/systems/analysis/sensitivity.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <exception>
-
-#include <tenon/systems/analysis/internal/numbers.h>
 
 namespace tenon {
 

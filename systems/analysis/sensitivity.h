@@ -1,13 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/context/context.h>
+
 #include <Eigen/Core>
+
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
 
 namespace tenon {
 

@@ -1,4 +1,5 @@
 #include <tenon/systems/campaign/campaign.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -6,8 +7,6 @@
 #include <atomic>
 #include <mutex>
 #include <thread>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/simulation/simulator.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -10,8 +12,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

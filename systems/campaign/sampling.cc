@@ -1,14 +1,13 @@
 #include <tenon/systems/campaign/sampling.h>
-
-#include <fmt/core.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <boost/random/sobol.hpp>
+#include <fmt/core.h>
+
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/block/random_stream.h>
+
 #include <cstddef>
 #include <vector>
-
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon {
 

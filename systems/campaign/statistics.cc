@@ -1,14 +1,13 @@
 #include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/framework/types/errors.h>
 
+#include <boost/math/distributions/normal.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numeric>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

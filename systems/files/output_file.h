@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <string_view>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

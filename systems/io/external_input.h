@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/external_port.h>
+#include <tenon/systems/io/recording.h>
+
 #include <cstdint>
 #include <mutex>
 #include <string>
 #include <utility>
-
-#include <tenon/systems/framework/block/external_port.h>
-#include <tenon/systems/io/recording.h>
 
 namespace tenon {
 

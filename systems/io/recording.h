@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
+
+#include <cstdint>
+#include <vector>
 
 namespace tenon {
 

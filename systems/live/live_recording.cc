@@ -1,16 +1,15 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/live/internal/live_file.h>
 #include <tenon/systems/live/live_recording.h>
+#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/live/internal/live_file.h>
 
 namespace tenon {
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+#include <tenon/systems/simulation/simulator.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/signal.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

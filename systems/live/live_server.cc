@@ -1,11 +1,10 @@
-#include <tenon/systems/live/live_server.h>
-
-#include <fmt/format.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_http.h>
 #include <tenon/systems/live/internal/live_run.h>
+#include <tenon/systems/live/live_server.h>
 #include <tenon/systems/report/internal/page.h>
+
+#include <fmt/format.h>
 
 namespace tenon {
 

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
+#include <tenon/systems/live/live_recording.h>
+#include <tenon/systems/report/report.h>
+#include <tenon/systems/simulation/simulator.h>
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -10,11 +15,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/geometry.h>
-#include <tenon/systems/live/live_recording.h>
-#include <tenon/systems/report/report.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

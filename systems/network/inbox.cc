@@ -1,3 +1,5 @@
+#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/network/inbox.h>
 
 #include <fmt/core.h>
@@ -5,9 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/io/recording.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -8,9 +11,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/io/recording.h>
 
 namespace tenon {
 

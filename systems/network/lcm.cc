@@ -1,8 +1,7 @@
+#include <tenon/systems/network/internal/lcm_bus.h>
 #include <tenon/systems/network/lcm.h>
 
 #include <fmt/core.h>
-
-#include <tenon/systems/network/internal/lcm_bus.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include <tenon/systems/block.h>
 #include <tenon/systems/io/recording.h>
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/lcm_ends.h>
 #include <tenon/systems/network/internal/lcm_type.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace tenon {
 

@@ -1,3 +1,6 @@
+#include <tenon/systems/network/internal/json_reader.h>
+#include <tenon/systems/network/internal/udp_socket.h>
+#include <tenon/systems/network/internal/watcher.h>
 #include <tenon/systems/network/udp.h>
 
 #include <fmt/core.h>
@@ -5,10 +8,6 @@
 #include <mutex>
 #include <optional>
 #include <utility>
-
-#include <tenon/systems/network/internal/json_reader.h>
-#include <tenon/systems/network/internal/udp_socket.h>
-#include <tenon/systems/network/internal/watcher.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <string>
-
 #include <tenon/systems/block.h>
 #include <tenon/systems/io/recording.h>
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/udp_ends.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/weights.h>
+
+#include <string>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+
 #include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
+
+#include <string>
 
 namespace tenon {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/transfer_function.h>
+
+#include <string>
+#include <vector>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/types/fields.h>
+
 #include <cmath>
 #include <limits>
 #include <string>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cmath>
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+
+#include <cmath>
+#include <string>
 
 namespace tenon {
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
 #include <cmath>
 #include <concepts>
 #include <numbers>
 #include <string>
-
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

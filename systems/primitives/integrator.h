@@ -1,9 +1,9 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+
+#include <string>
 
 namespace tenon {
 

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
 #include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

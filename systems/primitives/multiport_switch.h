@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+
 #include <string>
 #include <type_traits>
-
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

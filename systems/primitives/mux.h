@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+
 #include <deque>
 #include <string>
-
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/filtered_difference.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
-
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/filtered_difference.h>
 
 namespace tenon {
 

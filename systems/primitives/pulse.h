@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
 #include <cmath>
 #include <limits>
 #include <string>
-
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace tenon {
 

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <algorithm>
-#include <limits>
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/per.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+
 #include <algorithm>
 #include <string>
 #include <type_traits>
 #include <vector>
-
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <algorithm>
-#include <limits>
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
 
 namespace tenon {
 

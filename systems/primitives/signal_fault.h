@@ -1,16 +1,16 @@
 #pragma once
 
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/fault_schedule.h>
+#include <tenon/systems/primitives/internal/fault_elements.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/fault_schedule.h>
-#include <tenon/systems/primitives/internal/fault_elements.h>
 
 namespace tenon {
 

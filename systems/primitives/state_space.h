@@ -1,11 +1,11 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/product.h>
+
+#include <string>
+#include <vector>
 
 namespace tenon {
 

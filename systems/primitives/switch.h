@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cmath>
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
+
+#include <cmath>
+#include <string>
 
 namespace tenon {
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/per.h>
+
 #include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/elementwise.h>
-#include <tenon/systems/primitives/internal/per.h>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+
+#include <string>
 
 namespace tenon {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/block/state.h>
+
+#include <string>
 
 namespace tenon {
 

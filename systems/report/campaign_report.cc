@@ -1,4 +1,9 @@
+#include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/report/campaign_report.h>
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/text/parse_number.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -7,13 +12,8 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
-
-#include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/report/internal/page.h>
 
 namespace tenon {
 namespace {

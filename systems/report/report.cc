@@ -1,14 +1,13 @@
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
+#include <tenon/systems/text/nearest_name.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <new>
-
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/run.h>
 
 namespace tenon {
 

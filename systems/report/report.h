@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
+#include <tenon/systems/simulation/simulator.h>
+
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/geometry.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

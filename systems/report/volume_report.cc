@@ -1,14 +1,14 @@
-#include <fmt/core.h>
-#include <tenon/systems/report/volume_report.h>
-
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/internal/shapes_json.h>
+#include <tenon/systems/report/volume_report.h>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
 
 namespace tenon {
 namespace {

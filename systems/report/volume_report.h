@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
+
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/geometry.h>
 
 namespace tenon {
 

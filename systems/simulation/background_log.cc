@@ -1,9 +1,8 @@
+#include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/simulation/background_log.h>
 
 #include <algorithm>
 #include <system_error>
-
-#include <tenon/systems/io/internal/no_signals.h>
 
 namespace tenon {
 namespace {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/simulation/signal_log.h>
+
 #include <array>
 #include <chrono>
 #include <condition_variable>
@@ -12,8 +14,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon {
 

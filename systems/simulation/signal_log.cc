@@ -1,4 +1,7 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/signal_log.h>
+#include <tenon/systems/text/nearest_name.h>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
@@ -11,10 +14,6 @@
 #include <limits>
 #include <map>
 #include <utility>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon {
 

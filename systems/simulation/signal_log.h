@@ -1,5 +1,9 @@
 #pragma once
 
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/context/context.h>
+
 #include <chrono>
 #include <cstddef>
 #include <deque>
@@ -8,10 +12,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon {
 

@@ -1,3 +1,8 @@
+#include <tenon/systems/framework/context/internal/profiler.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/framework/diagram/internal/schedule.h>
+#include <tenon/systems/simulation/internal/event_finder.h>
+#include <tenon/systems/simulation/internal/sundials_integrator.h>
 #include <tenon/systems/simulation/simulator.h>
 
 #include <fmt/core.h>
@@ -7,12 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <thread>
-
-#include <tenon/systems/framework/context/internal/profiler.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/framework/diagram/internal/schedule.h>
-#include <tenon/systems/simulation/internal/event_finder.h>
-#include <tenon/systems/simulation/internal/sundials_integrator.h>
 
 namespace tenon {
 

@@ -1,5 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/simulation/run_profile.h>
+#include <tenon/systems/simulation/signal_log.h>
+#include <tenon/systems/simulation/simulator_options.h>
+
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -8,12 +14,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/simulation/run_profile.h>
-#include <tenon/systems/simulation/signal_log.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
 

@@ -1,4 +1,8 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
 
 #include <dlfcn.h>
 #include <fmt/core.h>
@@ -7,11 +11,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon {
 

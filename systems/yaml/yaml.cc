@@ -1,3 +1,9 @@
+#include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/yaml/internal/yaml_node.h>
+#include <tenon/systems/yaml/internal/yaml_writer.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>
@@ -10,13 +16,6 @@
 #include <map>
 #include <optional>
 #include <system_error>
-
-#include <tenon/systems/framework/block/distribution.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/yaml/internal/yaml_node.h>
-#include <tenon/systems/yaml/internal/yaml_writer.h>
 
 namespace tenon {
 

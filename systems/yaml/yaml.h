@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon {
 

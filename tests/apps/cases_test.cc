@@ -1,10 +1,10 @@
 // Runs tools/cases as its users do: a short campaign, and the page of figures that are written here by hand.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <fstream>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::cases_test {
 namespace {

@@ -1,13 +1,14 @@
 // Every shipped case with every fault that is possible there: the run goes on, or ends with its reason, and
 // what it writes is whole.
 
+#include <tenon/tests/apps/run_app.h>
+
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::faults_test {
 namespace {

@@ -1,9 +1,9 @@
 // The pages that the apps write, from short runs: whether all of each can be seen, see LayoutFaults.
 
-#include <cstdlib>
-
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/page_layout.h>
+
+#include <cstdlib>
 
 namespace tenon::page_layout_test {
 namespace {

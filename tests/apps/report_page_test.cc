@@ -1,12 +1,12 @@
 // Looks at the report of a short flight in a browser: from disk, without network.
 
+#include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/systems/report/browser.h>
+
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-
-#include <tenon/tests/apps/run_app.h>
-#include <tenon/tests/systems/report/browser.h>
 
 namespace tenon::report_page_test {
 namespace {

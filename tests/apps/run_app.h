@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -11,8 +13,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::test {
 

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include <tenon/tests/apps/run_app.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
 
 namespace tenon::test {
 

@@ -1,15 +1,6 @@
 // A case is one run, bit by bit, whether its app reads it from the scenario or a program says no more than
 // the case does: all else is the library's default.
 
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
@@ -19,9 +10,18 @@
 #include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
 
 namespace tenon::apps::same_run_test {
 namespace {

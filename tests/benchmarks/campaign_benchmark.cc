@@ -12,6 +12,16 @@
 //                      working, the part of the ranks' time in which they have a run, and busy, that of rank
 //                      0
 
+#include <tenon/apps/campaign/campaign_desk.h>
+#include <tenon/apps/campaign/campaign_message.h>
+#include <tenon/apps/campaign/campaign_plan.h>
+#include <tenon/apps/campaign/campaign_runner.h>
+#include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -23,16 +33,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/campaign/campaign_message.h>
-#include <tenon/apps/campaign/campaign_plan.h>
-#include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps {
 namespace {

@@ -23,8 +23,19 @@
 // models. Tenon's absolute tolerances are those that QuadrupedPlant recommends, scaled with rtol, but for the
 // bristles', which do not grow.
 
-#include <benchmark/benchmark.h>
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/plants/cdpr/cable_statics.h>
+#include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/simbody.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/plants/model/quadruped_mujoco.h>
+#include <tenon/tests/plants/model/quadruped_simbody.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+
+#include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
@@ -34,17 +45,6 @@
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include <tenon/controllers/legged/whole_body/joint_pd.h>
-#include <tenon/plants/cdpr/cable_statics.h>
-#include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/plants/model/quadruped_mujoco.h>
-#include <tenon/tests/plants/model/quadruped_simbody.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon {
 namespace {

@@ -29,6 +29,15 @@
 // benchmark ends in an error if either exceeds 1e-8, or a solve fails. ALGLIB's difference is that from the
 // full problem's solution by the dual active set method.
 
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/tests/controllers/optimization/kkt_residual.h>
+#include <tenon/tests/controllers/optimization/owned_qp.h>
+#include <tenon/tests/diagrams/legged/trot_recording.h>
+
 #include <benchmark/benchmark.h>
 #include <libalglib/optimization.h>
 
@@ -41,15 +50,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/tests/controllers/optimization/kkt_residual.h>
-#include <tenon/tests/controllers/optimization/owned_qp.h>
-#include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
 namespace {

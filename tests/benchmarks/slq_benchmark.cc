@@ -1,12 +1,13 @@
 // One real-time iteration of the SLQ on the cable robot: 15 kg on four cables, horizon 1 s, along the circle
 // of 0.5 m radius in 10 s. The start is 2 cm off, so that every call has something to do.
 
-#include <benchmark/benchmark.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/optimization/slq.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
+
+#include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>

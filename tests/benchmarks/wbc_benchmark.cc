@@ -10,6 +10,9 @@
 // Counters: median_ns, p99_ns and mean_ns of a tick; of the plant, evaluations of its derivatives per ms; of
 // the loop, real_time_factor.
 
+#include <tenon/diagrams/evaluation/tracking_error.h>
+#include <tenon/tests/diagrams/legged/trot_recording.h>
+
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -18,9 +21,6 @@
 #include <memory>
 #include <numeric>
 #include <vector>
-
-#include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/tests/diagrams/legged/trot_recording.h>
 
 namespace tenon {
 namespace {

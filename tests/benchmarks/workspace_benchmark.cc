@@ -1,10 +1,11 @@
 // Poses of a cable robot a second, on one core: kinematics, structure matrix, facets and margins at each; and
 // cells with a proof over the whole cell.
 
-#include <benchmark/benchmark.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
+
+#include <benchmark/benchmark.h>
 
 #include <random>
 #include <string>

@@ -1,10 +1,10 @@
 // A cable robot that holds its place, from the installed package.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <cstdio>
 

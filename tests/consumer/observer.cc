@@ -1,13 +1,13 @@
 // An observer of one's own in the loop of a walking quadruped, from the installed package: a spring balance
 // that takes the whole error of the CoM for the work of a force.
 
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <cstdio>
 

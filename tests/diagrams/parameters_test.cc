@@ -1,20 +1,20 @@
 // What a run can change of the shipped diagrams.
 
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/allocation_guard.h>
+
 #include <gmock/gmock.h>
 
 #include <memory>
 #include <set>
 #include <string>
 #include <utility>
-
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
 
 namespace tenon::parameters_test {
 namespace {

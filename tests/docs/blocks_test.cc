@@ -1,5 +1,9 @@
 // What docs/ says of blocks and diagrams is what they are.
 
+#include <tenon/docs/catalogue/documents.h>
+#include <tenon/docs/catalogue/headers.h>
+#include <tenon/docs/catalogue/scenario_page.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,10 +12,6 @@
 #include <fstream>
 #include <set>
 #include <sstream>
-
-#include <tenon/docs/catalogue/documents.h>
-#include <tenon/docs/catalogue/headers.h>
-#include <tenon/docs/catalogue/scenario_page.h>
 
 namespace tenon::docs::blocks_test {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <string_view>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::fuzz {
 

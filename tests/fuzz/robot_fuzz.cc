@@ -1,8 +1,8 @@
 // Text as the YAML file of a quadruped or, if it has cables, of a cable robot.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/fuzz/refusals.h>
 #include <tenon/tests/fuzz/scratch.h>

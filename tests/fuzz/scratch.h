@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
-#include <fstream>
-#include <string>
+#include <tenon/systems/yaml/resources.h>
 
 #include <unistd.h>
 
-#include <tenon/systems/yaml/resources.h>
+#include <filesystem>
+#include <fstream>
+#include <string>
 
 namespace tenon::fuzz {
 

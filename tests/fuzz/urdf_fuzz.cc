@@ -1,7 +1,7 @@
 // Text as the URDF of a robot that ships.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/fuzz/refusals.h>
 #include <tenon/tests/fuzz/scratch.h>

@@ -1,8 +1,9 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace tenon::geometry_test {
 namespace {

@@ -1,8 +1,8 @@
 #include <tenon/tests/testing/allocation_guard.h>
 
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <cerrno>
 #include <cstdlib>
 #include <functional>

@@ -1,11 +1,10 @@
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/testing/derivative_check.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <gmock/gmock.h>
 
 #include <limits>
-
-#include <tenon/systems/framework/types/signal.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::derivative_check_test {
 namespace {

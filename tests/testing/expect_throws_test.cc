@@ -1,9 +1,8 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::expect_throws_test {
 namespace {

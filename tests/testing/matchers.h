@@ -1,8 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <gmock/gmock.h>
 
-#include <Eigen/Core>
 #include <cmath>
 #include <ostream>
 

@@ -1,10 +1,9 @@
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/testing/matchers.h>
 
 #include <gtest/gtest-spi.h>
 
 #include <limits>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::matchers_test {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/simulation/simulator.h>
+
 #include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {
 

@@ -1,11 +1,10 @@
 #include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
-
-#include <fmt/core.h>
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 #include <Eigen/Cholesky>
-#include <cmath>
+#include <fmt/core.h>
 
-#include <tenon/controllers/legged/whole_body/foot_forces.h>
+#include <cmath>
 
 namespace tenon {
 

@@ -1,8 +1,8 @@
 #include <tenon/controllers/legged/observers/com_observer.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tenon {

@@ -1,16 +1,15 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/imu_signals.h>
-#include <tenon/plants/model/quadruped_model.h>
-
-#include <array>
-
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
 
 namespace tenon {
 

@@ -1,14 +1,13 @@
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
-
-#include <fmt/core.h>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include <cmath>
 
 namespace tenon {
 namespace {

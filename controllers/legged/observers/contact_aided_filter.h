@@ -1,13 +1,13 @@
 #pragma once
 
-#include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
-#include <array>
 
-#include <tenon/systems/framework/types/fields.h>
+#include <array>
 
 namespace tenon {
 

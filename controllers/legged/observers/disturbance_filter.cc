@@ -1,17 +1,16 @@
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
-
-#include <fmt/core.h>
-#include <fmt/ranges.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <unsupported/Eigen/MatrixFunctions>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
-
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/types/signal.h>
 
 #include <Eigen/Core>
+
 #include <complex>
 #include <vector>
 

@@ -1,8 +1,8 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 
+#include <Eigen/Core>
 #include <fmt/core.h>
 
-#include <Eigen/Core>
 #include <cmath>
 #include <utility>
 

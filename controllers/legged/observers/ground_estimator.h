@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>
@@ -9,6 +7,8 @@
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
 
 namespace tenon {
 

@@ -1,10 +1,9 @@
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 namespace tenon {
 void ContactThresholds::Validate() const {

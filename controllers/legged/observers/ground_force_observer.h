@@ -1,15 +1,15 @@
 #pragma once
 
-#include <array>
-
-#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/model/gravity.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
 
 namespace tenon {
 

@@ -1,8 +1,8 @@
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -1,19 +1,18 @@
 #pragma once
 
-#include <tenon/plants/signals/gait_signals.h>
+#include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/plants/model/quadruped_model.h>
-
-#include <array>
-
-#include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
 
 namespace tenon {
 

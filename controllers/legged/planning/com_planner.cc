@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
+#include <tenon/controllers/legged/planning/planned_phases.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <limits>
-
-#include <tenon/controllers/legged/planning/planned_phases.h>
-#include <tenon/plants/signals/euler.h>
-#include <tenon/plants/signals/quaternion.h>
 
 namespace tenon {
 namespace {

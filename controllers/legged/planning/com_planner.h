@@ -1,18 +1,18 @@
 #pragma once
 
-#include <array>
-#include <utility>
-
 #include <tenon/controllers/legged/planning/com_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/zmp_spline.h>
-#include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
+#include <utility>
 
 namespace tenon {
 

@@ -1,10 +1,9 @@
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
+#include <tenon/systems/framework/types/fields.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
-
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 namespace {

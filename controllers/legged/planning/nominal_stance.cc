@@ -1,11 +1,10 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

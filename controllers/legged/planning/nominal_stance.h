@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-
 #include <tenon/plants/model/quadruped_description.h>
+
+#include <Eigen/Core>
+
+#include <array>
 
 namespace tenon {
 

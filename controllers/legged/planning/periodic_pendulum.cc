@@ -1,10 +1,10 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
+
 #include <cmath>
 #include <string>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
-
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/systems/framework/types/fields.h>
+
+#include <array>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
-#include <span>
-
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
+
+#include <array>
+#include <span>
 
 namespace tenon {
 

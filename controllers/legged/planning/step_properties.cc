@@ -1,10 +1,9 @@
 #include <tenon/controllers/legged/planning/step_properties.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -1,11 +1,10 @@
 #include <tenon/controllers/legged/planning/support_polygon.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 namespace {

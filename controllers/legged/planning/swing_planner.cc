@@ -1,13 +1,12 @@
-#include <tenon/controllers/legged/planning/swing_planner.h>
-
-#include <fmt/core.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/shortened.h>
+#include <tenon/controllers/legged/planning/swing_planner.h>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon {
 namespace {

@@ -1,19 +1,19 @@
 #pragma once
 
-#include <array>
-
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/controllers/legged/planning/step_properties.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <array>
 
 namespace tenon {
 

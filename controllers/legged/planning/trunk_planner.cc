@@ -1,14 +1,13 @@
+#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
-
-#include <fmt/core.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include <tenon/controllers/legged/planning/shortened.h>
-#include <tenon/plants/signals/quaternion.h>
 
 namespace tenon {
 

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-
-#include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>

@@ -1,3 +1,4 @@
+#include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 
 #include <fmt/core.h>
@@ -5,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/controllers/legged/planning/quintic.h>
 
 namespace tenon {
 namespace {

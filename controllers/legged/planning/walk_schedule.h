@@ -1,11 +1,11 @@
 #pragma once
 
-#include <optional>
-#include <vector>
-
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/system.h>
+
+#include <optional>
+#include <vector>
 
 namespace tenon {
 

@@ -1,10 +1,9 @@
 #include <tenon/controllers/legged/planning/zmp_spline.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

@@ -1,15 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <span>
-#include <utility>
-
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/support_polygon.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/motion_signals.h>
+
+#include <Eigen/Core>
+
+#include <array>
+#include <span>
+#include <utility>
 
 namespace tenon {
 

@@ -1,10 +1,10 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
-
-#include <fmt/core.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/robot_scale.h>
 
 #include <Eigen/QR>
+#include <fmt/core.h>
+
 #include <cmath>
 
 namespace tenon {

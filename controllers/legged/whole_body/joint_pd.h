@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/plants/model/gravity.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/system.h>

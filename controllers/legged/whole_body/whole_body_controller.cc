@@ -1,16 +1,15 @@
+#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-
-#include <fmt/core.h>
+#include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-
-#include <tenon/controllers/legged/planning/shortened.h>
-#include <tenon/plants/signals/quaternion.h>
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 namespace {

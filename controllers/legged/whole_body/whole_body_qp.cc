@@ -1,18 +1,17 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-
-#include <fmt/core.h>
+#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/systems/framework/block/system.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 #include <utility>
-
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/model/quadruped_model.h>
 
 #include <Eigen/Core>
-#include <array>
 
-#include <tenon/controllers/optimization/dual_active_set.h>
+#include <array>
 
 namespace tenon {
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/controllers/optimization/lanes/small_product.h>
+
 #include <cstddef>
 #include <vector>
-
-#include <tenon/controllers/optimization/lanes/small_product.h>
 
 /// Sums over rows and columns of doubles, four numbers at a time, for the target of whoever calls them (see
 /// TENON_VECTOR_CLONES). Where it says from and to, these are multiples of four, and what is stored there is

@@ -1,13 +1,13 @@
 // A thousand pendulums of random length, in two threads: where is each after a second?
 
+#include <tenon/systems/campaign/campaign.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/simulation.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
-
-#include <tenon/systems/campaign/campaign.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/simulation.h>
 
 /// l a'' = -g sin a, from 0.1 rad.
 class Pendulum final : public tenon::LeafSystem<void> {

@@ -3,9 +3,9 @@
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation.h>
 
-#include <cstdio>
-
 #include "cart.h"
+
+#include <cstdio>
 
 int main() {
   tenon::DiagramBuilder builder;

@@ -1,9 +1,9 @@
 // A block alone: no simulator, no diagram.
 
-#include <gtest/gtest.h>
 #include <tenon/tests/testing/test_rig.h>
 
 #include "cart.h"
+#include <gtest/gtest.h>
 
 TEST(PdTest, PushesTowardsTheReference) {
   tenon::TestRig<Pd> rig(PdParams{.kp = 3});

@@ -2,12 +2,12 @@
 
 // A swing planner of one's own: the feet fly along arcs to their places below the path.
 
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/plants/model/quadruped_description.h>
-
 #include <tenon/systems/block.h>
+
 #include <array>
 
 struct ArcPlannerParams {

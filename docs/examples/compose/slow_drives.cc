@@ -2,9 +2,10 @@
 
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sample_delay.h>
-#include <numbers>
 
 #include "walk.h"
+
+#include <numbers>
 
 int main() {
   using Torque = tenon::Vec<12>;

@@ -2,12 +2,12 @@
 
 // What the examples of this folder begin with: a walk that ships, on the way at 0.1 m/s.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <cstdio>
 

@@ -1,8 +1,8 @@
 // One beginning, two futures; and back to a moment that was kept.
 
-#include <cstdio>
-
 #include "pendulum.h"
+
+#include <cstdio>
 
 int main() {
   tenon::DiagramBuilder builder;

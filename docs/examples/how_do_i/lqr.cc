@@ -3,9 +3,9 @@
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/analysis/lqr.h>
 
-#include <cstdio>
-
 #include "pendulum.h"
+
+#include <cstdio>
 
 constexpr double kPeriod = 0.02;  // s
 

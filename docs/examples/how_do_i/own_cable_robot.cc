@@ -1,8 +1,8 @@
 // A cable robot of one's own, from its file: it hangs in the middle, held by its length controller.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation.h>
 
 #include <cmath>

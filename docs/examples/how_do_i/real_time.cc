@@ -1,9 +1,9 @@
 // A run that keeps to the clock, here twice as fast, and what came late.
 
+#include "pendulum.h"
+
 #include <chrono>
 #include <cstdio>
-
-#include "pendulum.h"
 
 /// Something that has to be on time: it sends the angle, say to a screen, and here counts.
 class Screen final : public tenon::LeafSystem<void> {

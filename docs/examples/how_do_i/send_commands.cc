@@ -2,10 +2,10 @@
 
 #include <tenon/systems/io/external_input.h>
 
+#include "pendulum.h"
+
 #include <cstdio>
 #include <thread>
-
-#include "pendulum.h"
 
 using Input = tenon::ExternalInput<double>;
 

@@ -6,12 +6,12 @@
 #include <tenon/systems/live/live_server.h>
 #include <tenon/systems/simulation.h>
 
+#include "../cart/cart.h"
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
-
-#include "../cart/cart.h"
 
 // What is to be tuned is a Parameter.
 class Goal final : public tenon::LeafSystem<void> {

@@ -4,6 +4,8 @@
 //     lock_step plant           in another
 //     lock_step                 both, and compares them with the loop in one program
 
+#include "../cart/cart.h"
+#include "remote.h"
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,9 +14,6 @@
 #include <exception>
 #include <string>
 #include <vector>
-
-#include "../cart/cart.h"
-#include "remote.h"
 
 namespace {
 

@@ -7,6 +7,10 @@
 //
 // The controller's program is the walk that ships with another world; the plant's is its world alone.
 
+#include <tenon/systems/simulation.h>
+
+#include "../compose/walk.h"
+#include "remote.h"
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,11 +21,6 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
-
-#include <tenon/systems/simulation.h>
-
-#include "../compose/walk.h"
-#include "remote.h"
 
 namespace {
 

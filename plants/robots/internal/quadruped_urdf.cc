@@ -1,15 +1,15 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
-
-#include <fmt/format.h>
-#include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/yaml/mesh_paths.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <utility>

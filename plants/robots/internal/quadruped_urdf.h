@@ -3,6 +3,7 @@
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <Eigen/Core>
+
 #include <array>
 #include <filesystem>
 #include <map>

@@ -1,10 +1,10 @@
 #include <tenon/plants/robots/internal/urdf_check.h>
-
-#include <expat.h>
-#include <fmt/format.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
+
+#include <expat.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <exception>

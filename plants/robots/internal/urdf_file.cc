@@ -1,8 +1,8 @@
 #include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <cctype>

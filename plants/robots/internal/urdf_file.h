@@ -1,14 +1,14 @@
 #pragma once
 
-#include <tenon/plants/robots/internal/urdf_check.h>
 #include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/robots/internal/urdf_check.h>
 
 #include <Eigen/Geometry>
-#include <filesystem>
-#include <string>
-
 #include <urdf_model/model.h>
 #include <urdf_world/types.h>
+
+#include <filesystem>
+#include <string>
 
 namespace tenon::internal {
 

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/context/context.h>
+
 #include <Eigen/Core>
+
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
 
 namespace tenon::internal {
 

@@ -1,13 +1,12 @@
 #include <tenon/systems/analysis/internal/period_map.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/simulation/simulator.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,13 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
-#include <memory>
-#include <vector>
-
 #include <tenon/systems/analysis/internal/numbers.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/block/internal/rational.h>
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <memory>
+#include <vector>
 
 namespace tenon {
 

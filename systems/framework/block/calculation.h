@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/block/source.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/internal/fnv1a.h>
-#include <tenon/systems/framework/block/source.h>
 
 namespace tenon {
 

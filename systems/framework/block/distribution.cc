@@ -1,10 +1,9 @@
 #include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/block/random_stream.h>
+
 #include <array>
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon {
 

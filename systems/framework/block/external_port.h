@@ -1,9 +1,9 @@
 #pragma once
 
-#include <utility>
-
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
+
+#include <utility>
 
 namespace tenon {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/block/source.h>
+#include <tenon/systems/framework/block/system.h>
+
 #include <cstddef>
 #include <string>
 #include <utility>
-
-#include <tenon/systems/framework/block/source.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/calculation.h>
+#include <tenon/systems/framework/block/system.h>
+
 #include <memory>
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/calculation.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

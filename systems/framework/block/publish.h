@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-#include <utility>
-
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
+
+#include <string>
+#include <utility>
 
 namespace tenon {
 

@@ -1,5 +1,4 @@
 #include <tenon/systems/framework/block/random_stream.h>
-
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 
 #include <bit>

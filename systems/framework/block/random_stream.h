@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+
 #include <array>
 #include <cstdint>
 #include <string_view>
-
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

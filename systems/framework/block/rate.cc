@@ -1,12 +1,11 @@
+#include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <numeric>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/internal/rational.h>
 
 namespace tenon {
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/signal.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -7,9 +10,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

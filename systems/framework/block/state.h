@@ -1,5 +1,8 @@
 #pragma once
 
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/random_stream.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <functional>
@@ -9,9 +12,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon {
 

@@ -1,14 +1,13 @@
+#include <tenon/systems/framework/block/calculation.h>
+#include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <cstdint>
 #include <mutex>
 #include <vector>
-
-#include <tenon/systems/framework/block/calculation.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/parameter.h>
 
 namespace tenon {
 

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/block/calculation.h>
+#include <tenon/systems/framework/block/source.h>
+#include <tenon/systems/framework/types/errors.h>
+
 #include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/calculation.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/source.h>
 
 namespace tenon {
 

@@ -1,14 +1,13 @@
 #include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/context/internal/profiler.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/context/internal/profiler.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon {
 

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+
 #include <Eigen/Core>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,10 +14,6 @@
 #include <string>
 #include <type_traits>
 #include <vector>
-
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon {
 

@@ -1,15 +1,15 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+
 #include <fmt/core.h>
 
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
-
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/files/output_file.h>
 
 namespace tenon {
 

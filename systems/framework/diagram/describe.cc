@@ -1,3 +1,6 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+
 #include <cxxabi.h>
 #include <fmt/core.h>
 
@@ -5,9 +8,6 @@
 #include <cstdlib>
 #include <memory>
 #include <typeinfo>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,10 @@
 #include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/text/nearest_name.h>
 
 #include <fmt/core.h>
 
 #include <functional>
-
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon {
 

@@ -1,12 +1,11 @@
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/diagram/internal/compiler.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <exception>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/diagram/internal/compiler.h>
 
 namespace tenon {
 

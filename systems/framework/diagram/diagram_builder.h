@@ -1,5 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/block/system.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,10 +11,6 @@
 #include <unordered_map>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

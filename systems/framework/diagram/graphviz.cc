@@ -1,8 +1,8 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+
 #include <fmt/core.h>
 
 #include <map>
-
-#include <tenon/systems/framework/diagram/diagram.h>
 
 namespace tenon {
 namespace {

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
+
 #include <Eigen/Core>
+
 #include <cstddef>
 #include <string>
 #include <utility>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon {
 

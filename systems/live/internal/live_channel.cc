@@ -1,6 +1,7 @@
 #include <tenon/systems/live/internal/live_channel.h>
 
 #include <nlohmann/json.hpp>
+
 #include <utility>
 
 namespace tenon::internal {

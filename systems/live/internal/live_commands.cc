@@ -1,13 +1,13 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/live/internal/live_run.h>
+#include <tenon/systems/text/nearest_name.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/live/internal/live_run.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/live/live_recording.h>
+
 #include <filesystem>
 #include <fstream>
 #include <vector>
-
-#include <tenon/systems/live/live_recording.h>
 
 namespace tenon::internal {
 

@@ -1,3 +1,6 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/live/internal/live_channel.h>
 #include <tenon/systems/live/internal/live_http.h>
 
 #include <fmt/format.h>
@@ -13,10 +16,6 @@
 #include <random>
 #include <thread>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/live/internal/live_channel.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/live/internal/live_messages.h>
+#include <tenon/systems/live/internal/parameter_ranges.h>
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/shapes_json.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/live/internal/parameter_ranges.h>
-#include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/shapes_json.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <tenon/systems/live/live_server.h>
+
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
-
-#include <tenon/systems/live/live_server.h>
 
 namespace tenon::internal {
 

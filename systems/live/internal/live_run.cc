@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon::internal {
 namespace {

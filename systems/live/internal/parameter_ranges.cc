@@ -1,10 +1,9 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

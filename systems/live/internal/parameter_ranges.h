@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/context/context.h>
+
 #include <limits>
 #include <vector>
-
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/block/parameter.h>
 
 namespace tenon::internal {
 

@@ -1,14 +1,13 @@
 #include <tenon/systems/network/internal/json_reader.h>
+#include <tenon/systems/network/internal/json_writer.h>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <type_traits>
 #include <utility>
-
-#include <tenon/systems/network/internal/json_writer.h>
 
 namespace tenon::internal {
 namespace {

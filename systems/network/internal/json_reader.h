@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,8 +9,6 @@
 #include <unordered_map>
 #include <variant>
 #include <vector>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

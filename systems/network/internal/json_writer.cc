@@ -1,11 +1,11 @@
 #include <tenon/systems/network/internal/json_writer.h>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <type_traits>
 

@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/network/internal/lcm_bus.h>
 
 #include <fmt/core.h>
@@ -12,8 +13,6 @@
 #include <cmath>
 #include <map>
 #include <utility>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

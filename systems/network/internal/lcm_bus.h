@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/network/internal/watcher.h>
+
 #include <lcm/lcm.h>
 
 #include <condition_variable>
@@ -11,8 +13,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/network/internal/watcher.h>
 
 namespace tenon::internal {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/network/inbox.h>
+#include <tenon/systems/network/internal/lcm_type.h>
+
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/network/inbox.h>
-#include <tenon/systems/network/internal/lcm_type.h>
 
 namespace tenon::internal {
 

@@ -1,3 +1,5 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/network/internal/lcm_type.h>
 
 #include <fmt/core.h>
@@ -9,9 +11,6 @@
 #include <limits>
 #include <string_view>
 #include <type_traits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/types/internal/type_info.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon::internal {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
 #include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/json_writer.h>
+
+#include <memory>
+#include <string>
 
 namespace tenon::internal {
 

@@ -1,3 +1,5 @@
+#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/network/internal/udp_socket.h>
 
 #include <fmt/core.h>
@@ -12,9 +14,6 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon::internal {
 namespace {

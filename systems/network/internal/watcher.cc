@@ -1,3 +1,4 @@
+#include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/network/internal/watcher.h>
 
 #include <poll.h>
@@ -7,8 +8,6 @@
 #include <array>
 #include <system_error>
 #include <utility>
-
-#include <tenon/systems/io/internal/no_signals.h>
 
 namespace tenon::internal {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

@@ -1,10 +1,9 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/internal/fault_elements.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::internal {
 

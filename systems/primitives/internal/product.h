@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-
 #include <tenon/systems/framework/types/errors.h>
+
+#include <Eigen/Core>
+
+#include <string>
 
 namespace tenon::internal {
 

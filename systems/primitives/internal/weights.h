@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/types/internal/type_info.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <initializer_list>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/internal/type_info.h>
 
 namespace tenon::internal {
 

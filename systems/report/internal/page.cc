@@ -1,4 +1,7 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/page_parts.h>
 
 #include <fmt/core.h>
 
@@ -7,10 +10,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/report/internal/page_parts.h>
 
 namespace tenon::internal {
 namespace {

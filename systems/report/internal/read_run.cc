@@ -1,13 +1,13 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/run.h>
+#include <tenon/systems/text/parse_number.h>
+
 #include <fmt/format.h>
 
 #include <fstream>
 #include <sstream>
 #include <string_view>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/run.h>
 
 namespace tenon {
 

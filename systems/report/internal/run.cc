@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/run.h>
+#include <tenon/systems/report/internal/shapes_json.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/report/internal/shapes_json.h>
 
 namespace tenon {
 

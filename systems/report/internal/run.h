@@ -1,14 +1,15 @@
 #pragma once
 
-#include <memory>
+#include <tenon/systems/report/internal/run_log.h>
+#include <tenon/systems/report/report.h>
+
 #include <nlohmann/json.hpp>
+
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/report/internal/run_log.h>
-#include <tenon/systems/report/report.h>
 
 namespace tenon {
 

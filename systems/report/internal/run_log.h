@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/geometry.h>
+#include <tenon/systems/simulation/signal_log.h>
+
 #include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/geometry.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::internal {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/report/internal/run_log.h>
+
+#include <nlohmann/json.hpp>
 
 namespace tenon::internal {
 

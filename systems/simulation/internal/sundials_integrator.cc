@@ -1,4 +1,8 @@
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+#include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
+#include <tenon/systems/simulation/internal/sundials_solver.h>
 
 #include <fmt/core.h>
 
@@ -8,11 +12,6 @@
 #include <cstring>
 #include <limits>
 #include <utility>
-
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/simulation/internal/step_interpolant.h>
-#include <tenon/systems/simulation/internal/sundials_solver.h>
 
 namespace tenon {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
+
+#include <memory>
+#include <vector>
 
 namespace tenon {
 

@@ -1,28 +1,25 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
-
-#include <cstdio>  // arkode_butcher.h uses FILE without it
+#include <tenon/systems/simulation/internal/sundials_vector.h>
 
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
+#include <fmt/core.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdio>  // arkode_butcher.h uses FILE without it
 #include <cstdlib>
 #include <initializer_list>
 #include <memory>
 #include <new>
 #include <type_traits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/simulation/internal/sundials_vector.h>
 
 // SUNDIALS 7 has other names for the functions of ERKStep and ARKStep, beside these.
 #if SUNDIALS_VERSION_MAJOR >= 7

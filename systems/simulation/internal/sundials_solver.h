@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/systems/simulation/simulator_options.h>
+
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon::internal {
 

@@ -1,4 +1,10 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
+#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>
 
@@ -8,13 +14,6 @@
 #include <limits>
 #include <numeric>
 #include <system_error>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/types/internal/type_info.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
+
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <tenon/systems/framework/types/internal/type_info.h>
-#include <tenon/systems/yaml/internal/yaml_tree.h>
 
 namespace tenon {
 struct YamlFile;

@@ -1,4 +1,6 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
+#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -6,9 +8,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::internal {
 namespace {

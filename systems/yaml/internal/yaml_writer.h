@@ -1,8 +1,8 @@
 #pragma once
 
-#include <string>
-
 #include <tenon/systems/framework/types/internal/type_info.h>
+
+#include <string>
 
 namespace tenon::internal {
 

@@ -1,16 +1,16 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::apps::campaign_plan_test {
 namespace {

@@ -1,14 +1,14 @@
+#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps::campaign_table_test {
 namespace {

@@ -1,11 +1,11 @@
 // Runs the binary as its users do.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <algorithm>
 #include <fstream>
 #include <map>
 #include <sstream>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::test::tenon_campaign_test {
 namespace {

@@ -1,10 +1,10 @@
 // The goals of the cable robot's cases, seeds 1 and 2. A goal that is missed is expected to be missed, by
 // name: who reaches it will hear of it here.
 
+#include <tenon/tests/apps/run_case.h>
+
 #include <cmath>
 #include <map>
-
-#include <tenon/tests/apps/run_case.h>
 
 namespace tenon::cdpr_cases_test {
 namespace {

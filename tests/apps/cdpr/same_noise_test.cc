@@ -1,13 +1,13 @@
 // Whoever controls, the sensors err alike: what --compare compares are controllers, not draws.
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
+
+#include <gtest/gtest.h>
+
+#include <vector>
 
 namespace tenon::apps::same_noise_test {
 namespace {

@@ -1,12 +1,12 @@
 // Runs the binary as its users do.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <numbers>
 #include <sstream>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::tenon_cdpr_test {
 namespace {

@@ -1,10 +1,11 @@
 // Runs the binary as its users do.
 
-#include <cmath>
-#include <fstream>
+#include <tenon/tests/apps/run_app.h>
+
 #include <nlohmann/json.hpp>
 
-#include <tenon/tests/apps/run_app.h>
+#include <cmath>
+#include <fstream>
 
 namespace tenon::tenon_cdpr_workspace_test {
 namespace {

@@ -1,8 +1,8 @@
 // Runs the binary as its users do.
 
-#include <fstream>
-
 #include <tenon/tests/apps/run_app.h>
+
+#include <fstream>
 
 namespace tenon::tenon_tune_pd_test {
 namespace {

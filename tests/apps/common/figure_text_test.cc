@@ -1,10 +1,10 @@
 #include <tenon/apps/common/figure_text.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon::figure_text_test {
 namespace {

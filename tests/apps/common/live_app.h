@@ -1,14 +1,14 @@
 #pragma once
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <httplib.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::test {
 

@@ -1,8 +1,8 @@
+#include <tenon/tests/apps/common/live_app.h>
+
 #include <fstream>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/apps/common/live_app.h>
 
 namespace tenon::test::live_app_test {
 namespace {

@@ -1,12 +1,12 @@
 // A walking robot and a browser: the page that a user sees, and what it does to the run.
 
-#include <chrono>
-#include <cstdlib>
-#include <string>
-
 #include <tenon/tests/apps/common/live_app.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
 
 namespace tenon::test::live_browser_test {
 namespace {

@@ -1,8 +1,7 @@
 #include <tenon/apps/common/live_terminal.h>
+#include <tenon/tests/systems/live/live_diagram.h>
 
 #include <gmock/gmock.h>
-
-#include <tenon/tests/systems/live/live_diagram.h>
 
 namespace tenon::apps::live_terminal_test {
 namespace {

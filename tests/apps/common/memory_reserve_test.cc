@@ -1,13 +1,13 @@
 #include <tenon/apps/common/memory_reserve.h>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <new>
-#include <nlohmann/json.hpp>
 
 namespace tenon::apps {
 namespace {

@@ -1,8 +1,8 @@
 // The example of an app of one's own, as its users run it.
 
-#include <fstream>
-
 #include <tenon/tests/apps/run_app.h>
+
+#include <fstream>
 
 namespace tenon::own_app_test {
 namespace {

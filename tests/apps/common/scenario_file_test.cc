@@ -1,7 +1,12 @@
 // What files name starts from them, wherever the program runs; a run's files start from anywhere.
 
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/common/scenario_file.h>
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,12 +14,6 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-
-#include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::apps::scenario_file_test {
 namespace {

@@ -1,18 +1,17 @@
+#include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/yaml/yaml.h>
 
+#include <Eigen/Core>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
 #include <string>
-
-#include <tenon/apps/common/scenario_app.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps::scenario_keys_test {
 namespace {

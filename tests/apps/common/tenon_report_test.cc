@@ -1,9 +1,9 @@
 // Runs the binary as its users do.
 
-#include <cstdlib>
-
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/browser.h>
+
+#include <cstdlib>
 
 namespace tenon::tenon_report_test {
 namespace {

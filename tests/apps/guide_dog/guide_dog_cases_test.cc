@@ -1,10 +1,10 @@
 // The goals of the guide dog's cases, with DogBot and the observers in the loop.
 
+#include <tenon/tests/apps/run_case.h>
+
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/apps/run_case.h>
 
 namespace tenon::guide_dog_cases_test {
 namespace {

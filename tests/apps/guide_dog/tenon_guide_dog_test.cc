@@ -1,9 +1,9 @@
 // Runs the binary as its users do: what it writes, what it refuses.
 
-#include <fstream>
-
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <fstream>
 
 namespace tenon::tenon_guide_dog_test {
 namespace {

@@ -1,9 +1,9 @@
 // The goals of the quadruped's cases, seeds 1 and 2 where there is something random. A goal that is missed is
 // expected to be missed, by name: who reaches it will hear of it here.
 
-#include <limits>
-
 #include <tenon/tests/apps/run_case.h>
+
+#include <limits>
 
 namespace tenon::quadruped_cases_test {
 namespace {

@@ -1,14 +1,13 @@
 #include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::apps::quadruped_hardware_test {
 namespace {

@@ -1,5 +1,10 @@
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,12 +13,6 @@
 #include <fstream>
 #include <regex>
 #include <sstream>
-
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::quadruped_proposal_test {
 namespace {

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::apps::quadruped_scale_test {
 namespace {

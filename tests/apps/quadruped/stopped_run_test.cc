@@ -1,11 +1,11 @@
 // Runs that are stopped, and places that cannot be written: what is left is whole, and the exit code says
 // why.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <algorithm>
 #include <fstream>
 #include <sstream>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::stopped_run_test {
 namespace {

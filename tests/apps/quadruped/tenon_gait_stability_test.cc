@@ -1,9 +1,9 @@
 // Runs the binary as its users do.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <cmath>
 #include <sstream>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::tenon_gait_stability_test {
 namespace {

@@ -1,9 +1,10 @@
 // Runs the binary as its users do.
 
-#include <cmath>
+#include <tenon/tests/apps/run_app.h>
+
 #include <nlohmann/json.hpp>
 
-#include <tenon/tests/apps/run_app.h>
+#include <cmath>
 
 namespace tenon::tenon_observer_order_test {
 namespace {

@@ -1,11 +1,11 @@
 // Runs the binary as its users do.
 
+#include <tenon/tests/apps/run_app.h>
+
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <vector>
-
-#include <tenon/tests/apps/run_app.h>
 
 namespace tenon::tenon_quadruped_test {
 namespace {

@@ -1,8 +1,8 @@
-#include <fstream>
-
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <fstream>
 
 namespace tenon::test::tenon_robot_test {
 namespace {

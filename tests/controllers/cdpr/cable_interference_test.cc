@@ -1,14 +1,14 @@
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
-
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
 
 namespace tenon::cable_interference_test {
 namespace {

@@ -1,10 +1,4 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -13,6 +7,11 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
 
 namespace tenon::cdpr_estimator_test {
 namespace {

@@ -1,15 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
-
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/dense_algebra.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::cdpr_kinematics_test {
 namespace {

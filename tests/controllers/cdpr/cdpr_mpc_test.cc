@@ -1,13 +1,4 @@
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <numeric>
-
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -16,6 +7,14 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
 
 namespace tenon::cdpr_mpc_test {
 namespace {

@@ -1,15 +1,15 @@
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
 #include <vector>
-
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::cdpr_workspace_test {
 namespace {

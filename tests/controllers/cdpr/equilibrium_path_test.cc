@@ -1,10 +1,12 @@
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/signals/euler.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/plants/signals/euler.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +15,6 @@
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 namespace tenon::equilibrium_path_test {
 namespace {

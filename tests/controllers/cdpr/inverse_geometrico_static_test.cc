@@ -1,16 +1,16 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/dense_algebra.h>
 
 #include <Eigen/Dense>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <limits>
 #include <string>
 #include <vector>
-
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::inverse_geometrico_static_test {
 namespace {

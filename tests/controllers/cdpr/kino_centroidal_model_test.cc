@@ -1,8 +1,5 @@
-#include <tenon/controllers/cdpr/kino_centroidal_model.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -12,6 +9,8 @@
 #include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Core>
+#include <gtest/gtest.h>
+
 #include <limits>
 #include <vector>
 

@@ -1,15 +1,15 @@
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/systems/framework/types/errors.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <random>
-
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
 
 namespace tenon::pose_feasibility_test {
 namespace {

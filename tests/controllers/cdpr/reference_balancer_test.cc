@@ -1,18 +1,17 @@
-#include <tenon/controllers/cdpr/reference_balancer.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-#include <initializer_list>
-
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/controllers/cdpr/reference_balancer.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include <initializer_list>
 
 namespace tenon::reference_balancer_test {
 namespace {

@@ -1,15 +1,14 @@
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/controllers/cdpr/reference_generator.h>
-
-#include <gmock/gmock.h>
-
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::reference_generator_test {
 namespace {

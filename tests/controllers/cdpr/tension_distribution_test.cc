@@ -1,18 +1,18 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
-
-#include <Eigen/Dense>
-#include <limits>
-#include <nlopt.hpp>
-#include <random>
-#include <vector>
-
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <Eigen/Dense>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlopt.hpp>
+
+#include <limits>
+#include <random>
+#include <vector>
 
 namespace tenon::tension_distribution_test {
 namespace {

@@ -1,21 +1,21 @@
-#include <gtest/gtest.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/dense_algebra.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <set>
 #include <vector>
-
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::wrench_feasibility_test {
 namespace {

@@ -1,11 +1,4 @@
 #include <tenon/controllers/guide_dog/admittance_filter.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <functional>
-#include <string>
-
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -13,6 +6,12 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
 
 namespace tenon::admittance_filter_test {
 namespace {

@@ -1,4 +1,10 @@
 #include <tenon/controllers/guide_dog/supervisor.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gmock/gmock.h>
 
@@ -6,13 +12,6 @@
 #include <functional>
 #include <numbers>
 #include <string>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::supervisor_test {
 namespace {

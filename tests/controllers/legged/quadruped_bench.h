@@ -1,15 +1,16 @@
 #pragma once
 
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/tests/testing/dense_algebra.h>
+#include <tenon/tests/testing/test_rig.h>
+
 #include <Eigen/Geometry>
+
 #include <cmath>
 #include <functional>
 #include <utility>
-
-#include <tenon/controllers/legged/whole_body/joint_pd.h>
-#include <tenon/plants/signals/imu_signals.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::test {
 

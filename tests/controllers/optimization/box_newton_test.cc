@@ -1,14 +1,13 @@
 #include <tenon/controllers/optimization/box_newton.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <limits>
-#include <random>
-
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
 
 namespace tenon::box_newton_test {
 namespace {

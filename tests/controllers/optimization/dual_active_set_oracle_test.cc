@@ -1,13 +1,13 @@
 // The dual active set method against CGAL's solver, which computes in exact rational numbers.
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gtest/gtest.h>
+
+#include <random>
 
 namespace tenon::dual_active_set_oracle_test {
 namespace {

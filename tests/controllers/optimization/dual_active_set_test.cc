@@ -1,16 +1,15 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/controllers/optimization/qp_certificate.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 #include <random>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/controllers/optimization/qp_certificate.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::dual_active_set_test {
 namespace {

@@ -6,13 +6,13 @@
 #ifndef CGAL_NDEBUG
 #define CGAL_NDEBUG
 #endif
+#include <tenon/controllers/optimization/dual_active_set.h>
+
 #include <CGAL/Gmpzf.h>
 #include <CGAL/QP_functions.h>
 #include <CGAL/QP_models.h>
 
 #include <optional>
-
-#include <tenon/controllers/optimization/dual_active_set.h>
 
 namespace tenon::test {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/controllers/optimization/dual_active_set.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
-
-#include <tenon/controllers/optimization/dual_active_set.h>
 
 namespace tenon::test {
 

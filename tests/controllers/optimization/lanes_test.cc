@@ -1,9 +1,9 @@
 #include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
 
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/tests/controllers/optimization/kkt_residual.h>
 #include <tenon/tests/controllers/optimization/owned_qp.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::test {
 

@@ -1,13 +1,6 @@
-#include <tenon/controllers/optimization/slq.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <limits>
-#include <nlopt.hpp>
-
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/controllers/optimization/slq.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/optimization/slq_test_problems.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -15,6 +8,12 @@
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+#include <nlopt.hpp>
+
+#include <limits>
 
 namespace tenon::slq_test {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cmath>
-
 #include <tenon/controllers/optimization/runge_kutta.h>
+
+#include <cmath>
 
 namespace tenon::test {
 

@@ -1,15 +1,14 @@
-#include <tenon/plants/robots/load_robot.h>
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <gmock/gmock.h>
 
 #include <thread>
-
-#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::cdpr_loop_test {
 namespace {

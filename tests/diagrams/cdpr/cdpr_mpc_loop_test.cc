@@ -1,17 +1,17 @@
 // The cable robot under its MPC, with the estimator in the loop.
 
+#include <tenon/controllers/cdpr/goal_path.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/testing/matchers.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 #include <thread>
-
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/controllers/cdpr/goal_path.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::cdpr_mpc_loop_test {
 namespace {

@@ -1,14 +1,7 @@
 // Robots of more cables than ship, from their YAML alone.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <filesystem>
-#include <fstream>
-
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -16,6 +9,13 @@
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
 
 namespace tenon::many_cables_test {
 namespace {

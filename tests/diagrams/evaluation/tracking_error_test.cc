@@ -1,14 +1,12 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
 
 namespace tenon::tracking_error_test {
 namespace {

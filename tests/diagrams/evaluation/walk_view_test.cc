@@ -1,11 +1,10 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::walk_view_test {
 namespace {

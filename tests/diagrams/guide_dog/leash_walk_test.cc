@@ -2,6 +2,15 @@
 // takes a new command at each footstep only, as a trot does. The force is known as through an observer of 20
 // rad/s.
 
+#include <tenon/controllers/guide_dog/admittance_filter.h>
+#include <tenon/controllers/guide_dog/supervisor.h>
+#include <tenon/plants/surroundings/leash.h>
+#include <tenon/plants/surroundings/person.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/primitives/low_pass_filter.h>
+#include <tenon/systems/simulation/simulator.h>
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -11,15 +20,6 @@
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include <tenon/controllers/guide_dog/admittance_filter.h>
-#include <tenon/controllers/guide_dog/supervisor.h>
-#include <tenon/plants/surroundings/leash.h>
-#include <tenon/plants/surroundings/person.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/primitives/low_pass_filter.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::leash_walk_test {
 namespace {

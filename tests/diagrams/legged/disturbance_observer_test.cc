@@ -1,15 +1,9 @@
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <memory>
-
-#include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
-#include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/disturbances.h>
 #include <tenon/plants/legged/quadruped_plant.h>
@@ -19,6 +13,11 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <memory>
 
 namespace tenon::disturbance_observer_test {
 namespace {

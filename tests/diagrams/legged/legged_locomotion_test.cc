@@ -1,17 +1,16 @@
 // The blocks of LeggedLocomotion meet at ports alone: each can be another one, a function even.
 
 #include <tenon/diagrams/legged/legged_locomotion.h>
+#include <tenon/diagrams/legged/locomotion_profile.h>
+#include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/diagrams/legged/locomotion_profile.h>
-#include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon::legged_locomotion_test {
 namespace {

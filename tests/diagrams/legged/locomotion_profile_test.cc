@@ -1,14 +1,13 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::locomotion_profile_test {
 namespace {

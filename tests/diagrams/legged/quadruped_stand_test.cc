@@ -1,10 +1,9 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
-
-#include <gmock/gmock.h>
-
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::quadruped_stand_test {
 namespace {

@@ -1,14 +1,14 @@
 // Walking by the state estimator, against the true state of the plant.
 
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
-
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon::quadruped_walk_estimated_test {
 namespace {

@@ -2,15 +2,14 @@
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon::quadruped_walk_test {
 namespace {

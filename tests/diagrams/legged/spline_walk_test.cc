@@ -1,14 +1,14 @@
 // The CoM's spline as reference of the whole controller, with the plant.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace tenon::spline_walk_test {
 namespace {

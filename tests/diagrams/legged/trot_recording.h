@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 namespace tenon::test {
 

@@ -1,13 +1,13 @@
 // The whole-body controller's quadratic programmes, as they come up in a walk with the plant, against a
 // solver in exact arithmetic.
 
-#include <gtest/gtest.h>
-
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::walking_qp_test {
 namespace {

@@ -1,16 +1,15 @@
 #include <tenon/plants/cdpr/cable_statics.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::cable_statics_test {
 namespace {

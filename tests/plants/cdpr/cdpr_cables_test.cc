@@ -1,18 +1,17 @@
 // CdprPlant with cables that sag, pulleys, drums with layers and differentials.
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
 
 namespace tenon::cdpr_cables_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace tenon::cdpr_geometry_test {
 namespace {

@@ -1,12 +1,4 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
-#include <thread>
-
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
@@ -15,6 +7,13 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <thread>
 
 namespace tenon::cdpr_plant_test {
 namespace {

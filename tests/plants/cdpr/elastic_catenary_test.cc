@@ -1,17 +1,16 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <cmath>
-#include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::elastic_catenary_test {
 namespace {

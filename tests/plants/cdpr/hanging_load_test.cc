@@ -1,11 +1,5 @@
-#include <tenon/plants/cdpr/hanging_load.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <numbers>
-
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -13,6 +7,11 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
 
 namespace tenon::hanging_load_test {
 namespace {

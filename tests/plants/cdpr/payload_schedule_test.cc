@@ -1,10 +1,9 @@
 #include <tenon/plants/cdpr/payload_schedule.h>
-
-#include <gmock/gmock.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::payload_schedule_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/plants/cdpr/platform_pull.h>
-
-#include <gmock/gmock.h>
-
-#include <numbers>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <numbers>
 
 namespace tenon::platform_pull_test {
 namespace {

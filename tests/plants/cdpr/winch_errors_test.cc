@@ -1,13 +1,12 @@
 #include <tenon/plants/cdpr/winch_errors.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
 
 namespace tenon::winch_errors_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/plants/cdpr/winch.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::winch_test {
 namespace {

@@ -1,12 +1,4 @@
 #include <tenon/plants/legged/disturbances.h>
-
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -14,6 +6,13 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace tenon::disturbances_test {
 namespace {

@@ -1,10 +1,9 @@
 #include <tenon/plants/legged/fall_monitor.h>
-
-#include <gmock/gmock.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::fall_monitor_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/plants/legged/foot_contact.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::foot_contact_test {
 namespace {

@@ -1,11 +1,4 @@
 #include <tenon/plants/legged/joint_lock.h>
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
@@ -13,6 +6,12 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace tenon::joint_lock_test {
 namespace {

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
 #include <tenon/plants/legged/internal/per_leg.h>
 #include <tenon/systems/framework/block/random_stream.h>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 namespace tenon::internal::per_leg_test {
 namespace {

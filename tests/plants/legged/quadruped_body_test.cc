@@ -1,15 +1,13 @@
 // The plant's equations of motion against Simbody's own.
 
 #include <tenon/plants/legged/quadruped_body.h>
-
-#include <gtest/gtest.h>
 #include <tenon/plants/simbody.h>
-
-#include <Eigen/Geometry>
-
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 namespace tenon::quadruped_body_test {
 namespace {

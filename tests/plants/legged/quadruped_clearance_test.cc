@@ -1,14 +1,14 @@
-#include <gtest/gtest.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/testing/allocation_guard.h>
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
-
-#include <tenon/tests/testing/allocation_guard.h>
 
 namespace tenon::quadruped_clearance_test {
 namespace {

@@ -1,20 +1,19 @@
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 namespace tenon::quadruped_geometry_test {
 namespace {

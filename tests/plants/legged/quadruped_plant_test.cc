@@ -1,15 +1,4 @@
 #include <tenon/plants/legged/quadruped_plant.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <thread>
-#include <vector>
-
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -17,6 +6,16 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
 
 namespace tenon::quadruped_plant_test {
 namespace {

@@ -1,13 +1,14 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 #include <Eigen/Dense>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <limits>
 

@@ -1,13 +1,12 @@
 #include <tenon/plants/model/model_error.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
 
 namespace tenon::model_error_test {
 namespace {

@@ -1,24 +1,23 @@
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
-
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::quadruped_description_test {
 namespace {

@@ -1,15 +1,14 @@
 // The model against MuJoCo, which shares nothing with it: mass matrix, bias and forward dynamics without
 // contact.
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
 
 namespace tenon::quadruped_model_mujoco_test {
 namespace {

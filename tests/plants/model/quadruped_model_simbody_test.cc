@@ -1,12 +1,12 @@
 // The model against Simbody's operators.
 
-#include <gtest/gtest.h>
-#include <tenon/plants/simbody.h>
-
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/simbody.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::quadruped_model_simbody_test {
 namespace {

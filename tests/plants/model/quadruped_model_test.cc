@@ -1,15 +1,14 @@
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/model/quadruped_model.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <functional>
-
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <functional>
 
 namespace tenon::quadruped_model_test {
 namespace {

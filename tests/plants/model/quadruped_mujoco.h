@@ -1,17 +1,17 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/signals/quaternion.h>
+#include <tenon/tests/testing/dense_algebra.h>
+
+#include <Eigen/LU>
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <Eigen/LU>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
-
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/signals/quaternion.h>
-#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::test {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Core>
-#include <array>
 
-#include <tenon/plants/model/quadruped_model.h>
+#include <array>
 
 namespace tenon::test {
 

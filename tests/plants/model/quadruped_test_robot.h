@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cmath>
-
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/systems/framework/block/random_stream.h>
+
+#include <cmath>
 
 namespace tenon::test {
 

@@ -1,5 +1,6 @@
-#include <gtest/gtest.h>
 #include <tenon/plants/model/segment_distance.h>
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>

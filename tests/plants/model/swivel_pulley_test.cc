@@ -1,12 +1,11 @@
 #include <tenon/plants/model/swivel_pulley.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::swivel_pulley_test {
 namespace {

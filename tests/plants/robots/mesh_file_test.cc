@@ -1,5 +1,9 @@
-#include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/tests/plants/model/mesh_test_files.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +15,6 @@
 #include <fstream>
 #include <numbers>
 #include <set>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/plants/model/mesh_test_files.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::mesh_file_test {
 namespace {

@@ -1,14 +1,13 @@
 #include <tenon/plants/sensors/cable_sensors.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::cable_sensors_test {
 namespace {

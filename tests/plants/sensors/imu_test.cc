@@ -1,11 +1,5 @@
-#include <tenon/plants/sensors/imu.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
@@ -13,6 +7,11 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::imu_test {
 namespace {

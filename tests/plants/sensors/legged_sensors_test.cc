@@ -1,11 +1,5 @@
 // The quadruped's sensors: encoders, torque, foot force, and the trunk's inertial unit.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/joint_encoders.h>
@@ -15,6 +9,12 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace tenon::legged_sensors_test {
 namespace {

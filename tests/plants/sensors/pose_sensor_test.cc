@@ -1,17 +1,16 @@
 #include <tenon/plants/sensors/pose_sensor.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
 
 namespace tenon::pose_sensor_test {
 namespace {

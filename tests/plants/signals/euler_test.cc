@@ -1,12 +1,11 @@
+#include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/signals/euler.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
-#include <numbers>
+#include <gtest/gtest.h>
 
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/tests/testing/matchers.h>
+#include <numbers>
 
 namespace tenon::euler_test {
 namespace {

@@ -1,12 +1,11 @@
+#include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/ground_plane.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
+#include <gmock/gmock.h>
 
-#include <tenon/plants/signals/euler.h>
-#include <tenon/tests/testing/matchers.h>
+#include <cmath>
 
 namespace tenon::ground_plane_test {
 namespace {

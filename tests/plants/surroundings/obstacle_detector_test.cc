@@ -1,11 +1,10 @@
 #include <tenon/plants/surroundings/obstacle_detector.h>
-
-#include <gmock/gmock.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::obstacle_detector_test {
 namespace {

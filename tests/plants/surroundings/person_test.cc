@@ -1,18 +1,17 @@
-#include <tenon/plants/surroundings/person.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <functional>
-#include <string>
-
 #include <tenon/plants/surroundings/leash.h>
+#include <tenon/plants/surroundings/person.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
 
 namespace tenon::person_test {
 namespace {

@@ -1,16 +1,15 @@
 #include <tenon/plants/surroundings/terrain.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon::terrain_test {
 namespace {

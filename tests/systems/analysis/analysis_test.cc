@@ -1,14 +1,14 @@
+#include <tenon/systems/analysis/analysis.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/analysis/analysis.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::analysis_test {
 namespace {

@@ -1,16 +1,16 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
-
-#include <cmath>
-#include <limits>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::linearize_discrete_test {
 namespace {

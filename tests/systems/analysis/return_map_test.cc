@@ -1,15 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/analysis/return_map.h>
-
-#include <Eigen/Core>
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::return_map_test {
 namespace {

@@ -1,16 +1,16 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/analysis/sensitivity.h>
-
-#include <cmath>
-#include <limits>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::sensitivity_test {
 namespace {

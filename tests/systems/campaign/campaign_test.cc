@@ -1,17 +1,17 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/campaign/campaign.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <atomic>
 #include <cmath>
 #include <set>
 #include <stdexcept>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/primitives/uniform_noise.h>
 
 namespace tenon::campaign_test {
 namespace {

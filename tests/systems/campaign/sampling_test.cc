@@ -1,12 +1,12 @@
-#include <gtest/gtest.h>
 #include <tenon/systems/campaign/sampling.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::sampling_test {
 namespace {

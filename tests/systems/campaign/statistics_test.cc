@@ -1,12 +1,12 @@
-#include <gtest/gtest.h>
 #include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::statistics_test {
 namespace {

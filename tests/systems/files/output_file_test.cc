@@ -1,4 +1,6 @@
 #include <tenon/systems/files/output_file.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 #include <gtest/gtest.h>
 
@@ -6,9 +8,6 @@
 #include <fstream>
 #include <sstream>
 #include <string>
-
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::output_file_test {
 namespace {

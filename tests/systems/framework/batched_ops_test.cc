@@ -1,15 +1,6 @@
 // What a compiled diagram does in one call, or not at all, shows in its description alone: values, messages
 // and counts are those of calculations that run one by one.
 
-#include <gtest/gtest.h>
-
-#include <functional>
-#include <limits>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/constant.h>
@@ -18,6 +9,15 @@
 #include <tenon/systems/primitives/mux.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::batched_ops_test {
 namespace {

@@ -1,12 +1,12 @@
 // A diagram that ships as a starting point: Replace, Insert, Disconnect, parameters in braces.
 
-#include <gtest/gtest.h>
-
-#include <optional>
-
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/expect_throws.h>
+
+#include <gtest/gtest.h>
+
+#include <optional>
 
 namespace tenon::compose_test {
 namespace {

@@ -1,3 +1,8 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,11 +12,6 @@
 #include <random>
 #include <thread>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::context_test {
 namespace {

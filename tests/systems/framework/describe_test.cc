@@ -1,8 +1,8 @@
+#include <tenon/tests/systems/framework/test_blocks.h>
+
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::describe_test {
 namespace {

@@ -1,9 +1,9 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace tenon::diagram_builder_test {
 namespace {

@@ -1,11 +1,10 @@
 #include <tenon/systems/framework/block/distribution.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::distribution_test {
 namespace {

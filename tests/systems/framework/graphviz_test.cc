@@ -1,12 +1,12 @@
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::graphviz_test {
 namespace {

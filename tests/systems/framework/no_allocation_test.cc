@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/allocation_guard.h>
 
-#include <tenon/tests/systems/framework/test_blocks.h>
+#include <gtest/gtest.h>
 
 namespace tenon::no_allocation_test {
 namespace {

@@ -1,4 +1,8 @@
 #include <tenon/systems/framework/block/parameter.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
@@ -6,11 +10,6 @@
 #include <limits>
 #include <thread>
 #include <vector>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::parameter_test {
 namespace {

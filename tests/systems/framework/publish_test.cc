@@ -1,12 +1,11 @@
 #include <tenon/systems/framework/block/publish.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::publish_test {
 namespace {

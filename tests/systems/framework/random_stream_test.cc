@@ -1,6 +1,7 @@
+#include <tenon/systems/framework/block/random_stream.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 #include <array>
 #include <cmath>

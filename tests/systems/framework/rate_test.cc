@@ -1,8 +1,9 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/errors.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <limits>
 

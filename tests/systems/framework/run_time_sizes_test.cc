@@ -1,14 +1,14 @@
 // States whose size is known at run time only.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::run_time_sizes_test {
 namespace {

@@ -1,7 +1,8 @@
+#include <tenon/systems/framework/diagram/internal/schedule.h>
+#include <tenon/systems/framework/types/errors.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/diagram/internal/schedule.h>
 
 #include <cmath>
 #include <limits>

@@ -1,16 +1,16 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/signal.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/framework/types/signal.h>
 
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon {
 

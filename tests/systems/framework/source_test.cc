@@ -1,10 +1,10 @@
 // What tools ask ports and states.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace tenon::source_test {
 namespace {

@@ -1,15 +1,15 @@
 // Programs that compile, and that are refused because they would do something else than they say.
 
+#include <tenon/systems/analysis/analysis.h>
+#include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <exception>
 #include <stdexcept>
-
-#include <tenon/systems/analysis/analysis.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::wrong_programs_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/systems/io/external_input.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <thread>
 #include <vector>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::external_input_test {
 namespace {

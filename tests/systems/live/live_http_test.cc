@@ -1,14 +1,14 @@
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/live/internal/live_channel.h>
+#include <tenon/systems/live/internal/live_http.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <tenon/systems/live/internal/live_http.h>
-
 #include <nlohmann/json.hpp>
+
 #include <optional>
 #include <thread>
-
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/live/internal/live_channel.h>
 
 namespace tenon::internal::live_http_test {
 namespace {

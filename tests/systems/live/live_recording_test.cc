@@ -1,13 +1,13 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tenon/systems/live/live_recording.h>
-
-#include <fstream>
-
 #include <tenon/systems/live/internal/live_file.h>
+#include <tenon/systems/live/live_recording.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
 
 namespace tenon::live_recording_test {
 namespace {

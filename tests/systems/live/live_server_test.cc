@@ -1,18 +1,18 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tenon/systems/live/live_server.h>
-
-#include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
-
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
+#include <tenon/systems/live/live_server.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <sstream>
 
 namespace tenon::live_server_test {
 namespace {

@@ -1,24 +1,23 @@
-#include <tenon/systems/network/lcm.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <lcm/lcm.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <tenon_test/EverythingSample.hpp>
-#include <tenon_test/Vec_2Sample.hpp>
-#include <tenon_test_cloud/CloudSample.hpp>
-#include <thread>
-
 #include <tenon/systems/network/internal/lcm_bus.h>
+#include <tenon/systems/network/lcm.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/systems/network/signals.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+#include <tenon_test/EverythingSample.hpp>
+#include <tenon_test/Vec_2Sample.hpp>
+#include <tenon_test_cloud/CloudSample.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
 
 namespace tenon::lcm_test {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/types/signal.h>
+
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
-
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon::test {
 

@@ -1,9 +1,17 @@
 #include <tenon/systems/network/udp.h>
+#include <tenon/systems/primitives/constant.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/systems/network/peer.h>
+#include <tenon/tests/systems/network/signals.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -12,16 +20,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <thread>
-
-#include <tenon/systems/primitives/constant.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/systems/network/peer.h>
-#include <tenon/tests/systems/network/signals.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::udp_test {
 namespace {

@@ -1,15 +1,14 @@
-#include <tenon/systems/primitives/concatenate.h>
-
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/concatenate.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <vector>
 
 namespace tenon::concatenate_test {
 namespace {

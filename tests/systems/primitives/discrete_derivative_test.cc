@@ -1,14 +1,13 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/discrete_derivative.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::discrete_derivative_test {
 namespace {

@@ -1,10 +1,5 @@
-#include <tenon/systems/primitives/discrete_low_pass.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/discrete_low_pass.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
@@ -12,6 +7,10 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::discrete_low_pass_test {
 namespace {

@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::gain_test {
 namespace {

@@ -1,11 +1,6 @@
-#include <tenon/systems/primitives/held_lag.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
@@ -13,6 +8,10 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::held_lag_test {
 namespace {

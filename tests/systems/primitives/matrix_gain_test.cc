@@ -1,15 +1,14 @@
-#include <tenon/systems/primitives/matrix_gain.h>
-
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/matrix_gain.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
 
 namespace tenon::matrix_gain_test {
 namespace {

@@ -1,11 +1,10 @@
-#include <tenon/systems/primitives/multiport_switch.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/multiport_switch.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::multiport_switch_test {
 namespace {

@@ -1,9 +1,8 @@
 #include <tenon/systems/primitives/mux.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::mux_test {
 namespace {

@@ -1,15 +1,14 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/pid.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::pid_test {
 namespace {

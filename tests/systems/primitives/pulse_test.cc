@@ -1,10 +1,5 @@
-#include <tenon/systems/primitives/pulse.h>
-
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include <tenon/systems/primitives/integrator.h>
+#include <tenon/systems/primitives/pulse.h>
 #include <tenon/systems/primitives/saturation.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/table.h>
@@ -12,6 +7,10 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
 
 namespace tenon::pulse_test {
 namespace {

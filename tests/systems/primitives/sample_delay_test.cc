@@ -1,13 +1,12 @@
-#include <tenon/systems/primitives/sample_delay.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::sample_delay_test {
 namespace {

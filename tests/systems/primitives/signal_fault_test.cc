@@ -1,16 +1,15 @@
-#include <tenon/systems/primitives/signal_fault.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/signal_fault.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::signal_fault_test {
 namespace {

@@ -1,14 +1,13 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/sine.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::sine_test {
 namespace {

@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/trajectory.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::trajectory_test {
 namespace {

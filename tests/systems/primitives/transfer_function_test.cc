@@ -1,17 +1,16 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/transfer_function.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/primitives/gain.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::transfer_function_test {
 namespace {

@@ -1,18 +1,17 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/primitives/transport_delay.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/primitives/gain.h>
-#include <tenon/systems/primitives/integrator.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::transport_delay_test {
 namespace {

@@ -1,13 +1,12 @@
-#include <tenon/systems/primitives/unit_delay.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/constant.h>
+#include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::unit_delay_test {
 namespace {

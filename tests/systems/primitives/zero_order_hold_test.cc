@@ -1,11 +1,10 @@
-#include <tenon/systems/primitives/zero_order_hold.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gain.h>
+#include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::zero_order_hold_test {
 namespace {

@@ -1,17 +1,17 @@
+#include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/report/campaign_report.h>
+#include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/report/campaign_report.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
-
-#include <tenon/systems/campaign/statistics.h>
-#include <tenon/tests/systems/report/browser.h>
-#include <tenon/tests/systems/report/page_layout.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::campaign_report_test {
 namespace {

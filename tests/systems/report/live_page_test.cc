@@ -1,9 +1,14 @@
 // The page of a run that goes on, against a server that says and hears what a run would.
 
+#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/report.h>
+#include <tenon/tests/systems/report/browser.h>
+#include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <tenon/systems/report/report.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -13,11 +18,6 @@
 #include <mutex>
 #include <sstream>
 #include <thread>
-
-#include <tenon/systems/report/internal/page.h>
-#include <tenon/tests/systems/report/browser.h>
-#include <tenon/tests/systems/report/page_layout.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::live_page_test {
 namespace {

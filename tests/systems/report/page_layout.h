@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/tests/systems/report/browser.h>
+
 #include <string>
 #include <vector>
-
-#include <tenon/tests/systems/report/browser.h>
 
 namespace tenon::testing {
 

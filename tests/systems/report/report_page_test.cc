@@ -1,16 +1,16 @@
 // The page of a report as people use it: by mouse and keys, in windows of several sizes, in the dark, on
 // paper.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/report/report.h>
-
-#include <cmath>
-#include <cstdlib>
-
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
 
 namespace tenon::report_page_test {
 namespace {

@@ -1,19 +1,19 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/report.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/systems/report/browser.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::report_test {
 namespace {

@@ -1,17 +1,17 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tenon/systems/report/volume_report.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/volume_report.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 namespace tenon::volume_report_test {
 namespace {

@@ -1,10 +1,15 @@
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/simulation/background_log.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <tenon/systems/simulation/background_log.h>
 #include <unistd.h>
 
 #include <array>
@@ -15,11 +20,6 @@
 #include <future>
 #include <sstream>
 #include <thread>
-
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::background_log_test {
 namespace {

@@ -1,12 +1,12 @@
 // Who only looks changes nothing: states at ticks that reach no derivative are read from inside the
 // integrator's steps.
 
+#include <tenon/tests/systems/framework/test_blocks.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::dense_output_test {
 namespace {

@@ -2,6 +2,8 @@
 // with tight tolerances: each result is right within 20 times its tolerance, or the run says what it cannot
 // do.
 
+#include <tenon/systems/simulation.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,8 +13,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/simulation.h>
 
 namespace tenon::hybrid_test {
 namespace {

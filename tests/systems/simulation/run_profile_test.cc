@@ -1,11 +1,10 @@
 #include <tenon/systems/simulation/run_profile.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 #include <chrono>
-
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::run_profile_test {
 namespace {

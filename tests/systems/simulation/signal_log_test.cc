@@ -1,6 +1,12 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/simulation/background_log.h>
+#include <tenon/systems/simulation/signal_log.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/temporary_path.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 #include <array>
 #include <cmath>
@@ -8,12 +14,6 @@
 #include <fstream>
 #include <map>
 #include <sstream>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/simulation/background_log.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::signal_log_test {
 namespace {

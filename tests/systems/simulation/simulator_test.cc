@@ -1,16 +1,16 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tenon/systems/simulation/simulator.h>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <unsupported/Eigen/MatrixFunctions>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/primitives/adder.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::simulator_test {
 namespace {

@@ -1,11 +1,11 @@
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::witness_test {
 namespace {

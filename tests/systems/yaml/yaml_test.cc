@@ -1,15 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/temporary_path.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
-
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::yaml_test {
 namespace {

@@ -1,13 +1,12 @@
+#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/framework/diagram/internal/compiler.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <unordered_set>
 #include <utility>
-
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
 
 namespace tenon::internal {
 namespace {

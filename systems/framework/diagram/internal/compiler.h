@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
+
 #include <memory>
 #include <string>
 #include <unordered_set>
 #include <vector>
-
-#include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon::internal {
 

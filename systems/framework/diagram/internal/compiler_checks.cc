@@ -1,14 +1,14 @@
+#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/framework/diagram/internal/compiler.h>
+#include <tenon/systems/framework/types/errors.h>
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <set>
 #include <tuple>
 #include <unordered_map>
-
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/diagram/internal/compiler.h>
-#include <tenon/systems/framework/block/state.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,8 +1,8 @@
-#include <algorithm>
-
+#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/diagram/internal/compiler.h>
 #include <tenon/systems/framework/diagram/internal/schedule.h>
-#include <tenon/systems/framework/block/state.h>
+
+#include <algorithm>
 
 namespace tenon::internal {
 

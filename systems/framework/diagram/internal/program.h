@@ -1,13 +1,13 @@
 #pragma once
 
+#include <tenon/systems/framework/block/internal/rational.h>
+#include <tenon/systems/framework/block/source.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
-
-#include <tenon/systems/framework/block/internal/rational.h>
-#include <tenon/systems/framework/block/source.h>
 
 namespace tenon::internal {
 

@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/diagram/internal/schedule.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -6,8 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

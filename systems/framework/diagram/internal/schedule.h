@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tenon/systems/framework/diagram/internal/program.h>
+
 #include <cstdint>
 #include <vector>
-
-#include <tenon/systems/framework/diagram/internal/program.h>
 
 namespace tenon::internal {
 

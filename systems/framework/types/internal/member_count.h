@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <cstddef>
 #include <cstdlib>
 #include <type_traits>

@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 
 #include <cxxabi.h>
@@ -11,8 +12,6 @@
 #include <memory>
 #include <new>
 #include <regex>
-
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon::internal {
 namespace {

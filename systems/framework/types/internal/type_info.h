@@ -1,6 +1,10 @@
 #pragma once
 
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/internal/member_count.h>
+
 #include <Eigen/Core>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -12,9 +16,6 @@
 #include <typeinfo>
 #include <utility>
 #include <vector>
-
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/internal/member_count.h>
 
 namespace tenon::internal {
 

@@ -1,10 +1,4 @@
 #include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -12,6 +6,11 @@
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::nonlinear_disturbance_observer_test {
 namespace {

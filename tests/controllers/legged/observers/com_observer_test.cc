@@ -1,17 +1,16 @@
 #include <tenon/controllers/legged/observers/com_observer.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon::com_observer_test {
 namespace {

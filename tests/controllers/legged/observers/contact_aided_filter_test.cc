@@ -1,17 +1,16 @@
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::contact_aided_filter_test {
 namespace {

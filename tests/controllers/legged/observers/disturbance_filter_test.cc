@@ -1,14 +1,13 @@
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 namespace tenon::disturbance_filter_test {
 namespace {

@@ -1,11 +1,10 @@
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::foot_force_estimate_test {
 namespace {

@@ -1,19 +1,18 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
-
 #include <tenon/plants/model/standing.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
 
 namespace tenon::ground_estimator_test {
 namespace {

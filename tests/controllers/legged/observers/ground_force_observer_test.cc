@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
-
-#include <gmock/gmock.h>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
 
 namespace tenon::ground_force_observer_test {
 namespace {

@@ -1,11 +1,4 @@
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <numbers>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -13,6 +6,12 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
 
 namespace tenon::leg_momentum_observer_test {
 namespace {

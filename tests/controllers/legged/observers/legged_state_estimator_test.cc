@@ -1,18 +1,17 @@
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace tenon::legged_state_estimator_test {
 namespace {

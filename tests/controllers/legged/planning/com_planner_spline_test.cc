@@ -1,12 +1,5 @@
 // The CoM planner with splines whose ZMP is optimised, behind the foot scheduler, without a plant.
 
-#include <gmock/gmock.h>
-
-#include <array>
-#include <string>
-#include <tuple>
-#include <vector>
-
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -16,6 +9,13 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <string>
+#include <tuple>
+#include <vector>
 
 namespace tenon::com_planner_spline_test {
 namespace {

@@ -1,16 +1,15 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include <cmath>
 
 namespace tenon::com_planner_test {
 namespace {

@@ -1,4 +1,9 @@
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gmock/gmock.h>
 
@@ -8,12 +13,6 @@
 #include <set>
 #include <string>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::foot_scheduler_test {
 namespace {

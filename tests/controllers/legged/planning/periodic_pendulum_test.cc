@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include <cmath>
 
 namespace tenon::periodic_pendulum_test {
 namespace {

@@ -1,4 +1,8 @@
 #include <tenon/controllers/legged/planning/support_polygon.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
@@ -6,11 +10,6 @@
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 namespace tenon::support_polygon_test {
 namespace {

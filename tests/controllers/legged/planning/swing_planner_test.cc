@@ -1,16 +1,5 @@
-#include <tenon/controllers/legged/planning/swing_planner.h>
-
-#include <gmock/gmock.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -19,6 +8,16 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::swing_planner_test {
 namespace {

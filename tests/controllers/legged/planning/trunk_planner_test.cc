@@ -1,18 +1,17 @@
 #include <tenon/controllers/legged/planning/trunk_planner.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace tenon::trunk_planner_test {
 namespace {

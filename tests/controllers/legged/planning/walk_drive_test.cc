@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/planning/walk_drive.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
 
 namespace tenon::walk_drive_test {
 namespace {

@@ -1,15 +1,14 @@
 #include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/test_rig.h>
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 #include <string>
-
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 namespace tenon::walk_schedule_test {
 namespace {

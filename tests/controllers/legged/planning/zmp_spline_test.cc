@@ -1,21 +1,20 @@
 #include <tenon/controllers/legged/planning/zmp_spline.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
 
 namespace tenon::zmp_spline_test {
 namespace {

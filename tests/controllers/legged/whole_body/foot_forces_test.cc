@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/SVD>
-#include <algorithm>
-#include <cmath>
-
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/SVD>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tenon::foot_forces_test {
 namespace {

@@ -1,13 +1,12 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
-
-#include <gtest/gtest.h>
-
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <gtest/gtest.h>
 
 namespace tenon::joint_pd_test {
 namespace {

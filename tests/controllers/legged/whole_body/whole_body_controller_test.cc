@@ -1,12 +1,4 @@
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <array>
-#include <cmath>
-
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -15,6 +7,13 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
 
 namespace tenon::whole_body_controller_test {
 namespace {

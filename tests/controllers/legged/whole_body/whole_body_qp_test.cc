@@ -1,10 +1,4 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -12,6 +6,10 @@
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
 
 namespace tenon::whole_body_qp_test {
 namespace {
