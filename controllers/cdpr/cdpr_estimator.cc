@@ -57,7 +57,7 @@ PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasu
                                              const ImuMeasurement& inertial, const CableSignals& cables,
                                              const CdprNoise& noise, Memory& memory) const {
   const bool lengths = cables.length.size() > 0;
-  if (lengths) CheckNumCables(params.robot, cables.length.size(), "CdprEstimator");
+  if (lengths) CheckNumCables(params.robot.num_cables(), cables.length.size(), "CdprEstimator");
   if (memory.started) {
     const Step mean = Predict(inertial, noise, memory);
     if (lengths) CorrectByLengths(cables.length, noise, mean, memory);

@@ -47,14 +47,6 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
 
 }  // namespace
 
-void CheckNumCables(const CdprDescription& robot, Eigen::Index num, const char* who) {
-  if (num == robot.num_cables()) return;
-  throw RunError(
-      fmt::format("{} gets signals of {} cables, but the robot '{}' that it knows has {}: give both the same "
-                  "robot.",
-                  who, num, robot.name, robot.num_cables()));
-}
-
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB) {
   const CableDescription& cable = robot.cables[static_cast<std::size_t>(index)];

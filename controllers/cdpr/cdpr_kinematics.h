@@ -55,10 +55,6 @@ struct CableLine {
   Vector6d wrench;                                   ///< its column of W
 };
 
-/// Signals of so many cables are of this robot.
-/// @throws RunError if they are not; `who` reads them.
-void CheckNumCables(const CdprDescription& robot, Eigen::Index num, const char* who);
-
 /// Cable `index` of `robot` at a pose.
 /// @throws RunError when it has no length, for then it has no direction, or ends on its pulley or beside its
 /// swivel axis.

@@ -27,7 +27,7 @@ void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x,
 void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
                        const CableVector& broken, const FollowedPath& path, const CdprMpcCost& cost,
                        CdprPlan& warm_start, CdprMpcSolver& solver, CdprPlan* plan) const {
-  if (broken.size() > 0) CheckNumCables(params.path->robot(), broken.size(), "CdprMpc");
+  if (broken.size() > 0) CheckNumCables(params.path->robot().num_cables(), broken.size(), "CdprMpc");
   const auto begin = std::chrono::steady_clock::now();
   const CentroidalState x = CentroidalStateOf(params.path->robot(), estimate.platform, load.payload);
   solver.Follow(path.path ? path.path : params.path);

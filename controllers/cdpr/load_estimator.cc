@@ -34,7 +34,7 @@ void LoadEstimatorParams::Validate() const {
 LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
                                      const CableSignals& cables, double bandwidth, Memory& memory) const {
   const CdprDescription& robot = params.robot;
-  CheckNumCables(robot, cables.tension.size(), "LoadEstimator");
+  CheckNumCables(robot.num_cables(), cables.tension.size(), "LoadEstimator");
   const double h = params.rate.period();
   const Eigen::Matrix3d R_WB = estimate.platform.R_WB();
   Vector6d pull = Vector6d::Zero();

@@ -1,13 +1,7 @@
 #include <tenon/controllers/cdpr/loaded_platform.h>
+#include <tenon/plants/model/rigid_inertia.h>
 
 namespace tenon {
-namespace {
-
-Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r) {
-  return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
-}
-
-}  // namespace
 
 LoadedPlatform::LoadedPlatform(const CdprDescription& robot, const Payload& payload)
     : mass(robot.mass), inertia(robot.inertia_B) {

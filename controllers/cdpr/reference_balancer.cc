@@ -13,8 +13,8 @@ CdprReference ReferenceBalancer::Empty(int num_cables) {
 void ReferenceBalancer::CalcBalanced(const CdprReference& reference, const LoadEstimate& load,
                                      const CableVector& broken, ReferenceShift& shift,
                                      BalancedReference& work, CdprReference* balanced) const {
-  CheckNumCables(params.robot, reference.tension.size(), "ReferenceBalancer");
-  if (broken.size() > 0) CheckNumCables(params.robot, broken.size(), "ReferenceBalancer");
+  CheckNumCables(params.robot.num_cables(), reference.tension.size(), "ReferenceBalancer");
+  if (broken.size() > 0) CheckNumCables(params.robot.num_cables(), broken.size(), "ReferenceBalancer");
   work.Calc(reference, load, broken, shift);
   *balanced = reference;
   balanced->euler = work.euler();

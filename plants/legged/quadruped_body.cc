@@ -169,8 +169,7 @@ SimTK::Rotation Turned(const Eigen::Vector3d& axis) {
 
 /// Simbody wants the inertia about the body's origin.
 SimTK::MassProperties MassOf(const RigidInertia& body) {
-  const Eigen::Matrix3d I = body.inertia + body.mass * (body.com.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                                        body.com * body.com.transpose());
+  const Eigen::Matrix3d I = body.inertia + PointInertia(body.mass, body.com);
   return SimTK::MassProperties(body.mass, ToSimbody(body.com),
                                SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
 }

@@ -115,11 +115,4 @@ void CdprDescription::Validate() const {
                       j, std::max(i, j), num_cables(), num_cables() - 1));
 }
 
-void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {
-  if (num == num_cables) return;
-  throw RunError(
-      fmt::format("{} gets signals of {} cables, but its num_cables is {}: give it that of the robot.", who,
-                  num, num_cables));
-}
-
 }  // namespace tenon

@@ -143,7 +143,4 @@ struct CdprDescription {
   void Validate() const;
 };
 
-/// Throws RunError if the signals that `who` gets are not of `num_cables` cables.
-void CheckNumCables(int num_cables, Eigen::Index num, const char* who);
-
 }  // namespace tenon

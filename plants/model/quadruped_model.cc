@@ -23,8 +23,8 @@ Matrix3d Rotation(double angle, const Vector3d& axis) {
   return R;
 }
 
-/// mass * (|c|^2 - c c^T), what a mass at c adds to the inertia about the origin.
-Matrix3d Steiner(double mass, const Vector3d& c) {
+/// PointInertia, written by entries: it runs for each body at each evaluation.
+Matrix3d FastPointInertia(double mass, const Vector3d& c) {
   const Vector3d mc = mass * c;
   Matrix3d J;
   J(0, 0) = mc[1] * c[1] + mc[2] * c[2];
@@ -64,7 +64,7 @@ struct Composite {
     const Vector3d f = body_mass * frame.Acceleration(arm);
     mass += body_mass;
     moment += body_mass * c;
-    inertia += I + Steiner(body_mass, c);
+    inertia += I + FastPointInertia(body_mass, c);
     linear += l;
     angular += k + c.cross(l);
     force += f;
@@ -211,7 +211,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
   out->com_W = x.p_WB + com;
   out->com_velocity_W = robot.linear / robot.mass;
   out->com_bias_W = robot.force / robot.mass;
-  out->centroidal_inertia_W = robot.inertia - Steiner(robot.mass, com);
+  out->centroidal_inertia_W = robot.inertia - FastPointInertia(robot.mass, com);
   out->angular_momentum_W = robot.angular - com.cross(robot.linear);
   out->angular_momentum_bias_W = robot.torque - com.cross(robot.force);
   for (int c = 0; c < kNumVelocities; ++c) {

@@ -12,22 +12,22 @@ namespace {
 /// Relative to the largest entry; files give inertias with a few digits.
 constexpr double kInertiaTolerance = 1e-9;
 
-/// What a mass at d adds to the inertia about the origin.
-Eigen::Matrix3d Steiner(double mass, const Eigen::Vector3d& d) {
-  return mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
-}
-
 }  // namespace
 
 RigidInertia RigidInertia::In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const {
   return {mass, p + R * com, R * inertia * R.transpose()};
 }
 
+Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r) {
+  return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+}
+
 RigidInertia operator+(const RigidInertia& a, const RigidInertia& b) {
   const double mass = a.mass + b.mass;
   if (mass == 0) return a;
   const Eigen::Vector3d com = (a.mass * a.com + b.mass * b.com) / mass;
-  return {mass, com, a.inertia + Steiner(a.mass, a.com - com) + b.inertia + Steiner(b.mass, b.com - com)};
+  return {mass, com,
+          a.inertia + PointInertia(a.mass, a.com - com) + b.inertia + PointInertia(b.mass, b.com - com)};
 }
 
 void CheckInertia(const Eigen::Matrix3d& inertia) {

@@ -14,6 +14,9 @@ struct RigidInertia {
   RigidInertia In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const;
 };
 
+/// Inertia of a point mass [kg] at r [m] about the origin: mass (|r|^2 1 - r r^T), Steiner's term.
+Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r);
+
 /// Two bodies of one frame as one, by Steiner's theorem.
 RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/system.h>

@@ -1,4 +1,4 @@
-// The descriptions of the signals that ports carry, one for all libraries.
+// The types of signals that ports carry are described here once for all libraries.
 #include <tenon/plants/signals/cable_vector.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/disturbance_signals.h>
@@ -8,6 +8,19 @@
 #include <tenon/plants/signals/leash_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
+#include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/core.h>
+
+namespace tenon {
+
+void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {
+  if (num == num_cables) return;
+  throw RunError(fmt::format("{} gets signals of {} cables, but its robot has {}: give both the same robot",
+                             who, num, num_cables));
+}
+
+}  // namespace tenon
 
 TENON_DEFINE_SIGNAL(tenon::CableVector);
 TENON_DEFINE_SIGNAL(tenon::PlatformState);

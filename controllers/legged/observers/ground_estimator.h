@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>

@@ -65,7 +65,7 @@ TEST_F(BrokenCableDetectorTest, IfNoCablePullsTheMeasurementFails) {
 TEST_F(BrokenCableDetectorTest, RefusesSignalsOfAnotherRobot) {
   const auto refuses = [&](int tensions, int commands) {
     rig.Fix(rig->cables, CableSignals::Zero(tensions)).Fix(rig->command, CableVector::Zero(commands));
-    EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "signals of 3 cables, but its num_cables is 4"));
+    EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "BrokenCableDetector", "3 cables", "4"));
   };
   refuses(3, 4);
   refuses(4, 3);

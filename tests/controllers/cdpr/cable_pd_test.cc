@@ -35,9 +35,7 @@ TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
 }
 
 TEST_F(CablePdTest, RefusesSignalsOfAnotherNumberOfCables) {
-  const auto refuses = [&] {
-    return Throws<RunError>([&] { Command(); }, "CablePd gets signals of 8 cables", "'cdpr_4'", "has 4");
-  };
+  const auto refuses = [&] { return Throws<RunError>([&] { Command(); }, "CablePd", "8 cables", "has 4"); };
   reference.length = CableVector::Zero(8);
   EXPECT_TRUE(refuses());
   reference.length = CableVector::Zero(4);

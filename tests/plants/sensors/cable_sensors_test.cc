@@ -69,8 +69,8 @@ TEST(CableSensorsTest, TensionsHaveNoiseThatGrowsWithThemAndAreNotNegative) {
 
 TEST(CableSensorsTest, RefuseSignalsOfAnotherRobot) {
   TestRig<CableSensors> rig(CableSensorsParams{.num_cables = 8});
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); },
-                               "CableSensors gets signals of 4 cables, but its num_cables is 8"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); }, "CableSensors", "4 cables", "has 8"));
 }
 
 TEST(CableSensorsTest, RefuseNonsense) {
