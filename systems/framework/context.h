@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <span>
@@ -218,11 +219,17 @@ class Context {
     bool valid = false;
     double time = 0, size = 0, next_step = 0, last_error = 0;
     std::vector<double> states = {}, witnesses = {};
+    /// The end of the integrator's interval [s] if it lies just before an event, else infinity.
+    double end_before_event = std::numeric_limits<double>::infinity();
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},           {"size", &StepStart::size},
-              {"next_step", &StepStart::next_step}, {"last_error", &StepStart::last_error},
-              {"states", &StepStart::states},       {"witnesses", &StepStart::witnesses},
+      return {{"time", &StepStart::time},
+              {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step},
+              {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states},
+              {"witnesses", &StepStart::witnesses},
+              {"end_before_event", &StepStart::end_before_event},
               Undescribed(&StepStart::valid)};  // saved apart, before the others
     }
   } step_start_;

@@ -257,11 +257,8 @@ bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
   context.witness_memory_ = from.witnesses;
-  if (context.witness_memory_.size() % 3 == 1) {
-    end = last_instant = context.witness_memory_.back();
-    context.witness_memory_.pop_back();
-    before_event = true;
-  }
+  before_event = std::isfinite(from.end_before_event);
+  if (before_event) end = last_instant = from.end_before_event;
   Restart(from.time, from.size);
   first_evaluation = false;  // what the context holds is of another time
   const std::vector<double> held(context.continuous_data(),
@@ -424,7 +421,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
   from.witnesses = context.witness_memory_;
-  if (before_event) from.witnesses.push_back(end);  // three numbers per witness come before
+  from.end_before_event = before_event ? end : std::numeric_limits<double>::infinity();
 }
 
 /// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
