@@ -13,12 +13,16 @@
 #include <tenon/systems/framework/internal/schedule.h>
 #include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
+#include <tenon/systems/simulation/internal/time_tolerance.h>
 
 namespace tenon {
 
+using internal::kInstant;
 using internal::Profiled;
 using internal::Profiler;
 using internal::TickPlan;
+using internal::TickRounding;
+using internal::Tiny;
 
 namespace {
 
@@ -39,15 +43,6 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
   }
   return first;
 }
-
-/// Times that differ by less are the same: sums of periods round differently than ticks do, and an interval
-/// between the two would be a step of 1e-17 s.
-double Rounding(double time) {
-  return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
-}
-
-/// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
-constexpr double kInstant = 1e-7;
 
 /// Events accumulate if so many intervals between them have shrunk in succession, and the time in which
 /// infinitely many more would follow, were they to go on as a geometric series, is this part of the first.
@@ -231,7 +226,7 @@ RunStatus Simulator::AdvanceToBefore(double time) {
 
 RunStatus Simulator::Advance(double time, bool before_tick) {
   using Progress = Context::Progress;
-  const double rounding = Rounding(time);
+  const double rounding = TickRounding(time);
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
   if (time < context_->time() - rounding) {

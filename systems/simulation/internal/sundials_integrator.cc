@@ -13,8 +13,13 @@
 #include <tenon/systems/framework/internal/program.h>
 #include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
+#include <tenon/systems/simulation/internal/time_tolerance.h>
 
 namespace tenon {
+
+using internal::StepRounding;
+using internal::Tiny;
+
 namespace {
 
 // Of the step size, see ChooseStep.
@@ -524,7 +529,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
   // A step cut short by the end of its interval says little of the next one.
-  const bool cut = t >= end - 1e-12 * (1 + std::abs(t)) && h < 0.5 * context.next_step_;
+  const bool cut = t >= end - StepRounding(t) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
   double factor = kMaxGrowth;
   const bool accepted = measured <= 1;
@@ -549,7 +554,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   wanted = std::min(wanted, LargestStep(t));
   context.next_step_ = wanted;
   const double remaining = end - t;
-  return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
+  return remaining > StepRounding(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
 /// Where the derivatives jump at an instant that nobody has declared, or at a state, the error test alone

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,11 +7,6 @@
 #include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon::internal {
-
-/// A rounding error of the time.
-inline double Tiny(double time) {
-  return 1e-14 * (1 + std::abs(time));
-}
 
 /// Whether ERKStep runs it.
 inline bool IsExplicit(Method method) {
