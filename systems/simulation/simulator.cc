@@ -83,6 +83,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   }
   context_->checks_values_ = options_.check_values;
   MakeEventFinder();
+  watches_steps_ = !program_.each_step.empty() || !program_.each_step_verdicts.empty() || !finder_->empty();
   RebuildSchedule();
 }
 
@@ -134,6 +135,7 @@ RunProfile Simulator::Profile() const {
 void Simulator::AddMonitor(std::function<Verdict(Context&)> monitor) {
   if (!monitor) throw ParameterError("AddMonitor: give a function, not an empty std::function");
   monitors_.push_back(std::move(monitor));
+  watches_steps_ = true;
 }
 
 void Simulator::AskMonitors() {
@@ -298,14 +300,11 @@ void Simulator::FirstTick() {
 /// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator
 /// runs ahead, step by step if something is to be read on the way; what follows a step happens where it ends.
 void Simulator::IntegrateTo(double target) {
-  const bool each_step =
-      !program_.each_step.empty() || !program_.each_step_verdicts.empty() || !monitors_.empty();
-  if (program_.num_continuous == 0 && program_.witness_plans.empty() && !each_step) {
+  if (program_.num_continuous == 0 && !watches_steps_) {
     context_->SetRunTime(target);
     return;
   }
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
-  const bool watches = each_step || !finder_->empty();
   while (!end_reason_) {
     // A remainder within rounding, behind an event say, is no interval that could be integrated.
     if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
@@ -318,7 +317,7 @@ void Simulator::IntegrateTo(double target) {
       EndStep();
       continue;
     }
-    integrator_->Advance(watches || horizon_ - target > Tiny(target));
+    integrator_->Advance(watches_steps_ || horizon_ - target > Tiny(target));
     FindEvent(integrator_->begin());
   }
   if (context_->time() < target && !end_reason_) {
@@ -379,10 +378,11 @@ double Simulator::NextJump() {
 void Simulator::FindEvent(double from) {
   next_stop_ = integrator_->finish();
   stop_is_due_ = true;
+  is_event_ = false;
+  if (finder_->empty()) return;
   const bool whole = from == integrator_->begin();
   if (whole) memory_at_begin_ = context_->witness_memory_;
-  is_event_ = !finder_->empty() && from < next_stop_ &&
-              finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
+  is_event_ = from < next_stop_ && finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
   if (!is_event_ || !whole || !EventFeeds()) return;
   const bool kink = std::any_of(fired_.begin(), fired_.end(),
                                 [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
@@ -402,7 +402,7 @@ void Simulator::EndStep() {
   integrator_->MoveContext(next_stop_);
   const bool at_end = next_stop_ >= integrator_->finish() - Tiny(next_stop_);
   // An event inside a step ends it if the integrator has to start again there.
-  if (at_end || EventFeeds()) {
+  if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
     AskMonitors();
     Apply(program_.each_step);

@@ -137,6 +137,7 @@ class Simulator {
   double next_stop_ = 0;                                    ///< the first event in the last step, or its end
   bool stop_is_due_ = false;                                ///< what happens at next_stop_ has yet to happen
   bool is_event_ = false;                                   ///< at next_stop_ witnesses or kinks fire
+  bool watches_steps_ = false;  ///< updates, monitors or witnesses ask for every step of the integrator
 
   struct RatedLog {
     Rate rate;
