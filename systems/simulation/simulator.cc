@@ -479,7 +479,9 @@ void Simulator::Tick(bool first) {
 /// A sampled NaN would be held and spoil everything downstream: it is reported where it arises.
 void Simulator::CheckSamples(const TickPlan& plan) const {
   // Infinite bounds are legitimate.
-  if (!options_.check_values || (context_->AllFinite(plan.doubles) && plan.movable.empty())) return;
+  if (!options_.check_values ||
+      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.movable.empty()))
+    return;
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
       continue;

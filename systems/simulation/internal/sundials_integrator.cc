@@ -123,23 +123,25 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
-  bool Start(double to, bool jumps);
-  void Restart(double time, double first_step);
-  void Advance(bool one_step);
+  // Those that every step takes are hidden from other libraries: only so does GCC inline them.
+  [[gnu::visibility("hidden")]] bool Start(double to, bool jumps);
+  [[gnu::visibility("hidden")]] void Restart(double time, double first_step);
+  [[gnu::visibility("hidden")]] void Advance(bool one_step);
+  [[gnu::visibility("hidden")]] void MoveContext(double t);
+  [[gnu::visibility("hidden")]] void LoadInside(double t);
+  [[gnu::visibility("hidden")]] double FirstStep() const;
+  [[gnu::visibility("hidden")]] double LargestStep(double time) const;
+  [[gnu::visibility("hidden")]] void Count(double step);
+  bool TakeStepAgain();
   void CheckProgress(double t);
   void KeepStage(double t, const double* xdot);
   bool StagesJump() const;
   void Retake(double time);
   bool RetakeBefore(double event);
-  void MoveContext(double t);
-  void LoadInside(double t);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
   bool has_past() const { return !internal::IsExplicit(options.method); }
-  double FirstStep() const;
-  double LargestStep(double time) const;
-  void Count(double step);
   [[noreturn]] void ThrowNonFiniteState(double time);
   [[noreturn]] void ThrowFailure(int flag);
   [[noreturn]] void ThrowFailure(double t, double h, const std::string& what);
@@ -172,6 +174,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double begin = 0;                 // and when
   std::vector<double> step_states;  // where the last step began
   double step_begin = 0;            // and when
+  // Open tables meet jumps at the ticks that end their steps.
+  const bool seeks_jumps =
+      !(open && (options.method == Method::kErkOpen || options.method == Method::kStabilized));
   // Whether an accepted step is looked at for a jump that its table sees badly.
   const bool checks_stages;
   struct {
@@ -250,13 +255,16 @@ bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   end = to;
   before_event = false;
   last_instant = jumps ? to - 8 * Tiny(to) : to;
+  if (context.step_start_.valid) return TakeStepAgain();
+  std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
+  Restart(context.time(), FirstStep());
+  return false;
+}
+
+/// The context is inside a step, or at the end of one that the solver does not know. Returns whether the step
+/// could be taken again.
+bool SundialsIntegrator::Run::TakeStepAgain() {
   Context::StepStart& from = context.step_start_;
-  if (!from.valid) {
-    std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
-    Restart(context.time(), FirstStep());
-    return false;
-  }
-  // The context is inside a step, or at the end of one that the solver does not know.
   const double time = context.time();
   std::copy(from.states.begin(), from.states.end(), solver.states());
   context.next_step_ = from.next_step;
@@ -523,8 +531,6 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
-  // Open tables meet jumps at the ticks that end their steps.
-  const bool seeks_jumps = !(open && internal::IsExplicit(options.method) && options.method != Method::kErk);
   if (seeks_jumps && (jump.known || measured > 1)) {
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
