@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/diagram/internal/schedule.h>
 #include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
+#include <tenon/systems/simulation/internal/time_tolerance.h>
 #include <tenon/systems/simulation/simulator.h>
 
 #include <fmt/core.h>
@@ -12,12 +13,14 @@
 #include <cmath>
 #include <limits>
 #include <thread>
-
 namespace tenon {
 
+using internal::kInstant;
 using internal::Profiled;
 using internal::Profiler;
 using internal::TickPlan;
+using internal::TickRounding;
+using internal::Tiny;
 
 namespace {
 
@@ -38,15 +41,6 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
   }
   return first;
 }
-
-/// Times that differ by less are the same: sums of periods round differently than ticks do, and an interval
-/// between the two would be a step of 1e-17 s.
-double Rounding(double time) {
-  return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
-}
-
-/// Events that follow one another faster [s] belong to one instant: chatter creeps on, some 1e-8 s at a time.
-constexpr double kInstant = 1e-7;
 
 /// Events accumulate if so many intervals between them have shrunk in succession, and the time in which
 /// infinitely many more would follow, were they to go on as a geometric series, is this part of the first.
@@ -87,6 +81,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   }
   context_->checks_values_ = options_.check_values;
   MakeEventFinder();
+  watches_steps_ = !program_.each_step.empty() || !program_.each_step_verdicts.empty() || !finder_->empty();
   RebuildSchedule();
 }
 
@@ -138,6 +133,7 @@ RunProfile Simulator::Profile() const {
 void Simulator::AddMonitor(std::function<Verdict(Context&)> monitor) {
   if (!monitor) throw ParameterError("AddMonitor: give a function, not an empty std::function");
   monitors_.push_back(std::move(monitor));
+  watches_steps_ = true;
 }
 
 void Simulator::AskMonitors() {
@@ -230,7 +226,7 @@ RunStatus Simulator::AdvanceToBefore(double time) {
 
 RunStatus Simulator::Advance(double time, bool before_tick) {
   using Progress = Context::Progress;
-  const double rounding = Rounding(time);
+  const double rounding = TickRounding(time);
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
   if (time < context_->time() - rounding) {
@@ -302,14 +298,11 @@ void Simulator::FirstTick() {
 /// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator
 /// runs ahead, step by step if something is to be read on the way; what follows a step happens where it ends.
 void Simulator::IntegrateTo(double target) {
-  const bool each_step =
-      !program_.each_step.empty() || !program_.each_step_verdicts.empty() || !monitors_.empty();
-  if (program_.num_continuous == 0 && program_.witness_plans.empty() && !each_step) {
+  if (program_.num_continuous == 0 && !watches_steps_) {
     context_->SetRunTime(target);
     return;
   }
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
-  const bool watches = each_step || !finder_->empty();
   while (!end_reason_) {
     // A remainder within rounding, behind an event say, is no interval that could be integrated.
     if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
@@ -322,7 +315,7 @@ void Simulator::IntegrateTo(double target) {
       EndStep();
       continue;
     }
-    integrator_->Advance(watches || horizon_ - target > Tiny(target));
+    integrator_->Advance(watches_steps_ || horizon_ - target > Tiny(target));
     FindEvent(integrator_->begin());
   }
   if (context_->time() < target && !end_reason_) {
@@ -383,10 +376,11 @@ double Simulator::NextJump() {
 void Simulator::FindEvent(double from) {
   next_stop_ = integrator_->finish();
   stop_is_due_ = true;
+  is_event_ = false;
+  if (finder_->empty()) return;
   const bool whole = from == integrator_->begin();
   if (whole) memory_at_begin_ = context_->witness_memory_;
-  is_event_ = !finder_->empty() && from < next_stop_ &&
-              finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
+  is_event_ = from < next_stop_ && finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
   if (!is_event_ || !whole || !EventFeeds()) return;
   const bool kink = std::any_of(fired_.begin(), fired_.end(),
                                 [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
@@ -406,7 +400,7 @@ void Simulator::EndStep() {
   integrator_->MoveContext(next_stop_);
   const bool at_end = next_stop_ >= integrator_->finish() - Tiny(next_stop_);
   // An event inside a step ends it if the integrator has to start again there.
-  if (at_end || EventFeeds()) {
+  if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
     AskMonitors();
     Apply(program_.each_step);
@@ -483,7 +477,9 @@ void Simulator::Tick(bool first) {
 /// A sampled NaN would be held and spoil everything downstream: it is reported where it arises.
 void Simulator::CheckSamples(const TickPlan& plan) const {
   // Infinite bounds are legitimate.
-  if (!options_.check_values || (context_->AllFinite(plan.doubles) && plan.movable.empty())) return;
+  if (!options_.check_values ||
+      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.movable.empty()))
+    return;
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
       continue;

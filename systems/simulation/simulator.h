@@ -100,27 +100,29 @@ class Simulator {
   void Synchronize();
   void RebuildSchedule();
   void MoveSchedule();
-  void IntegrateTo(double target);
-  void StartFinder();
-  void StartIntegrator();
-  double NextJump();
   void MakeEventFinder();
-  void FindEvent(double from);
-  void EndStep();
-  bool EventFeeds() const;
   RunStatus Advance(double time, bool before_tick);
   void FirstTick();
-  void Tick(bool first = false);
-  const internal::TickPlan& PlanFor(const std::vector<int>& due);
-  void Apply(const internal::UpdatePlan& plan);
+  bool EventFeeds() const;
   void HandleEvent();
-  void HandleJumps();
   void Fire(std::size_t witness);
   void EvaluateWitnesses();
-  void AskMonitors();
-  void Judge(const std::vector<internal::Op>& ops, const std::vector<const Source*>& verdicts);
-  void CheckSamples(const internal::TickPlan& plan) const;
-  void KeepPace(bool tick);
+  // Those that every tick takes are hidden from other libraries: only so does GCC inline them.
+  [[gnu::visibility("hidden")]] void IntegrateTo(double target);
+  [[gnu::visibility("hidden")]] void StartFinder();
+  [[gnu::visibility("hidden")]] void StartIntegrator();
+  [[gnu::visibility("hidden")]] double NextJump();
+  [[gnu::visibility("hidden")]] void FindEvent(double from);
+  [[gnu::visibility("hidden")]] void EndStep();
+  [[gnu::visibility("hidden")]] void Tick(bool first = false);
+  [[gnu::visibility("hidden")]] const internal::TickPlan& PlanFor(const std::vector<int>& due);
+  [[gnu::visibility("hidden")]] void Apply(const internal::UpdatePlan& plan);
+  [[gnu::visibility("hidden")]] void HandleJumps();
+  [[gnu::visibility("hidden")]] void AskMonitors();
+  [[gnu::visibility("hidden")]] void Judge(const std::vector<internal::Op>& ops,
+                                           const std::vector<const Source*>& verdicts);
+  [[gnu::visibility("hidden")]] void CheckSamples(const internal::TickPlan& plan) const;
+  [[gnu::visibility("hidden")]] void KeepPace(bool tick);
   /// All of them, whatever one throws; returns the first of that.
   std::exception_ptr FlushLogs();
 
@@ -137,6 +139,7 @@ class Simulator {
   double next_stop_ = 0;                                    ///< the first event in the last step, or its end
   bool stop_is_due_ = false;                                ///< what happens at next_stop_ has yet to happen
   bool is_event_ = false;                                   ///< at next_stop_ witnesses or kinks fire
+  bool watches_steps_ = false;  ///< updates, monitors or witnesses ask for every step of the integrator
 
   struct RatedLog {
     Rate rate;

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <unordered_set>
 #include <vector>
 
 namespace tenon {
@@ -20,61 +21,13 @@ std::string System::path() const {
 namespace internal {
 namespace {
 
-/// The members that exist, by their addresses: a table with open addressing, since a large diagram has tens
-/// of thousands, and each is looked up when it is made, used and destroyed.
-class Registry {
- public:
-  void Insert(const Declared* member) {
-    const std::lock_guard lock(mutex_);
-    if (2 * ++count_ > table_.size()) Grow();
-    Place(member);
-  }
-  void Erase(const Declared* member) {
-    const std::lock_guard lock(mutex_);
-    --count_;
-    std::size_t hole = Find(member);
-    // What stands behind and could not stand where it wanted to moves up.
-    for (std::size_t i = Next(hole); table_[i] != nullptr; i = Next(i)) {
-      const std::size_t wanted = Slot(table_[i]);
-      const bool between = hole <= i ? wanted > hole && wanted <= i : wanted > hole || wanted <= i;
-      if (between) continue;
-      table_[hole] = table_[i];
-      hole = i;
-    }
-    table_[hole] = nullptr;
-  }
-  bool Contains(const Declared* member) {
-    const std::lock_guard lock(mutex_);
-    return table_[Find(member)] == member;
-  }
-
- private:
-  std::size_t Slot(const Declared* member) const {
-    const auto address = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(member));
-    return static_cast<std::size_t>((address * 0x9e3779b97f4a7c15u) >> 32) & (table_.size() - 1);
-  }
-  std::size_t Next(std::size_t i) const { return (i + 1) & (table_.size() - 1); }
-  /// Where it is, or where it would be put.
-  std::size_t Find(const Declared* member) const {
-    std::size_t i = Slot(member);
-    while (table_[i] != nullptr && table_[i] != member) i = Next(i);
-    return i;
-  }
-  void Place(const Declared* member) { table_[Find(member)] = member; }
-  void Grow() {
-    std::vector<const Declared*> old(2 * table_.size(), nullptr);
-    old.swap(table_);
-    for (const Declared* member : old) {
-      if (member != nullptr) Place(member);
-    }
-  }
-
-  std::mutex mutex_;
-  std::vector<const Declared*> table_ = std::vector<const Declared*>(1024, nullptr);  ///< a power of two
-  std::size_t count_ = 0;
+/// The members that exist, by their addresses. Blocks may be made in several threads.
+struct Registry {
+  std::mutex mutex;
+  std::unordered_set<const Declared*> members;
 };
 
-/// Never destroyed: blocks may outlive what is static.
+/// Never destroyed: blocks may outlive static objects.
 Registry& DeclaredMembers() {
   static auto* registry = new Registry;
   return *registry;
@@ -83,15 +36,21 @@ Registry& DeclaredMembers() {
 }  // namespace
 
 Declared::Declared() {
-  DeclaredMembers().Insert(this);
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  registry.members.insert(this);
 }
 
 Declared::~Declared() {
-  DeclaredMembers().Erase(this);
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  registry.members.erase(this);
 }
 
 bool Declared::IsDeclared(const Declared& member) {
-  return DeclaredMembers().Contains(&member);
+  Registry& registry = DeclaredMembers();
+  const std::lock_guard lock(registry.mutex);
+  return registry.members.contains(&member);
 }
 
 std::string DescribeReplacement(const Source& source) {

@@ -415,7 +415,7 @@ void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
   LoadStates(x);
   SetRunTime(t);
   RunAll(program.derivatives);
-  PackDerivatives();
+  if (!program.unpacked_derivatives.empty()) PackDerivatives();
   ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
   if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
 }
@@ -517,19 +517,9 @@ void Context::ReadWitnesses(double* values) const {
   }
 }
 
-bool Context::AllFinite(std::span<const internal::ScalarRun> doubles) const {
-  // A sum of 0 x is 0 unless one is not finite.
-  double zero = 0;
-  for (const internal::ScalarRun& run : doubles) {
-    const auto* x = reinterpret_cast<const double*>(memory_.get() + run.offset);
-    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
-  }
-  return zero == 0;
-}
-
 /// A NaN in any state, or an infinity in one that is integrated, is reported where it enters.
 void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
-  if (!checks_values_ || (AllFinite(plan.doubles) && plan.movable.empty())) return;
+  if (!checks_values_ || (internal::AllFinite(memory_.get(), plan.doubles) && plan.movable.empty())) return;
   for (const internal::Commit& commit : plan.commits) {
     const Finiteness found = internal::FinitenessOf(*commit.next->type_, Address(*commit.next));
     const bool integrated = commit.state->kind() == SourceKind::kContinuous;

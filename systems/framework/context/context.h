@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <span>
@@ -154,8 +155,8 @@ class Context {
   bool IsFresh(const internal::Op& op) const;
   /// `settled`: also what depends on nothing but Parameters.
   void MarkAllStale(bool settled = true);
-  double* continuous_data();
-  double* derivative_data();
+  [[gnu::visibility("hidden")]] double* continuous_data();
+  [[gnu::visibility("hidden")]] double* derivative_data();
   /// Takes over all continuous states.
   [[gnu::visibility("hidden")]] void LoadStates(const double* x);
   /// What values of run-time size hold, and their place among the continuous states, or derivatives.
@@ -171,12 +172,11 @@ class Context {
   [[gnu::visibility("hidden")]] void RunStale(const internal::BatchedOps& list);
   [[gnu::visibility("hidden")]] void RunStale(std::span<const internal::Op> ops);
   void RunProfiled(std::span<const internal::Op> ops, bool all);
-  void Apply(const internal::UpdatePlan& plan);
+  [[gnu::visibility("hidden")]] void Apply(const internal::UpdatePlan& plan);
   [[gnu::visibility("hidden")]] void SetRunTime(double time);
-  void CalcRunDerivatives(double t, const double* x, double* xdot);
-  void Invalidate(const std::vector<std::uint32_t>& calculations);
+  [[gnu::visibility("hidden")]] void CalcRunDerivatives(double t, const double* x, double* xdot);
+  [[gnu::visibility("hidden")]] void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;
-  [[gnu::visibility("hidden")]] bool AllFinite(std::span<const internal::ScalarRun> doubles) const;
   /// Copies the values of the witnesses and kinks; throws RunError for one that is not a number.
   void ReadWitnesses(double* values) const;
   std::vector<double> HeldNumbers(const Source& source) const;
@@ -219,11 +219,17 @@ class Context {
     bool valid = false;
     double time = 0, size = 0, next_step = 0, last_error = 0;
     std::vector<double> states = {}, witnesses = {};
+    /// The end of the integrator's interval [s] if it lies just before an event, else infinity.
+    double end_before_event = std::numeric_limits<double>::infinity();
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},           {"size", &StepStart::size},
-              {"next_step", &StepStart::next_step}, {"last_error", &StepStart::last_error},
-              {"states", &StepStart::states},       {"witnesses", &StepStart::witnesses},
+      return {{"time", &StepStart::time},
+              {"size", &StepStart::size},
+              {"next_step", &StepStart::next_step},
+              {"last_error", &StepStart::last_error},
+              {"states", &StepStart::states},
+              {"witnesses", &StepStart::witnesses},
+              {"end_before_event", &StepStart::end_before_event},
               Undescribed(&StepStart::valid)};  // saved apart, before the others
     }
   } step_start_;

@@ -20,7 +20,7 @@ namespace {
 /// What a snapshot begins with. The checksum is of all that follows, so that no byte can change unseen.
 struct Header {
   std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
-  std::uint64_t version = 3;
+  std::uint64_t version = 4;
   std::uint64_t size = 0;  ///< of what follows [bytes]
   std::uint64_t checksum = 0;
 };

@@ -3,6 +3,7 @@
 #include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
+#include <tenon/systems/simulation/internal/time_tolerance.h>
 
 #include <fmt/core.h>
 
@@ -12,8 +13,11 @@
 #include <cstring>
 #include <limits>
 #include <utility>
-
 namespace tenon {
+
+using internal::StepRounding;
+using internal::Tiny;
+
 namespace {
 
 // Of the step size, see ChooseStep.
@@ -117,23 +121,25 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
-  bool Start(double to, bool jumps);
-  void Restart(double time, double first_step);
-  void Advance(bool one_step);
+  // Those that every step takes are hidden from other libraries: only so does GCC inline them.
+  [[gnu::visibility("hidden")]] bool Start(double to, bool jumps);
+  [[gnu::visibility("hidden")]] void Restart(double time, double first_step);
+  [[gnu::visibility("hidden")]] void Advance(bool one_step);
+  [[gnu::visibility("hidden")]] void MoveContext(double t);
+  [[gnu::visibility("hidden")]] void LoadInside(double t);
+  [[gnu::visibility("hidden")]] double FirstStep() const;
+  [[gnu::visibility("hidden")]] double LargestStep(double time) const;
+  [[gnu::visibility("hidden")]] void Count(double step);
+  bool TakeStepAgain();
   void CheckProgress(double t);
   void KeepStage(double t, const double* xdot);
   bool StagesJump() const;
   void Retake(double time);
   bool RetakeBefore(double event);
-  void MoveContext(double t);
-  void LoadInside(double t);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
   bool has_past() const { return !internal::IsExplicit(options.method); }
-  double FirstStep() const;
-  double LargestStep(double time) const;
-  void Count(double step);
   [[noreturn]] void ThrowNonFiniteState(double time);
   [[noreturn]] void ThrowFailure(int flag);
   [[noreturn]] void ThrowFailure(double t, double h, const std::string& what);
@@ -166,6 +172,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double begin = 0;                 // and when
   std::vector<double> step_states;  // where the last step began
   double step_begin = 0;            // and when
+  // Open tables meet jumps at the ticks that end their steps.
+  const bool seeks_jumps =
+      !(open && (options.method == Method::kErkOpen || options.method == Method::kStabilized));
   // Whether an accepted step is looked at for a jump that its table sees badly.
   const bool checks_stages;
   struct {
@@ -244,23 +253,23 @@ bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   end = to;
   before_event = false;
   last_instant = jumps ? to - 8 * Tiny(to) : to;
+  if (context.step_start_.valid) return TakeStepAgain();
+  std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
+  Restart(context.time(), FirstStep());
+  return false;
+}
+
+/// The context is inside a step, or at the end of one that the solver does not know. Returns whether the step
+/// could be taken again.
+bool SundialsIntegrator::Run::TakeStepAgain() {
   Context::StepStart& from = context.step_start_;
-  if (!from.valid) {
-    std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
-    Restart(context.time(), FirstStep());
-    return false;
-  }
-  // The context is inside a step, or at the end of one that the solver does not know.
   const double time = context.time();
   std::copy(from.states.begin(), from.states.end(), solver.states());
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
   context.witness_memory_ = from.witnesses;
-  if (context.witness_memory_.size() % 3 == 1) {
-    end = last_instant = context.witness_memory_.back();
-    context.witness_memory_.pop_back();
-    before_event = true;
-  }
+  before_event = std::isfinite(from.end_before_event);
+  if (before_event) end = last_instant = from.end_before_event;
   Restart(from.time, from.size);
   first_evaluation = false;  // what the context holds is of another time
   const std::vector<double> held(context.continuous_data(),
@@ -423,7 +432,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
   from.witnesses = context.witness_memory_;
-  if (before_event) from.witnesses.push_back(end);  // three numbers per witness come before
+  from.end_before_event = before_event ? end : std::numeric_limits<double>::infinity();
 }
 
 /// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
@@ -520,13 +529,11 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
 /// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
 /// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
-  // Open tables meet jumps at the ticks that end their steps.
-  const bool seeks_jumps = !(open && internal::IsExplicit(options.method) && options.method != Method::kErk);
   if (seeks_jumps && (jump.known || measured > 1)) {
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
   // A step cut short by the end of its interval says little of the next one.
-  const bool cut = t >= end - 1e-12 * (1 + std::abs(t)) && h < 0.5 * context.next_step_;
+  const bool cut = t >= end - StepRounding(t) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
   double factor = kMaxGrowth;
   const bool accepted = measured <= 1;
@@ -551,7 +558,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   wanted = std::min(wanted, LargestStep(t));
   context.next_step_ = wanted;
   const double remaining = end - t;
-  return remaining > 1e-12 * (1 + std::abs(t)) ? EvenStep(remaining, wanted) : wanted;
+  return remaining > StepRounding(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
 /// Where the derivatives jump at an instant that nobody has declared, or at a state, the error test alone

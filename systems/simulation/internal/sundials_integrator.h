@@ -9,8 +9,6 @@
 
 namespace tenon {
 
-using internal::Tiny;
-
 /// Moves a context's continuous states in time with SUNDIALS, through internal::SundialsSolver. It integrates
 /// ahead, to `finish`; the context can then be moved to any time in the last step. A Simulator uses it
 /// between the instants that change what is integrated.

@@ -331,6 +331,7 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, bool open, doubl
   CheckFlag(N_VEnableFusedOps_Serial(y, SUNTRUE), "N_VEnableFusedOps_Serial");
   if (IsExplicit(options.method)) UseFastOperations(y);
   N_VConst(0, y);
+  states_ = NV_DATA_S(y);
   N_Vector& atol = handles_->atol = Made(N_VNew_Serial(size, handles_->sun), "N_VNew_Serial");
   std::copy(absolute_tolerances.begin(), absolute_tolerances.end(), N_VGetArrayPointer(atol));
   multistep() ? CreateMultistep(time) : CreateRungeKutta(open, time, client);
@@ -358,10 +359,6 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, bool open, doubl
 
 SundialsSolver::~SundialsSolver() {
   if (memory_ != nullptr) api_.free(&memory_);
-}
-
-double* SundialsSolver::states() {
-  return NV_DATA_S(handles_->y);
 }
 
 void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& client) {

@@ -9,11 +9,6 @@
 
 namespace tenon::internal {
 
-/// A rounding error of the time.
-inline double Tiny(double time) {
-  return 1e-14 * (1 + std::abs(time));
-}
-
 /// Whether ERKStep runs it.
 inline bool IsExplicit(Method method) {
   return method == Method::kErk || method == Method::kErkOpen || method == Method::kStabilized;
@@ -51,7 +46,7 @@ class SundialsSolver {
   SundialsSolver& operator=(const SundialsSolver&) = delete;
 
   /// The states: set them before Restart, find them here after Step.
-  double* states();
+  double* states() { return states_; }
 
   /// Starts again at `time` with what is in states(), towards `end`, with a first step of `step`: with all
   /// steps of that size if the options fix them, while CVODE takes one of its own.
@@ -91,6 +86,7 @@ class SundialsSolver {
   const Api& api_;
   SimulatorOptions options_;
   std::unique_ptr<Handles> handles_;
+  double* states_ = nullptr;                       ///< of the vector that SUNDIALS works with
   void* memory_ = nullptr;                         ///< of ERKStep, ARKStep or CVODE
   std::string message_;                            ///< the last one of SUNDIALS
   long earlier_steps_ = 0, earlier_failures_ = 0;  ///< CVodeReInit resets its counters

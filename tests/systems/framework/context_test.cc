@@ -427,7 +427,7 @@ TEST(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
   std::vector<std::byte> snapshot = context->Save();
   snapshot[8] = std::byte{77};  // behind eight letters
   EXPECT_THAT([&] { context->Restore(snapshot); },
-              ThrowsMessage<RunError>(HasSubstr("the snapshot has format 77, this program reads 3")));
+              ThrowsMessage<RunError>(HasSubstr("the snapshot has format 77, this program reads 4")));
 }
 
 TEST(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {

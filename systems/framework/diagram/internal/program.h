@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/source.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -94,6 +95,17 @@ struct TickPlan {
   std::vector<const Source*> verdicts;
   UpdatePlan updates;
 };
+
+/// Whether the numbers are finite; `memory` is a context's.
+inline bool AllFinite(const std::byte* memory, std::span<const ScalarRun> doubles) {
+  // A sum of 0 x is 0 unless one is not finite.
+  double zero = 0;
+  for (const ScalarRun& run : doubles) {
+    const auto* x = reinterpret_cast<const double*>(memory + run.offset);
+    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
+  }
+  return zero == 0;
+}
 
 /// A Witness with its updates, or a Kink without.
 struct WitnessPlan {

@@ -73,7 +73,7 @@ void Schedule::FindNext() {
     if (entry.feeds) feeding = std::min(feeding, entry.next);
   }
   next_time_ = Time(next_tick_);
-  next_feeding_time_ = Time(feeding);
+  next_feeding_time_ = feeding == next_tick_ ? next_time_ : Time(feeding);
 }
 
 }  // namespace tenon::internal
