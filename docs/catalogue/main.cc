@@ -1,4 +1,4 @@
-// Writes what docs/ holds of the blocks and diagrams; tools/docs runs it.
+// Writes the generated pages and pictures of docs/; run by tools/docs.
 
 #include <cstdio>
 #include <exception>
