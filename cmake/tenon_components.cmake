@@ -1,5 +1,5 @@
-# The components, in the order in which they need one another, and what each needs. Sets TENON_HAS_<component> for
-# those that are built: what TENON_COMPONENTS names, and what that needs.
+# Lists the components such that each follows its dependencies, and the dependencies of each. Sets TENON_HAS_<component> for the
+# components in TENON_COMPONENTS and their dependencies.
 set(TENON_ALL_COMPONENTS systems report live network lcm model plants controllers diagrams apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
@@ -13,7 +13,7 @@ set(TENON_diagrams_NEEDS plants controllers)
 set(TENON_apps_NEEDS diagrams live)
 set(TENON_testing_NEEDS systems)
 
-# Those that all do without where their libraries are not installed.
+# Optional components: `all` omits them if their libraries are not installed.
 find_package(GTest QUIET)
 find_path(TENON_LCM_INCLUDE lcm/lcm.h)
 find_library(TENON_LCM_LIBRARY lcm)
@@ -24,11 +24,11 @@ if(wanted STREQUAL "all")
   set(wanted ${TENON_ALL_COMPONENTS})
   if(NOT TENON_LCM_INCLUDE OR NOT TENON_LCM_LIBRARY)
     list(REMOVE_ITEM wanted lcm)
-    message(STATUS "LCM is not installed: without the component lcm")
+    message(STATUS "LCM is not installed: the component lcm is not built")
   endif()
   if(NOT GTest_FOUND)
     list(REMOVE_ITEM wanted testing)
-    message(STATUS "GoogleTest is not installed: without the component testing")
+    message(STATUS "GoogleTest is not installed: the component testing is not built")
   endif()
 elseif("lcm" IN_LIST wanted AND NOT (TENON_LCM_INCLUDE AND TENON_LCM_LIBRARY))
   message(FATAL_ERROR "The component lcm needs LCM: install liblcm-dev")

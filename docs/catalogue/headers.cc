@@ -54,8 +54,8 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
       R"((?:class|struct|enum class|enum|using) (\w+)( = .*|(?: final)?(?: :| \{|$).*))");
   static const std::regex kBlock(R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b).*)");
   std::map<std::string, Declaration> found;
-  for (const char* room : {"systems", "plants", "controllers", "diagrams"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(source / room)) {
+  for (const char* directory : {"systems", "plants", "controllers", "diagrams"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {
       const std::string header = fs::relative(entry.path(), source).generic_string();
       if (entry.path().extension() != ".h" || header.find("/internal/") != std::string::npos) continue;
       const Lines lines = ReadLines(entry.path());

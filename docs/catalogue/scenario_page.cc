@@ -186,8 +186,8 @@ start time of the first one.
 std::string WriteMeanings(const fs::path& source) {
   std::map<std::string, Members> found{{"", {}}};
   std::vector<fs::path> files;
-  for (const char* room : {"systems", "plants", "controllers", "diagrams", "apps"})
-    for (const auto& entry : fs::recursive_directory_iterator(source / room))
+  for (const char* directory : {"systems", "plants", "controllers", "diagrams", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(source / directory))
       if (entry.path().extension() == ".h" || entry.path().extension() == ".cc")
         files.push_back(entry.path());
   std::ranges::sort(files, {}, [](const fs::path& file) {  // headers first: they have the docstrings
