@@ -19,7 +19,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTAL
   COMPONENT tenon_development)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tenon_runtime)
 
-# cpack, run in the build directory, writes the Debian packages libtenon, libtenon-dev and tenon-apps, or archives of them.
+# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev` and `tenon-apps`, or archives of them.
 set(CPACK_PACKAGE_NAME tenon)
 set(CPACK_PACKAGE_VENDOR "The Tenon authors")
 set(CPACK_PACKAGE_CONTACT "The Tenon authors <tenon@example.org>")

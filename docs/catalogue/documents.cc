@@ -45,7 +45,7 @@ void Draw(const Picture& picture, const fs::path& directory) {
   const fs::path file = FileOf(picture, directory);
   std::FILE* dot = popen(fmt::format("dot -Tsvg -o '{}'", file.string()).c_str(), "w");
   if (dot == nullptr || std::fputs(picture.graphviz.c_str(), dot) < 0 || pclose(dot) != 0) {
-    throw Error(fmt::format("dot cannot draw {}: is graphviz installed?", file.string()));
+    throw Error(fmt::format("dot cannot draw {}: is Graphviz installed?", file.string()));
   }
   std::ofstream(file, std::ios::app) << LastLine(picture);
 }

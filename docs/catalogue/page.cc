@@ -33,7 +33,7 @@ std::string Line(const std::vector<std::string>& cells) {
   return line + "\n";
 }
 
-/// The type of the items of a list, an array or an optional; `type` itself if it is none of these.
+/// The type of the items of a list, an array or an optional; otherwise `type` itself.
 const TypeInfo& ItemOf(const TypeInfo& type) {
   return type.item == nullptr ? type : ItemOf(type.item());
 }

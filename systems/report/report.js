@@ -1,7 +1,7 @@
 // The page of runs: header, transport, and the time that plots and replay share.
 //
 // A program can control the page through window.tenonReport: ready (everything is drawn), duration(), time(), seek(t) [s],
-// play(), pause(), playing(), show(index of a drawn run), webgl (whether there is a replay), replay (a Replay, or null),
+// play(), pause(), playing(), show(index of a drawn run), `webgl` (whether there is a replay), replay (a Replay, or null),
 // plots (the Plots), runs (the Recordings), append(run, samples) (see Recording.append; also draws the samples), live (a
 // Live, or null), follower (the Follower of a live run).
 

@@ -1,6 +1,6 @@
 // The page of a volume: a table of figures, the surface of the region in which a condition holds, and slices through it.
 //
-// A program can inspect the page through window.tenonVolume: ready (everything is drawn), webgl (whether there is a surface),
+// A program can inspect the page through window.tenonVolume: ready (everything is drawn), `webgl` (whether there is a surface),
 // replay (a Replay, or null), faces (number of faces of the surface), show(index of a map), colour(index of a quantity),
 // slice(axis, index), state(i, j, k) of a cell.
 

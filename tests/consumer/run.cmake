@@ -1,4 +1,4 @@
-# cmake -D PREFIX=… -D SOURCE=… -D WORK=… -D FLAGS=… -P run.cmake
+# `cmake -D PREFIX=… -D SOURCE=… -D WORK=… -D FLAGS=… -P run.cmake`
 # Builds the consumer against an installation, with and without NDEBUG, and runs its programs.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
