@@ -1,5 +1,5 @@
-# The components, in the order in which they need one another, and what each needs. Sets TENON_HAS_<component> for
-# those that are built: what TENON_COMPONENTS names, and what that needs.
+# Lists the components such that each follows its dependencies, and the dependencies of each. Sets TENON_HAS_<component> for the
+# components in TENON_COMPONENTS and their dependencies.
 set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants controllers diagrams apps robot_apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
@@ -15,7 +15,7 @@ set(TENON_apps_NEEDS live)
 set(TENON_robot_apps_NEEDS apps diagrams)
 set(TENON_testing_NEEDS systems)
 
-# Those that all do without where their libraries are not installed.
+# Optional components: `all` omits them if their libraries are not installed.
 find_package(GTest QUIET)
 find_path(TENON_LCM_INCLUDE lcm/lcm.h)
 find_library(TENON_LCM_LIBRARY lcm)
@@ -26,14 +26,14 @@ if(wanted STREQUAL "all")
   set(wanted ${TENON_ALL_COMPONENTS})
   if(NOT TENON_LCM_INCLUDE OR NOT TENON_LCM_LIBRARY)
     list(REMOVE_ITEM wanted lcm)
-    message(STATUS "LCM is not installed: without the component lcm")
+    message(STATUS "LCM is not installed: the component 'lcm' is not built")
   endif()
   if(NOT GTest_FOUND)
     list(REMOVE_ITEM wanted testing)
-    message(STATUS "GoogleTest is not installed: without the component testing")
+    message(STATUS "GoogleTest is not installed: the component 'testing' is not built")
   endif()
 elseif("lcm" IN_LIST wanted AND NOT (TENON_LCM_INCLUDE AND TENON_LCM_LIBRARY))
-  message(FATAL_ERROR "The component lcm needs LCM: install liblcm-dev")
+  message(FATAL_ERROR "The component 'lcm' needs LCM: install liblcm-dev")
 endif()
 foreach(component IN LISTS wanted)
   if(NOT component IN_LIST TENON_ALL_COMPONENTS)

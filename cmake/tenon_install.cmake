@@ -1,4 +1,4 @@
-# What find_package(tenon COMPONENTS …) finds, and packages for Debian.
+# The CMake package for find_package(tenon COMPONENTS …), and Debian packages.
 include(CMakePackageConfigHelpers)
 
 set(cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tenon)
@@ -19,7 +19,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTAL
   COMPONENT tenon_development)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tenon_runtime)
 
-# cpack in the build directory: libtenon, libtenon-dev and tenon-apps for Debian, or the same as archives.
+# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev` and `tenon-apps`, or archives of them.
 set(CPACK_PACKAGE_NAME tenon)
 set(CPACK_PACKAGE_VENDOR "The Tenon authors")
 set(CPACK_PACKAGE_CONTACT "The Tenon authors <tenon@example.org>")

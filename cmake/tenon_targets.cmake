@@ -1,15 +1,15 @@
-# tenon_headers(TARGET ROOM [PUBLIC HEADERS…] [INTERNAL HEADERS…] [PRIVATE HEADERS…]): lets the target find its headers
-# as <tenon/ROOM/HEADER>. In the build tree a file of that name leads to the one in the source tree, so that messages,
-# debuggers and reports of coverage name the file to edit. Public headers are installed, and compile alone, which the
-# target all_verify_interface_header_sets checks. Internal ones are installed because public ones include them; private
-# ones stay here.
-function(tenon_headers target room)
+# tenon_headers(TARGET SOURCE_DIRECTORY [PUBLIC HEADERS…] [INTERNAL HEADERS…] [PRIVATE HEADERS…]): makes the headers of the
+# target available as <tenon/SOURCE_DIRECTORY/HEADER>. In the build tree, a file of that name includes the file of the source
+# tree, so compiler messages, debuggers and coverage reports name the file to edit. Public headers are installed and compile
+# alone, which the target all_verify_interface_header_sets checks. Internal headers are installed because public headers
+# include them. Private headers are not installed.
+function(tenon_headers target source_directory)
   cmake_parse_arguments(arg "" "" "PUBLIC;INTERNAL;PRIVATE" ${ARGN})
   set(root ${PROJECT_BINARY_DIR}/include/${target})
   set(public)
   foreach(header IN LISTS arg_PUBLIC arg_INTERNAL arg_PRIVATE)
-    set(link ${root}/tenon/${room}/${header})
-    file(CONFIGURE OUTPUT ${link} CONTENT "#include \"${PROJECT_SOURCE_DIR}/${room}/${header}\"\n" @ONLY)
+    set(link ${root}/tenon/${source_directory}/${header})
+    file(CONFIGURE OUTPUT ${link} CONTENT "#include \"${PROJECT_SOURCE_DIR}/${source_directory}/${header}\"\n" @ONLY)
     if(header IN_LIST arg_PUBLIC)
       list(APPEND public ${link})
     endif()
@@ -31,15 +31,14 @@ function(tenon_headers target room)
   if(TENON_INSTALL)
     foreach(header IN LISTS arg_PUBLIC arg_INTERNAL)
       cmake_path(GET header PARENT_PATH directory)
-      install(FILES ${PROJECT_SOURCE_DIR}/${room}/${header}
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/${room}/${directory} COMPONENT tenon_development)
+      install(FILES ${PROJECT_SOURCE_DIR}/${source_directory}/${header}
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tenon/${source_directory}/${directory} COMPONENT tenon_development)
     endforeach()
   endif()
 endfunction()
 
-# tenon_add_library(NAME COMPONENT SOURCES… LINK_PUBLIC… LINK_PRIVATE…) makes the library tenon_NAME, known as
-# tenon::NAME, with the warnings and the install rules that all of Tenon's libraries share. From a shared library only
-# what belongs to Tenon can be seen.
+# tenon_add_library(NAME COMPONENT SOURCES… LINK_PUBLIC… LINK_PRIVATE…): creates the library tenon_NAME with the alias
+# tenon::NAME, and the warnings and install rules of all Tenon libraries. A shared library exports only symbols of Tenon.
 function(tenon_add_library name component)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK_PUBLIC;LINK_PRIVATE" ${ARGN})
   set(target tenon_${name})
@@ -68,8 +67,8 @@ function(tenon_add_library name component)
   endif()
 endfunction()
 
-# tenon_precompile(TARGET): Eigen and what writing a block takes are read once for all targets, not once for each file.
-# CMAKE_DISABLE_PRECOMPILE_HEADERS turns it off.
+# tenon_precompile(TARGET): the target uses the common precompiled headers, Eigen and tenon/systems/block.h.
+# CMAKE_DISABLE_PRECOMPILE_HEADERS disables them.
 function(tenon_precompile target)
   if(NOT TARGET tenon_precompiled)
     add_library(tenon_precompiled OBJECT ${PROJECT_SOURCE_DIR}/systems/precompiled.cc)
@@ -85,18 +84,19 @@ function(tenon_precompile target)
   target_precompile_headers(${target} REUSE_FROM tenon_precompiled)
 endfunction()
 
-# How all code of libraries is compiled, static ones too.
+# tenon_as_library(TARGET): compile options of all library code, including static libraries.
 function(tenon_as_library target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# -Wno-restrict: GCC 12 warns of overlapping copies inside operator+ of strings, falsely (GCC bug 105651).
+# tenon_warnings(TARGET): enables compiler warnings. GCC 12 reports overlapping copies in operator+ of strings by mistake (GCC bug
+# 105651), hence -Wno-restrict.
 function(tenon_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     $<$<BOOL:${TENON_WERROR}>:-Werror>)
 endfunction()
 
-# Libraries and binaries find each other in the build tree and wherever they are installed together.
+# tenon_set_rpath(TARGET): installed libraries and programs find each other at any prefix.
 function(tenon_set_rpath target)
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endfunction()

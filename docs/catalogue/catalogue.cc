@@ -60,7 +60,7 @@
 namespace tenon::docs {
 namespace {
 
-/// Stands for any type in a template's place: a size that no other block has.
+/// Stands for the argument of a template; no block has this size otherwise.
 using T = Vec<7>;
 
 template <class Scenario>
@@ -68,7 +68,7 @@ Scenario ReadScenario(const std::string& name) {
   return YamlDocument::Load(FindResource("scenarios", name).string()).Read<Scenario>();
 }
 
-/// What ships.
+/// Shipped robots and parameters.
 struct Shipped {
   QuadrupedDescription dog = LoadQuadruped(FindResource("robots", "dogbot").string());
   apps::QuadrupedScenario flat = ReadScenario<apps::QuadrupedScenario>("flat");
@@ -88,7 +88,7 @@ Entry Make(std::string name, Params&&... params) {
   return {name, name, std::make_unique<Block>(std::forward<Params>(params)...)};
 }
 
-/// Of a template with one type in it.
+/// Makes the entry of a class template with one type parameter.
 template <class Block, class... Params>
 Entry MakeOfType(const std::string& name, Params&&... params) {
   return {name + "<T>", name, std::make_unique<Block>(std::forward<Params>(params)...), {{"Vec<7>", "T"}}};
@@ -123,7 +123,7 @@ Shelf Primitives() {
       Make<DiscreteTransferFunction>(
           "DiscreteTransferFunction",
           DiscreteTransferFunctionParams{.denominator = {1, 0}, .u_unit = "u_unit", .y_unit = "y_unit"}),
-      "The output follows u at once if the numerator has as many coefficients as the denominator."));
+      "The output depends directly on u if the numerator has as many coefficients as the denominator."));
   put(WithNote(MakeOfType<Gain<T>>("Gain", GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number));
   put(WithNote(MakeOfType<GaussMarkov<T>>("GaussMarkov", GaussMarkovParams<T>{.unit = "unit"}), number));
   const std::string sized = "`T` is a double, a `Vec<N>` or an `Eigen::VectorXd` of the size of `initial`.";
@@ -140,7 +140,7 @@ Shelf Primitives() {
        "MatrixGain",
        std::make_unique<MatrixGain<7, 5>>(MatrixGainParams<7, 5>{.u_unit = "u_unit", .y_unit = "y_unit"}),
        {{"Vec<7>", "Vec<Rows>"}, {"Vec<5>", "Vec<Cols>"}},
-       "The vectors of `MatrixGain<>` are `Eigen::VectorXd`, of the sizes of its matrix."});
+       "The vectors of `MatrixGain<>` are `Eigen::VectorXd`, whose sizes are those of its matrix."});
   put({"MultiportSwitch<T, Index>",
        "MultiportSwitch",
        std::make_unique<MultiportSwitch<T>>(MultiportSwitchParams{.unit = "unit"}),
@@ -157,7 +157,7 @@ Shelf Primitives() {
   put(WithNote(MakeOfType<RandomWalk<T>>("RandomWalk", RandomWalkParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<RateLimiter<T>>("RateLimiter", RateLimiterParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<SampleDelay<T>>("SampleDelay", SampleDelayParams<T>{.unit = "unit"}),
-               "`T` is any copyable type but bool."));
+               "`T` is any copyable type except bool."));
   entries.back().placeholders.emplace_back("std::vector<Vec<7>>", "std::vector<T>");
   put(WithNote(MakeOfType<Saturation<T>>("Saturation", SaturationParams<T>{.unit = "unit"}), number));
   put(WithNote(MakeOfType<SignalFault<T>>("SignalFault", SignalFaultParams<T>{.unit = "unit"}), any));
@@ -165,7 +165,7 @@ Shelf Primitives() {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
   const StateSpaceParams model{
       .A = one, .B = one, .C = one, .u_unit = "u_unit", .x_unit = "x_unit", .y_unit = "y_unit"};
-  const std::string with_d = "The output follows u at once if there is a D.";
+  const std::string with_d = "The output depends directly on u if D is given.";
   put(WithNote(Make<StateSpace>("StateSpace", model), with_d));
   put(WithNote(Make<DiscreteStateSpace>("DiscreteStateSpace", DiscreteStateSpaceParams{.model = model}),
                with_d));
@@ -186,7 +186,7 @@ Shelf Primitives() {
        std::make_unique<TransferFunction<7>>(TransferFunctionParams{
            .denominator = {1, 0, 0, 0, 0, 0, 0, 1}, .u_unit = "u_unit", .y_unit = "y_unit"}),
        {{"Vec<7>", "Vec<Order>"}},
-       "The output follows u at once if the numerator has as many coefficients as the denominator."});
+       "The output depends directly on u if the numerator has as many coefficients as the denominator."});
   put(WithNote(MakeOfType<TransportDelay<T>>("TransportDelay", TransportDelayParams<T>{.unit = "unit"}),
                number));
   entries.back().placeholders.emplace_back("TransportDelayLine<Vec<7>>", "TransportDelayLine<T>");
@@ -196,8 +196,8 @@ Shelf Primitives() {
   return shelf;
 }
 
-Shelf Doors() {
-  Shelf shelf{"doors", {}};
+Shelf Communication() {
+  Shelf shelf{"communication", {}};
   auto& entries = shelf.entries;
   const std::string numbers = "`T` is a number, a matrix, or a struct with `Fields()`.";
   entries.push_back(
@@ -281,8 +281,9 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
   entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
   entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));
-  entries.push_back(WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
-                             "Ends the run when more solves in a row fail than `max_failures_in_a_row`."));
+  entries.push_back(
+      WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
+               "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`."));
   entries.push_back(Make<JointPd>("JointPd", shipped.stand.pd));
   entries.push_back(Make<LegMomentumObserver>("LegMomentumObserver", observer.legs));
   entries.push_back(Make<ComObserver>("ComObserver", observer.com));
@@ -316,8 +317,9 @@ Shelf CdprControllers(const Shipped& shipped) {
   entries.push_back(Make<LoadEstimator>("LoadEstimator", LoadEstimatorParams{.robot = loop.robot}));
   entries.push_back(
       Make<ReferenceBalancer>("ReferenceBalancer", ReferenceBalancerParams{.robot = loop.robot}));
-  entries.push_back(WithNote(Make<CdprMpc>("CdprMpc", *shipped.cdpr_mpc.mpc),
-                             "Ends the run when more solves in a row fail than `max_fallbacks_in_a_row`."));
+  entries.push_back(
+      WithNote(Make<CdprMpc>("CdprMpc", *shipped.cdpr_mpc.mpc),
+               "Ends the run if the number of consecutive failed solves exceeds `max_fallbacks_in_a_row`."));
   return shelf;
 }
 
@@ -335,7 +337,8 @@ Shelf Diagrams(const Shipped& shipped) {
   entries.push_back(Make<QuadrupedStand>("QuadrupedStand", shipped.stand));
   entries.push_back(Make<GuideDog>("GuideDog", shipped.guide_dog));
   entries.push_back(WithNote(Make<CdprLoop>("CdprLoop", shipped.cdpr_pd),
-                             "Or under its model predictive controller, whose command it then puts out."));
+                             "With a model predictive controller instead of the PD controller, the diagram "
+                             "also outputs the command of that controller."));
   return shelf;
 }
 
@@ -345,7 +348,7 @@ std::vector<Shelf> MakeCatalogue() {
   const Shipped shipped;
   std::vector<Shelf> shelves;
   shelves.push_back(Primitives());
-  shelves.push_back(Doors());
+  shelves.push_back(Communication());
   shelves.push_back(QuadrupedPlants(shipped));
   shelves.push_back(Surroundings(shipped));
   shelves.push_back(CdprPlants(shipped));

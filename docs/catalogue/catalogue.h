@@ -9,32 +9,32 @@
 
 namespace tenon::docs {
 
-/// One block or diagram that Tenon offers, made with the parameters that ship.
+/// One public block or diagram, created with the shipped parameters.
 struct Entry {
-  std::string title;  ///< as one writes it: "Gain<T>", "TrunkImu"
-  std::string name;   ///< of its class
+  std::string title;  ///< as in source code: "Gain<T>", "TrunkImu"
+  std::string name;   ///< name of the class
   std::unique_ptr<System> block;
-  /// What stands for a type that a template's argument has put into the block: {"Vec<7>", "T"}.
+  /// Types that come from a template's argument, and the names to show instead: {"Vec<7>", "T"}.
   std::vector<std::pair<std::string, std::string>> placeholders = {};
-  std::string note = {};  ///< a sentence that the block itself cannot tell
+  std::string note = {};  ///< an additional sentence about the block
 };
 
-/// Blocks that stand together on the page; the page's template says `{{name}}` where.
+/// Blocks of one section of the page; the placeholder `{{name}}` in the template marks its place.
 struct Shelf {
   std::string name;
   std::vector<Entry> entries;
 };
 
-/// All of them.
+/// Returns all public blocks and diagrams, by section.
 std::vector<Shelf> MakeCatalogue();
 
-/// A diagram as Graphviz draws it.
+/// A diagram to be drawn by Graphviz.
 struct Picture {
-  std::string name;      ///< of the file, without its ending
-  std::string graphviz;  ///< what Diagram::Graphviz() writes
+  std::string name;      ///< file name without extension
+  std::string graphviz;  ///< output of Diagram::Graphviz()
 };
 
-/// Pictures of the shipped diagrams.
+/// Returns the pictures of the shipped diagrams.
 std::vector<Picture> MakePictures();
 
 }  // namespace tenon::docs

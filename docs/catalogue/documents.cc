@@ -19,7 +19,7 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-/// Fowler, Noll and Vo's FNV-1a.
+/// The hash function FNV-1a of Fowler, Noll and Vo.
 std::uint64_t Hash(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3;
@@ -44,7 +44,7 @@ void Draw(const Picture& picture, const fs::path& directory) {
   const fs::path file = FileOf(picture, directory);
   std::FILE* dot = popen(fmt::format("dot -Tsvg -o '{}'", file.string()).c_str(), "w");
   if (dot == nullptr || std::fputs(picture.graphviz.c_str(), dot) < 0 || pclose(dot) != 0) {
-    throw Error(fmt::format("dot cannot draw {}: is graphviz installed?", file.string()));
+    throw Error(fmt::format("dot cannot draw {}: is Graphviz installed?", file.string()));
   }
   std::ofstream(file, std::ios::app) << LastLine(picture);
 }

@@ -7,13 +7,14 @@
 
 namespace tenon::docs {
 
-/// docs/blocks.md, of the source tree at `source`.
+/// Returns the text of docs/blocks.md for the source tree at `source`.
 std::string WriteBlocks(const std::filesystem::path& source);
 
-/// Draws a picture as `directory`/NAME.svg, by Graphviz's `dot`. Throws Error if that fails.
+/// Draws a picture with Graphviz's `dot` and writes `directory`/NAME.svg. Throws Error if that fails.
 void Draw(const Picture& picture, const std::filesystem::path& directory);
 
-/// Whether Draw would draw `directory`/NAME.svg anew: its last line tells what it was drawn from.
+/// Whether `directory`/NAME.svg shows the current diagram: its last line has a hash of the diagram that was
+/// drawn.
 bool IsUpToDate(const Picture& picture, const std::filesystem::path& directory);
 
 }  // namespace tenon::docs

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 using Lines = std::vector<std::string>;
 
-/// The sentence with which a docstring begins, up to a formula, a list or a table at the latest.
+/// The first sentence of a docstring; it ends at the latest before a formula, a list or a table.
 std::string FirstSentence(const Lines& docstring) {
   std::string text;
   for (const std::string& line : docstring) {
@@ -27,7 +27,7 @@ std::string FirstSentence(const Lines& docstring) {
   return text.substr(0, last + 1) + ".";
 }
 
-/// The docstring above line `i`, without its slashes.
+/// Returns the docstring above line `i`, without its slashes.
 Lines DocstringAbove(const Lines& lines, std::size_t i) {
   const auto belongs = [](const std::string& line) {
     return line.starts_with("template <") || line.starts_with("requires ");
@@ -54,15 +54,15 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
       R"((?:class|struct|enum class|enum|using) (\w+)( = .*|(?: final)?(?: :| \{|$).*))");
   static const std::regex kBlock(R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b).*)");
   std::map<std::string, Declaration> found;
-  for (const char* room : {"systems", "plants", "controllers", "diagrams"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(source / room)) {
+  for (const char* directory : {"systems", "plants", "controllers", "diagrams"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {
       const std::string header = fs::relative(entry.path(), source).generic_string();
       if (entry.path().extension() != ".h" || header.find("/internal/") != std::string::npos) continue;
       const Lines lines = ReadLines(entry.path());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         std::smatch match;
         if (!std::regex_match(lines[i], match, kType)) continue;
-        // A long declaration goes on in the next line.
+        // A long declaration continues in the next line.
         const std::string declaration = lines[i] + (i + 1 < lines.size() ? lines[i + 1] : "");
         found.try_emplace(match[1], Declaration{header, FirstSentence(DocstringAbove(lines, i)),
                                                 std::regex_match(declaration, kBlock)});

@@ -1,4 +1,4 @@
-// Writes what docs/ holds of the blocks and diagrams; tools/docs runs it.
+// Writes the generated pages and pictures of docs/; run by tools/docs.
 
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/scenario_page.h>

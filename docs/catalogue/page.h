@@ -9,8 +9,9 @@
 
 namespace tenon::docs {
 
-/// docs/blocks.md: the template with a table of ports for every block, and one of the types that they carry.
-/// Throws Error if a shelf has no place in the template, or a block is not declared in a public header.
+/// Returns the text of docs/blocks.md: the template `text` with a table of ports for every block, and a table
+/// of the types of their signals. Throws Error if the template has no placeholder for a shelf, or if no
+/// public header declares a block.
 std::string WritePage(const std::string& text, const std::vector<Shelf>& catalogue,
                       const std::map<std::string, Declaration>& declarations);
 

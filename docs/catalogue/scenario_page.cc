@@ -23,15 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 using apps::ScenarioKey;
 
-/// What the members of one struct are, and which keys stand for them.
+/// The docstrings of one struct and of its members, and the key of each member.
 struct Members {
-  std::string about;                            ///< of the struct
-  std::string base;                             ///< the struct that it derives from, if there is one
-  std::map<std::string, std::string> meanings;  ///< by member
-  std::vector<std::pair<std::string, std::string>> keys;  ///< key, member
+  std::string about;                                      ///< docstring of the struct
+  std::string base;                                       ///< base class, empty without one
+  std::map<std::string, std::string> meanings;            ///< docstring by member
+  std::vector<std::pair<std::string, std::string>> keys;  ///< pairs of key and member
 };
 
-/// A line's docstring behind `slashes`, or nothing.
+/// Returns the docstring that follows `slashes` in a line, or an empty string.
 std::string Docstring(const std::string& line, const std::string& slashes) {
   const std::size_t at = line.find(slashes);
   if (at == line.npos || (slashes == "/// " && line.find_first_not_of(' ') != at)) return "";
@@ -46,7 +46,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kStruct(R"(^ *struct (\w+)(?: final)?(?: : (\w+))? \{.*)");
   static const std::regex kName(R"((\w+)\s*(?:=|\{|,|;))");
   std::string name, above, declaration;
-  bool trailing = false;  // a docstring may go on
+  bool trailing = false;  // whether the next line may continue a trailing docstring
   std::vector<std::string> declared;
   for (const std::string& line : ReadLines(file)) {
     std::smatch match;
@@ -77,9 +77,9 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
     const std::string trimmed = text.substr(0, text.find_last_not_of(' ') + 1);
     const bool ends = trimmed.ends_with(';');
     if (!ends && !trimmed.empty() && !trimmed.ends_with(" {") && !trimmed.ends_with('}')) continue;
-    // A declaration has ended.
+    // The declaration is complete.
     declared.clear();
-    const std::size_t initial = declaration.find_first_of("({=");  // a function begins with a bracket
+    const std::size_t initial = declaration.find_first_of("({=");  // a function has a bracket before its body
     if (ends && (initial == declaration.npos || declaration[initial] != '(')) {
       const std::string doc = Joined(above, Docstring(line, "///< "));
       for (auto it = std::sregex_iterator(declaration.begin(), declaration.end(), kName);
@@ -94,7 +94,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
   }
 }
 
-/// Which keys stand for which members: what the Fields() in a file say.
+/// Reads the key of each member from the definitions of Fields() in a file.
 void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kBegin(
       R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
@@ -115,13 +115,13 @@ void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   }
 }
 
-/// Without the unit at its end, which the key says.
+/// Removes the unit at the end of a meaning; the key already contains it.
 std::string WithoutUnit(const std::string& meaning) {
   static const std::regex kUnit(R"( ?\[[^\]]*\]$)");
   return std::regex_replace(meaning, kUnit, "");
 }
 
-/// The structs that a type is made of, itself among them.
+/// Adds the names of all structs that a type contains, including its own.
 void AddStructs(const internal::TypeInfo& type, std::set<std::string>& names) {
   using Kind = internal::TypeInfo::Kind;
   if (type.kind == Kind::kArray || type.kind == Kind::kList || type.kind == Kind::kOptional ||
@@ -142,17 +142,17 @@ struct Page {
 const Page kPages[] = {
     {"tenon-cdpr", "the cable robot", &internal::TypeInfoOf<apps::CdprScenario>,
      &apps::KeysOf<apps::CdprScenario>},
-    {"tenon-quadruped", "the quadruped; tenon-gait-stability reads the same",
+    {"tenon-quadruped", "the quadruped; tenon-gait-stability has the same keys",
      &internal::TypeInfoOf<apps::QuadrupedScenario>, &apps::KeysOf<apps::QuadrupedScenario>},
     {"tenon-guide-dog", "the quadruped with a person on a leash",
      &internal::TypeInfoOf<apps::GuideDogScenario>, &apps::KeysOf<apps::GuideDogScenario>},
-    {"tenon-observer-order", "orders of the leg observer", &internal::TypeInfoOf<apps::ObserverOrderScenario>,
-     &apps::KeysOf<apps::ObserverOrderScenario>},
-    {"tenon-campaign", "a campaign's file, see [campaigns.md](campaigns.md)",
+    {"tenon-observer-order", "the comparison of leg observers of different order",
+     &internal::TypeInfoOf<apps::ObserverOrderScenario>, &apps::KeysOf<apps::ObserverOrderScenario>},
+    {"tenon-campaign", "a campaign file, see [campaigns.md](campaigns.md)",
      &internal::TypeInfoOf<apps::CampaignFile>, &apps::KeysOf<apps::CampaignFile>},
 };
 
-/// With a backslash before each of some characters.
+/// Puts a backslash before each character of `text` that is in `which`.
 std::string Escaped(const std::string& text, std::string_view which) {
   std::string escaped;
   for (const char c : text) {
@@ -166,17 +166,18 @@ constexpr const char* kHead = R"(# All keys of scenarios
 
 <!-- Written by tools/docs --blocks from the apps themselves. -->
 
-What a YAML file, or `--set KEY=VALUE`, may say; each app prints its own by `--keys`. A key in brackets' place: `forces[].start_s`
-is the start of any force, `--set forces.0.start_s=2` that of the first one.
+This page lists the keys that a scenario's YAML file or `--set KEY=VALUE` can set; each app prints its own keys with `--keys`. Empty
+brackets stand for the index of a list item: `forces[].start_s` is the start time of any force, and `--set forces.0.start_s=2` sets the
+start time of the first one.
 
-- **file**: the name of one that ships, a path, or a map of what differs, `robot: {file: cdpr_4, mass_kg: 6}`, which is also what
-  `--set robot.mass_kg=6` makes of `robot: cdpr_4`. A path starts from the file in which it stands, on the command line from the
-  working directory. It ends in `.yaml`.
-- `extends: NAME` takes over what another scenario, shipped or a file, says and this one does not; `format: 1` is the version
-  of the file's format, and may be left out.
-- A number may be left to chance, `{uniform: [low, high]}`, see [campaigns.md](campaigns.md).
-- scenario.yaml of a run has every key; files that it needs and that do not ship stand in `files` beside it, so that the run can be
-  repeated wherever the directory is moved to.
+- A value of type **file** is the name of a shipped file, a path, or a map of values that differ from a file,
+  `robot: {file: cdpr_4, mass_kg: 6}`. The option `--set robot.mass_kg=6` turns `robot: cdpr_4` into the same map. A path ends in
+  `.yaml`. It is relative to the file that contains it, or to the working directory on the command line.
+- `extends: NAME` takes all values that this scenario does not set from another scenario, shipped or a file. `format: 1` is the version
+  of the file format and is optional.
+- A number can be random, `{uniform: [low, high]}`, see [campaigns.md](campaigns.md).
+- The scenario.yaml of a run contains every key. Files that the run needs and that do not ship with Tenon are copied to `files` beside
+  it, so the run can be repeated after the directory has been moved.
 )";
 
 }  // namespace
@@ -184,11 +185,11 @@ is the start of any force, `--set forces.0.start_s=2` that of the first one.
 std::string WriteMeanings(const fs::path& source) {
   std::map<std::string, Members> found{{"", {}}};
   std::vector<fs::path> files;
-  for (const char* room : {"systems", "plants", "controllers", "diagrams", "apps"})
-    for (const auto& entry : fs::recursive_directory_iterator(source / room))
+  for (const char* directory : {"systems", "plants", "controllers", "diagrams", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(source / directory))
       if (entry.path().extension() == ".h" || entry.path().extension() == ".cc")
         files.push_back(entry.path());
-  std::ranges::sort(files, {}, [](const fs::path& file) {  // docstrings stand in headers
+  std::ranges::sort(files, {}, [](const fs::path& file) {  // headers first: they have the docstrings
     return std::pair(file.extension() != ".h", file);
   });
   for (const fs::path& file : files) {
@@ -220,7 +221,7 @@ std::string WriteScenarioKeys() {
   std::string text = kHead;
   for (const Page& page : kPages) {
     text += fmt::format(
-        "\n## {}\n\nOf {}.\n\n| key | type | unit | default | what it is |\n| --- | --- | --- | --- | --- "
+        "\n## {}\n\nKeys of {}.\n\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- "
         "|\n",
         page.app, page.what);
     for (const ScenarioKey& key : page.keys())

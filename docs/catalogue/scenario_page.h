@@ -5,11 +5,11 @@
 
 namespace tenon::docs {
 
-/// docs/keys/meanings.yaml: what the members of scenarios' structs mean, by struct and key, as the docstrings
-/// in the source tree at `source` tell it.
+/// Returns the text of docs/keys/meanings.yaml: the docstring of each member of the scenarios' structs, by
+/// struct and key, read from the source tree at `source`.
 std::string WriteMeanings(const std::filesystem::path& source);
 
-/// docs/scenarios.md: all keys of the scenarios of all apps.
+/// Returns the text of docs/scenarios.md: all keys of the scenarios of all apps.
 std::string WriteScenarioKeys();
 
 }  // namespace tenon::docs

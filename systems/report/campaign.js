@@ -1,6 +1,6 @@
-// The page of a campaign: survival, map, distributions, what matters, causes, runs worth a look.
+// The page of a campaign: survival, map, distributions, influence of the varied keys, causes of failure, notable runs.
 //
-// window.tenonCampaign lets a program look at the page: ready (everything is drawn), data.
+// A program can inspect the page through window.tenonCampaign: ready (everything is drawn), data.
 
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -23,12 +23,12 @@
     return node;
   }
 
-  // From white by way of the accent's light tones to dark; 0 to 1.
+  // Colour for a share from 0, almost white, to 1, the dark accent colour.
   function tone(share) {
     const mix = (from, to) => Math.round(from + (to - from) * share);
     return `rgb(${mix(236, 18)}, ${mix(243, 78)}, ${mix(250, 140)})`;
   }
-  // Red for 0, yellow, green for 1.
+  // Colour for a share: red for 0, yellow for 0.5, green for 1.
   function traffic(share) {
     const stops = [[179, 38, 30], [232, 184, 74], [27, 127, 75]];
     const at = Math.min(Math.max(share, 0), 1) * 2, i = Math.min(Math.floor(at), 1);
@@ -39,7 +39,7 @@
     find('h1').textContent = data.title;
     find('#headline p').textContent = data.description;
     const { survived, count, low, high } = data.survival;
-    if (data.limits.length) return find('#verdicts').append(element('span', 'verdict', `${count} runs in search of limits`));
+    if (data.limits.length) return find('#verdicts').append(element('span', 'verdict', `${count} runs to find limits`));
     const text = `${survived} of ${count} survived: ${count ? percent(survived / count) : '–'}, ` +
       `${percent(low)} to ${percent(high)} with ${percent(data.confidence)} confidence`;
     find('#verdicts').append(element('span', `verdict ${count && survived === count ? 'good' : survived ? '' : 'bad'}`, text));
@@ -54,7 +54,7 @@
       return;
     }
     const shown = data.points.slice(0, 40);
-    if (data.axes.filter((axis) => axis.labels.length > 1).length > 1) find('#picks').after(parent);  // the map says it better
+    if (data.axes.filter((axis) => axis.labels.length > 1).length > 1) find('#picks').after(parent);  // with several axes, the map is the better overview
     const left = Math.min(360, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
     const width = 1000, row = 20, plot = width - left - 170;
     const drawing = svg(parent, width, 24 + row * shown.length);
@@ -74,7 +74,7 @@
       parent.append(element('p', 'note', `${data.points.length - shown.length} more points are in runs.csv${data.axes.length > 1 ? ' and on the map' : ''}.`));
   }
 
-  // Survival, or the median of a figure, over two of the axes; what the others say is averaged.
+  // Shows survival, or the median of a figure, over two of the axes, averaged over the others.
   function showMap() {
     if (data.limits.length || !data.points.length || data.axes.filter((axis) => axis.labels.length > 1).length < 2) return;
     const parent = find('#map');
@@ -143,7 +143,7 @@
 
   function showLimits() {
     if (!data.limits.length) return;
-    table(find('#limits'), ['', `${label(data.limitKey)}: survives`, 'fails'],
+    table(find('#limits'), ['', `${label(data.limitKey)}: survived`, 'failed'],
       data.limits.map((limit) => [limit.point || 'all', formatNumber(limit.survives), formatNumber(limit.fails)]));
   }
 
@@ -159,7 +159,7 @@
 
   function showPicks() {
     if (!data.picks.length) return;
-    table(find('#picks'), ['run', 'why', 'run it again, with all its logs and a report'], data.picks.map((pick) => {
+    table(find('#picks'), ['run', 'reason', 'command that repeats it, with all logs and a report'], data.picks.map((pick) => {
       let run = document.createTextNode(String(pick.run));
       if (pick.link) {
         run = element('a', '', `${pick.run} (report)`);
@@ -169,7 +169,7 @@
     }));
   }
 
-  // Figures that say something: those with more than one value.
+  // Figures with more than one value.
   const telling = data.figures.map((_, f) => f).filter((f) => data.histograms[f] && data.histograms[f].high > data.histograms[f].low);
 
   function showMatters() {
@@ -200,7 +200,7 @@
     });
   }
 
-  // Parallel coordinates: all that varied, and figures; a line for each run.
+  // Parallel coordinates of the varied keys and the figures, with a line for each run.
   function showLines() {
     const keys = [
       ...data.axes.map((axis, a) => ({ name: axis.name, labels: axis.labels, of: (line) => line.at[a] })).filter((key) => key.labels.length > 1),
@@ -231,7 +231,7 @@
     keys.forEach((key, i) => {
       const x = 60 + step * i;
       shape(drawing, 'line', { x1: x, x2: x, y1: top, y2: top + height, class: 'axis' });
-      const name = label(key.name).slice(-30), room = 3.6 * name.length;  // half of its width
+      const name = label(key.name).slice(-30), room = 3.6 * name.length;  // half of the width of the name
       shape(drawing, 'text', { x: Math.min(Math.max(x, room), width - room), y: i % 2 ? 26 : 12, 'text-anchor': 'middle' }, name);
       if (key.labels) key.labels.forEach((text, l) => {
         if (key.labels.length < 12 || l % Math.ceil(key.labels.length / 10) === 0) shape(drawing, 'text', { x: x + 4, y: y(key, l) + 4, class: 'soft' }, text.slice(0, 14));

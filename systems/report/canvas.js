@@ -1,15 +1,15 @@
-// What is drawn beside curves: bands of modes, events and limits behind them; and a plot as a picture.
+// Draws bands of modes, events and limits behind the curves of a plot, and exports a plot as a picture.
 
 'use strict';
 
-// How wide a text is in the font of plots; each is measured once.
+// The widths of texts in the font of the plots, each measured once.
 const textWidths = new Map();
 function widthOf(context, text) {
   if (!textWidths.has(text)) textWidths.set(text, context.measureText(text).width);
   return textWidths.get(text);
 }
 
-// The modes of the first run that is shown, as bands along the lower edge.
+// Draws the modes of the first visible run as bands along the lower edge.
 function drawBands(plot, context, area, graph) {
   const run = plot.section.runs.find((_, r) => plot.section.visible[r]);
   const height = 13;
@@ -20,7 +20,7 @@ function drawBands(plot, context, area, graph) {
       const left = Math.max(graph.toDomXCoord(interval.time), area.x);
       const right = Math.min(graph.toDomXCoord(end), area.x + area.w);
       if (right <= left) return;
-      if (interval.value !== null) {  // a number
+      if (interval.value !== null) {  // a numeric mode
         context.fillStyle = Theme.band(Math.round(Math.abs(interval.value)));
         context.fillRect(left, top, right - left, height);
       }
@@ -35,7 +35,7 @@ function drawEvents(plot, context, area, graph) {
   context.fillStyle = Theme.color('--soft');
   context.lineWidth = 1;
   context.setLineDash([2, 3]);
-  let free = -Infinity;  // where the last label ends
+  let free = -Infinity;  // right end of the last label
   for (const event of plot.section.events()) {
     const x = graph.toDomXCoord(event.time);
     if (x < area.x || x > area.x + area.w) continue;
@@ -51,7 +51,7 @@ function drawEvents(plot, context, area, graph) {
   }
 }
 
-// A line, or a word at the edge beyond which the limit lies.
+// Draws each limit as a line, or as a label at the edge if the limit is outside the plot.
 function drawLimits(plot, context, area, graph) {
   context.strokeStyle = context.fillStyle = Theme.color('--limit');
   context.lineWidth = 1.2;
@@ -73,7 +73,7 @@ function drawLimits(plot, context, area, graph) {
   }
 }
 
-// A canvas with title, legend, curves and axes.
+// Returns a canvas with title, legend, curves and axes of a plot.
 function pictureOf(plot) {
   const scale = 2, margin = 8, head = 20, foot = 18;
   const width = plot.chart.clientWidth, height = plot.chart.clientHeight;

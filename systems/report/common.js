@@ -1,4 +1,4 @@
-// What all pages share: numbers, units, elements, arrays.
+// Functions shared by all pages: numbers, units, elements.
 
 'use strict';
 
@@ -15,10 +15,10 @@ function element(tag, className, text) {
   return node;
 }
 
-// Text whose lines may end after "_" and "/".
+// Splits text into parts between which a line may break: after "_" and "/".
 const breakable = (text) => text.split(/(?<=[_/])/).flatMap((part, i) => i ? [element('wbr'), part] : [part]);
 
-// A button that says what it does to eyes and to screen readers.
+// A button with a tooltip and a label for screen readers.
 function button(text, label, click) {
   const node = element('button', '', text);
   node.type = 'button';
@@ -31,7 +31,7 @@ function button(text, label, click) {
 // "m/s^2", "kg m2" -> "m/s²", "kg m²"
 const prettyUnit = (unit) => unit.replace(/\^?2\b/g, '²').replace(/\^?3\b/g, '³');
 
-// The end of a key that is a unit: _m, _N_m, _m_per_s2, _per_s.
+// Matches the unit at the end of a key: _m, _N_m, _m_per_s2, _per_s.
 const ATOMS = '(?:rad|deg|[Hh]z|kg|us|ms|mm|m|N|s|W|J)[23]?';
 const UNIT_OF_KEY = new RegExp(`_((?:${ATOMS}(?:_${ATOMS})*)(?:_per_${ATOMS}(?:_${ATOMS})*)?|per_${ATOMS}(?:_${ATOMS})*)$`);
 function unitOfKey(text) {
@@ -40,7 +40,7 @@ function unitOfKey(text) {
   return prettyUnit(under === undefined ? words(over) : `${words(over) || '1'}/${words(under)}`);
 }
 
-// "foot_error_max_m.rear_left" -> {names: ["foot error max", "rear left"], unit: "m"}: the unit stands in any part.
+// "foot_error_max_m.rear_left" -> {names: ["foot error max", "rear left"], unit: "m"}: any part may end with the unit.
 function parseKey(key) {
   let unit = '';
   const names = key.split('.').map((part) => {
@@ -51,13 +51,13 @@ function parseKey(key) {
   return {names, unit};
 }
 
-// The same in one line: "foot error max, rear left", "hardware.link.delay".
+// The name of a key on one line, "foot error max, rear left" or "hardware.link.delay", and its unit.
 function nameOfKey(key) {
   const {names, unit} = parseKey(key);
   return {name: names.join(UNIT_OF_KEY.test(key.split('.')[0]) ? ', ' : '.'), unit};
 }
 
-// What people say for an SI unit: degrees, and mm and ms for what is small. SI value * factor = value in `unit`.
+// A readable unit for an SI unit: degrees for radians, mm and ms for small values. SI value * factor = value in `unit`.
 function humanUnit(unit, magnitude) {
   const [, base, per] = /^([^/]*)(.*)$/.exec(unit);
   if (base === 'rad') return {unit: `°${per}`, factor: 180 / Math.PI};
@@ -71,7 +71,7 @@ function label(key) {
   return unit ? `${name} [${unit}]` : name;
 }
 
-// A list to choose from, with a caption; `change` gets the index.
+// A drop-down list with a caption; `change` receives the chosen index.
 function chooser(parent, caption, names, chosen, change) {
   const box = element('label', 'chooser', caption + ' ');
   const select = element('select');

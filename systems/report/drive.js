@@ -1,8 +1,8 @@
-// What moves a robot of a run that goes on: keys, a stick on the screen or in the hand; gaits and postures; a goal; a load.
+// Controls that move the robot of a live run: keys, sticks on the screen, a gamepad, gaits, postures, a goal and a load.
 
 'use strict';
 
-// A knob to drag, which springs back. value: how far to the right and, unless `flat`, up, from -1 to 1.
+// A knob that returns to the centre when released. value: deflection to the right and, unless `flat`, upwards, from -1 to 1.
 class Stick {
   constructor(label, flat, change) {
     this.value = [0, 0];
@@ -35,14 +35,14 @@ class Stick {
   }
 }
 
-// [forward, sideways, yaw] of each key, as shares of their limits: left is positive, as in the robot's frame.
+// [forward, sideways, yaw] of each key, as fractions of the limits; left is positive, as in the robot's frame.
 const DRIVE_KEYS = {
   w: [1, 0, 0], s: [-1, 0, 0], a: [0, 1, 0], d: [0, -1, 0], q: [0, 0, 1], e: [0, 0, -1],
   ArrowUp: [1, 0, 0], ArrowDown: [-1, 0, 0], ArrowLeft: [0, 1, 0], ArrowRight: [0, -1, 0],
 };
-const SLOW = 0.5;  // of a key without shift
+const SLOW = 0.5;  // fraction of the limits for a key without shift
 
-// Forward, sideways and yaw velocity from whatever is held.
+// Forward, sideways and yaw velocity from keys, sticks and gamepad.
 class Velocity {
   constructor(live, limits, parent) {
     Object.assign(this, {live, limits: [limits.forward, limits.sideways, limits.yaw], held: new Map(), sent: '0,0,0'});
@@ -63,7 +63,7 @@ class Velocity {
     document.addEventListener('keydown', (event) => {
       const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
       if (!DRIVE_KEYS[key] || notForThePage(event) || !this.live.drives) return;
-      if (event.target.type === 'range' && event.target.id !== 'scrub' && key.length > 1) return;  // arrows are the slider's
+      if (event.target.type === 'range' && event.target.id !== 'scrub' && key.length > 1) return;  // arrow keys move a focused slider
       this.held.set(key, event.shiftKey ? 1 : SLOW);
       this.update();
       event.preventDefault();
@@ -80,7 +80,7 @@ class Velocity {
     document.addEventListener('visibilitychange', release);
   }
 
-  // The left stick, and the right one for yaw.
+  // Deflections of a gamepad: left stick for forward and sideways, right stick for yaw.
   gamepad() {
     const pad = [...(navigator.getGamepads ? navigator.getGamepads() : [])].find((p) => p && p.axes.length >= 2);
     if (!pad) return [0, 0, 0];
@@ -109,7 +109,7 @@ class Velocity {
   }
 }
 
-// Where the platform or the person shall go: set by numbers here, or by hand in the replay.
+// The goal of the platform or the person, set by numbers here or by dragging in the replay.
 class Goal {
   constructor(live, {name, box}, parent) {
     Object.assign(this, {live, name, box, place: null, latest: new Latest(live)});
@@ -123,7 +123,7 @@ class Goal {
       row.append(field);
       return field;
     });
-    row.append(element('span', 'unit', 'm'), button('go', 'send it there', () => {}));
+    row.append(element('span', 'unit', 'm'), button('go', 'move to this goal', () => {}));
     row.lastChild.type = 'submit';
     row.onsubmit = (event) => {
       event.preventDefault();
@@ -159,12 +159,12 @@ function addLoad(live, {name, mass_kg: [low, high], start}, parent) {
   field.oninput = () => slider.value = field.value;
   const put = (mass) => live.send({command: 'load', mass_kg: mass});
   row.append(element('span', '', name), slider, field, element('span', 'unit', 'kg'),
-             button(hangs ? 'hang on' : 'drop', hangs ? 'hang it on' : 'drop it on the robot', () => put(Number(field.value))),
-             button(hangs ? 'release' : 'take off', 'without it', () => put(0)));
+             button(hangs ? 'attach' : 'drop', hangs ? 'attach the load to the platform' : 'drop the load on the robot', () => put(Number(field.value))),
+             button(hangs ? 'release' : 'remove', hangs ? 'release the load' : 'remove the load', () => put(0)));
   parent.append(row);
 }
 
-// The panel of all this: what the run has of it. goal: a Goal, or null.
+// The panel with the controls that the run offers. goal: a Goal, or null.
 class Drive {
   constructor(live, parent) {
     const {drive, gaits = [], postures = [], goal, load, pull} = live.controls;
@@ -191,7 +191,7 @@ class Drive {
     choose('posture', postures);
     this.goal = goal ? new Goal(live, goal, choices) : null;
     if (load) addLoad(live, load, choices);
-    if (pull) choices.append(element('p', 'note', 'Press on a body in the replay and drag: a spring pulls at it there.'));
+    if (pull) choices.append(element('p', 'note', 'Press on a body in the replay and drag: a spring pulls the body at this point.'));
     panel.append(choices);
     this.box.append(panel);
     this.box.hidden = !drive && choices.childElementCount === 0;

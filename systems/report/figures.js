@@ -1,8 +1,8 @@
-// The table of figures: a column for each run, a row for each figure, those of one name folded into one row.
+// The table of figures: a column for each run and a row for each figure. Figures that share a name fold into one row.
 
 'use strict';
 
-// Up to three values, as of a vector, with common decimals; of more what they span.
+// Formats up to three values, for example a vector, with the same number of decimals, and more values as a range.
 function formatTogether(values) {
   const low = Math.min(...values), high = Math.max(...values);
   if (low === high) return formatNumber(high);
@@ -11,7 +11,7 @@ function formatTogether(values) {
   return values.map((value) => value.toFixed(Math.min(digits, 9))).join(', ');
 }
 
-// With as many digits as it takes to tell the value from each of the others.
+// Formats the value with enough digits to distinguish it from each of the others.
 function formatBeside(value, others) {
   const hides = (digits) => others.some((other) => other !== value && Number(other.toPrecision(digits)) === Number(value.toPrecision(digits)));
   let digits = 4;
@@ -20,7 +20,7 @@ function formatBeside(value, others) {
 }
 
 function showFigures(parent, runs) {
-  const rows = new Map();  // by the first part of the key, if several have it
+  const rows = new Map();  // keys by their first part
   const keys = [...new Set(runs.flatMap((run) => run.figures.map((figure) => figure.name)))];
   for (const key of keys) {
     const base = key.split('.')[0];
@@ -51,7 +51,7 @@ function showFigures(parent, runs) {
   }
   const body = table.createTBody();
 
-  // `of`: one key, or several that are shown as a span. Returns the cell of the name.
+  // `of`: one key, or several keys that are shown as a range. Returns the cell of the name.
   function addRow(label, of, unit, {factor, unit: shownUnit}) {
     const row = body.insertRow();
     const head = element('th', '', label);

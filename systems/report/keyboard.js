@@ -1,15 +1,15 @@
-// Keys, and the page that lists them.
+// Handling of keys, and the dialog that lists them.
 
 'use strict';
 
-// Whether a key is for a dialog, the browser, or something that is written into.
+// Whether a key belongs to a dialog, to the browser or to a text field.
 function notForThePage({ctrlKey, altKey, metaKey, target: {tagName, type}}) {
   if (ctrlKey || altKey || metaKey || document.querySelector('dialog[open]')) return true;
   return (tagName === 'INPUT' && type !== 'range' && type !== 'checkbox') || tagName === 'SELECT' || tagName === 'TEXTAREA';
 }
 
-// keys: [{key, shift, label, help, act}]; those with one help text after another are one line of it;
-// without `act` they are listed alone.
+// keys: [{key, shift, label, help, act}]. Keys with the same help text share one line of the dialog; a key without `act` is
+// listed but not handled here.
 function addKeys(dialog, keys) {
   const table = element('table');
   const lines = new Map();
@@ -20,7 +20,7 @@ function addKeys(dialog, keys) {
     row.insertCell().textContent = help;
   }
   dialog.append(element('h2', '', 'Keys'), table,
-                element('p', 'note', 'In a plot: click to go there, drag to zoom, double click for all of it.'),
+                element('p', 'note', 'In a plot: click to go to a time, drag to zoom, double-click to see the whole run.'),
                 button('close', 'close', () => dialog.close()));
 
   document.addEventListener('keydown', (event) => {

@@ -1,16 +1,16 @@
-// A run that goes on: what it sends, what is asked of it, and the page that follows it. Messages: see docs/live.md.
+// Connection to a live run: receives its messages, sends commands, and makes the page follow the run. Messages: see docs/live.md.
 
 'use strict';
 
 const KEPT = 120;       // seconds of samples that a page holds
-const COMMANDS_HZ = 30;  // at most, of those that follow one another
+const COMMANDS_HZ = 30;  // largest rate of consecutive commands
 
-// Sends the newest of commands that follow one another quickly: each after the answer to the one before.
+// Sends commands that follow one another quickly: each after the answer to the previous one, and only the newest.
 class Latest {
   constructor(live) {
     this.live = live;
   }
-  // `done` gets the answer, unless another command has taken the place of this one.
+  // `done` receives the answer, unless a newer command has replaced this one.
   async push(command, done) {
     this.next = {command, done};
     if (this.busy) return;
@@ -26,13 +26,13 @@ class Latest {
   }
 }
 
-// The connection. Tells listeners of each message by its name, and of 'change' when who drives, the state of the run or
-// the connection is another.
+// The connection to a live run. Notifies listeners of each message by its name, and of 'change' when the driver, the state
+// of the run or the connection changes.
 class Live {
-  // `show(report, runs)` makes the page, once there is something to see.
+  // `show(report, runs)` builds the page as soon as samples are available.
   constructor(report, show) {
     Object.assign(this, {report, show, run: null, connected: false, status: {state: 'connecting', driver: null}});
-    this.fresh = false;  // whether samples have come that are not drawn
+    this.fresh = false;  // whether samples have arrived that are not drawn yet
     this.listeners = {};
     this.client = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
     this.query = new URLSearchParams({client: this.client});
@@ -70,14 +70,14 @@ class Live {
     receive('pull', () => {});
     source.onerror = () => {
       this.connected = false;
-      if (this.ended) source.close();  // the run was kept as long as there was somebody to set it back
-      // What was refused stays closed; what was only interrupted, the browser takes up by itself.
+      if (this.ended) source.close();  // the server has exited and will not come back
+      // The browser reconnects by itself after an interruption, but not after a refusal.
       if (source.readyState === EventSource.CLOSED && !this.ended) setTimeout(() => this.open(), 2000);
       this.tell('change');
     };
   }
 
-  // Begins anew: at first, and when the connection was lost. Another run needs another page.
+  // Starts from an empty recording, at first and after a lost connection. A different run needs a new page.
   greet({run, description, controls, parameters, history_s}) {
     const kind = JSON.stringify([run.name, run.shapes, run.plots, controls]);
     if (this.kind && kind !== this.kind) return location.reload();
@@ -97,7 +97,7 @@ class Live {
     if (this.run.end - this.run.start > 1.25 * KEPT) this.run.keep(this.run.end - KEPT, Infinity);
     this.fresh = true;
     if (this.run.signals.size > 0 && (this.run.frames.length > 0 || this.run.frames.shapes.length === 0)) this.begin();
-    else if (!this.waiting) this.waiting = setTimeout(() => this.begin(), 500);  // there are only signals, or only shapes
+    else if (!this.waiting) this.waiting = setTimeout(() => this.begin(), 500);  // the run may have only signals, or only shapes
   }
 
   begin() {
@@ -108,7 +108,7 @@ class Live {
     this.show({...this.report, description: this.description || this.report.description, plots}, [this.run]);
   }
 
-  // The run was set back, and goes on from there.
+  // Removes the samples after the time `to`, to which the run was set back.
   cut(to) {
     this.run.keep(-Infinity, to);
     this.fresh = true;
@@ -117,7 +117,7 @@ class Live {
   setStatus(status) {
     const before = this.status;
     this.status = status;
-    // Who comes to a run that nobody drives, drives it; as does who comes again, once the run has forgotten him.
+    // Become the driver of a run that nobody drives, at first and after reconnecting.
     if (!status.driver && performance.now() < this.takes) {
       this.takes = 0;
       this.send({command: 'take'}, true);
@@ -125,7 +125,8 @@ class Live {
     if (['state', 'driver', 'rate_wanted', 'message'].some((key) => before[key] !== status[key])) this.tell('change');
   }
 
-  // The answer of the run: {ok, ...}, or {error} with the reason why it refused. Listeners of 'answer' get it, too.
+  // Sends a command and returns the answer of the run: {ok, ...}, or {error} with the reason of the refusal. Listeners of
+  // 'answer' receive it, too.
   async send(command, quiet = false) {
     let answer;
     try {
@@ -140,7 +141,7 @@ class Live {
   }
 }
 
-// One for neighbouring signals of one unit whose names begin alike.
+// One plot for the signals of one unit whose names differ only in the last part.
 function defaultPlots(run) {
   const plots = new Map();
   for (const {name, unit} of run.signals.values()) {
@@ -151,9 +152,9 @@ function defaultPlots(run) {
   return [...plots.values()];
 }
 
-// Shows the newest samples as they come, until somebody looks back.
+// Shows the newest samples as they arrive, until the user looks at an earlier time.
 class Follower {
-  // page: {plots, replay (or null), clock(t): says which time is shown, stop(): plays no longer}.
+  // page: {plots, replay (or null), clock(t): displays the time t, stop(): stops playing}.
   constructor(live, page) {
     Object.assign(this, {live, page, on: true, span: 10});
     this.button = button('● live', 'follow the newest samples (l)', () => this.on ? this.leave() : this.join());
@@ -166,12 +167,12 @@ class Follower {
     });
     document.querySelector('#zoom-out').textContent = `last ${KEPT} s`;
     page.plots.zoomed = () => this.leave();
-    for (const name of ['back', 'reset', 'hello']) live.on(name, () => this.join());  // the past that was looked at may be gone
+    for (const name of ['back', 'reset', 'hello']) live.on(name, () => this.join());  // the time that was shown may no longer exist
     this.showButton();
     let last = 0, slow = 0;
     const step = (now) => {
       this.step();
-      // Where pictures come slowly, as without a graphics card, they shall be simpler.
+      // If rendering is slow, for example without a graphics card, simplify the replay.
       slow = now - last > 80 && now - last < 3000 ? slow + 1 : 0;
       last = now;
       if (slow === 10 && page.replay && page.replay.simplify()) slow = 0;
@@ -186,7 +187,7 @@ class Follower {
 
   showButton() {
     this.button.setAttribute('aria-pressed', String(this.on));
-    for (const id of ['#play', '#speed']) document.querySelector(id).hidden = this.on;  // they play the past
+    for (const id of ['#play', '#speed']) document.querySelector(id).hidden = this.on;  // these controls play the past
     this.live.tell('change');
   }
 
@@ -196,7 +197,7 @@ class Follower {
     this.showButton();
   }
 
-  // The plots stay as they are; `whole` for all that is kept.
+  // Stops following. The plots keep their window, or with `whole` show all samples that are kept.
   leave(whole = false) {
     if (!this.on && !whole) return;
     this.on = false;

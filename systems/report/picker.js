@@ -1,9 +1,9 @@
-// A dialog to choose among all signals that were logged.
+// The dialog to choose from all logged signals.
 
 'use strict';
 
 class Picker {
-  // `choose(names, target)`: target is a plot, or 'together' or 'apart' for new ones.
+  // `choose(names, target)`: target is a plot, 'together' for one new plot, or 'apart' for one new plot per name.
   constructor(dialog, runs, plots, choose) {
     Object.assign(this, {dialog, runs, plots, choose});
     this.search = element('input');
@@ -13,11 +13,11 @@ class Picker {
     this.search.oninput = () => this.filter();
     this.list = element('div', 'signals');
     this.target = element('select');
-    this.target.setAttribute('aria-label', 'where to');
+    this.target.setAttribute('aria-label', 'target plot');
     this.add = button('plot', 'plot the chosen signals', () => this.finish());
     const foot = element('div', 'foot');
     this.count = element('span', 'note');
-    foot.append(this.target, this.add, button('close', 'choose nothing', () => dialog.close()), this.count);
+    foot.append(this.target, this.add, button('close', 'close without plotting', () => dialog.close()), this.count);
     dialog.append(element('h2', '', 'Signals'), this.search, this.list, foot);
     this.list.onchange = () => this.showCount();
   }
@@ -30,13 +30,13 @@ class Picker {
       return node;
     };
     this.target.replaceChildren(option('together', 'in a new plot'), option('apart', 'each name in a plot of its own'),
-                                ...this.plots.plots.map((p, i) => option(i, `in: ${p.spec.title}`)));
+                                ...this.plots.plots.map((p, i) => option(i, `in plot: ${p.spec.title}`)));
     this.target.value = plot ? this.plots.plots.indexOf(plot) : 'together';
     this.dialog.showModal();
     this.search.focus();
   }
 
-  // Signals under what their names begin with, a box for each and one for all of them.
+  // Lists signals by the first part of their name, with a check box for each signal and one for the whole group.
   fill() {
     const stems = new Map();
     for (const run of this.runs) {
@@ -81,7 +81,7 @@ class Picker {
 
   showCount() {
     const count = this.chosen().length;
-    this.count.textContent = count ? `${count} chosen` : 'choose signals, or open a line for its elements';
+    this.count.textContent = count ? `${count} chosen` : 'choose signals, or unfold a line to see its elements';
     this.add.disabled = count === 0;
   }
 

@@ -2,9 +2,9 @@
 
 'use strict';
 
-const MANY_CURVES = 20;  // more overlap: those of four or more signals begin as an envelope
+const MANY_CURVES = 20;  // plots with more curves start as an envelope, if a run has at least four signals
 
-// The colour mixed with the ground of the plots, for the further signals of one run.
+// Mixes a colour with the background of the plots, for the second and later signals of a run.
 function fade(hex, amount) {
   const ground = Theme.color('--panel');
   const part = (color, at) => parseInt(color.slice(at, at + 2), 16);
@@ -12,13 +12,13 @@ function fade(hex, amount) {
   return `rgb(${mix(1)}, ${mix(3)}, ${mix(5)})`;
 }
 
-// Decimals that show a thousandth of what the values span.
+// The number of decimals that resolves a thousandth of the range.
 function digitsFor({low, high}) {
   const span = Math.max(high - low, 1e-3 * Math.abs(high));
   return span > 0 && Number.isFinite(span) ? Math.min(Math.max(3 - Math.ceil(Math.log10(span)), 0), 9) : 3;
 }
 
-// What the values span, and the part of their way up and down that the next step takes back: much of it for noise.
+// The range of the values, and their noise: the share of the total variation that the next step reverses.
 function measure(values) {
   let low = Infinity, high = -Infinity, way = 0, back = 0, last = 0;
   for (let i = 0; i < values.length; ++i) {
@@ -33,7 +33,7 @@ function measure(values) {
   return {low, high, noise: way > 1e-6 * Math.max(Math.abs(low), Math.abs(high)) ? back / way : 0};
 }
 
-// The shortest number that is this one in single precision.
+// The shortest decimal number that rounds to this value in single precision.
 function shortest(value) {
   for (let digits = 6; digits < 9; ++digits) {
     const short = Number(value.toPrecision(digits));
@@ -42,7 +42,7 @@ function shortest(value) {
   return Number(value.toPrecision(9));
 }
 
-// What all names have in common up to a dot says nothing: loop.plant.euler.roll, loop.plant.euler.yaw -> roll, yaw.
+// Removes the common prefix of dotted names: loop.plant.euler.roll, loop.plant.euler.yaw -> roll, yaw.
 function shortNames(names) {
   const parts = names.map((name) => name.split('.'));
   let common = 0;
@@ -51,8 +51,8 @@ function shortNames(names) {
   return parts.map((p) => p.slice(common).join('.'));
 }
 
-// Rows of curves with common times in a window: all, or of every short interval where each curve is lowest and where it
-// is highest, in their order. The intervals stay where they are when the window moves on.
+// Rows of curves with common times in a window: all samples, or for each short interval the lowest and the highest sample of
+// each curve, in their order. The intervals have fixed boundaries, so they do not change when the window moves.
 function thinned(time, curves, factors, [from, to], most = 800) {
   const [first, end] = rangeOf(time, from, to + (to - from) / 50), rows = [];
   const row = (i) => [time[i], ...curves.map((values, c) => values[i] * factors[c])];
@@ -83,13 +83,13 @@ function thinned(time, curves, factors, [from, to], most = 800) {
 }
 
 class Plot {
-  // spec: {title, signals, references}, names of signals. `section` has what the plots share: runs, visible,
-  // time, window, seek(t), synchronize(graph), edit(plot), remove(plot). Draws once it stands in the page.
+  // spec: {title, signals, references}, with names of signals. `section` is the Plots, with the members that all plots share:
+  // runs, visible, time, window, seek(t), synchronize(graph), edit(plot), remove(plot). Call draw() after adding `box` to the page.
   constructor(section, spec) {
     this.section = section;
     this.spec = spec;
     this.difference = false;
-    this.hidden = new Set();  // names of signals that are switched off
+    this.hidden = new Set();  // names of signals that the user has hidden
     this.build();
     this.collect();
     const curves = this.series.filter((s) => !s.reference);
@@ -110,14 +110,14 @@ class Plot {
       this.difference = !this.difference;
       this.draw();
     });
-    this.envelopeButton = button('envelope', 'from the lowest to the highest of the signals, and their mean', () => {
+    this.envelopeButton = button('envelope', 'band from the lowest to the highest signal, and their mean', () => {
       this.envelope = !this.envelope;
       this.draw();
     });
     actions.append(this.differenceButton, this.envelopeButton,
                    button('+', 'add signals to this plot', () => this.section.edit(this)),
                    button('PNG', 'save as a picture', () => pictureOf(this).toBlob((blob) => this.save(blob, 'png'))),
-                   button('CSV', 'save what is shown as numbers', () => this.save(new Blob([this.csv()], {type: 'text/csv'}), 'csv')),
+                   button('CSV', 'save the visible curves as numbers', () => this.save(new Blob([this.csv()], {type: 'text/csv'}), 'csv')),
                    button('✕', 'remove this plot', () => this.section.remove(this)));
     head.append(title, actions);
     this.body = element('div');
@@ -133,14 +133,14 @@ class Plot {
     this.setFolded(false);
   }
 
-  // The lower edge, to drag; arrows do it as well, and a double click undoes it.
+  // The lower edge, which resizes the plot by dragging or with the arrow keys; a double click restores the height.
   resizer() {
     const edge = element('div', 'resize');
     edge.tabIndex = 0;
     edge.setAttribute('role', 'separator');
     edge.setAttribute('aria-orientation', 'horizontal');
     edge.setAttribute('aria-label', `height of ${this.spec.title}`);
-    edge.title = 'drag to resize, double click to undo';
+    edge.title = 'drag to resize, double-click to restore the height';
     const set = (height) => this.area.style.setProperty('--height', `${Math.max(60, height)}px`);
     edge.onpointerdown = (down) => {
       const from = this.area.clientHeight;
@@ -167,7 +167,7 @@ class Plot {
     if (!folded && this.series) this.draw();
   }
 
-  // The signals of all runs that the plot is about; colours by signal, or by run if there are several.
+  // Finds the signals of this plot in all runs. Colours distinguish signals, or runs if there are several.
   collect() {
     this.series = [];
     this.section.runs.forEach((run, r) => {
@@ -192,7 +192,7 @@ class Plot {
     this.makeReadout();
   }
 
-  // Units and decimals that suit the values.
+  // Chooses units and decimals that suit the values.
   scale() {
     const units = [...new Set(this.series.map((s) => s.signal.unit))];
     const human = new Map(units.map((unit) => [unit, humanUnit(unit, Math.max(0, ...this.series
@@ -237,14 +237,14 @@ class Plot {
     }
   }
 
-  // What is drawn: the smoother a curve, the later, so that the true one lies over the noisy one.
+  // The visible curves in drawing order: smooth curves come last, so they are drawn over noisy ones.
   shown() {
     const on = (s) => this.section.visible[s.run] && !this.hidden.has(s.signal.name) &&
         !(s.of && this.hidden.has(s.of.signal.name)) && !((this.difference || this.envelope) && s.reference);
     return this.series.filter(on).sort((a, b) => b.noise - a.noise);
   }
 
-  // The value at a time, as it is shown.
+  // The value of a curve at time t, in the unit shown.
   valueAt(s, t) {
     const {time, values} = s.signal;
     return time.length === 0 ? NaN : values[indexAt(time, t)] * s.factor;
@@ -253,8 +253,8 @@ class Plot {
     return this.valueAt(s, t) - this.valueAt(s.by, t);
   }
 
-  // Rows of all curves in one table: a curve that has no sample at a time has null there. Of a window that goes on with
-  // the samples, thinned.
+  // Rows of all curves in one table, with null where a curve has no sample at that time. If the window follows the newest
+  // samples, the rows are thinned.
   table(shown) {
     const {following, window} = this.section;
     if (following && !this.difference && shown.every((s) => s.signal.times === shown[0].signal.times))
@@ -274,7 +274,7 @@ class Plot {
     return [...rows.values()].sort((a, b) => a[0] - b[0]);
   }
 
-  // The same with one curve for each run: [lowest, mean, highest] of its signals.
+  // Rows with one envelope for each run: [lowest, mean, highest] of its signals.
   envelopes(shown) {
     const runs = [...new Set(shown.map((s) => s.run))].sort();
     const rows = new Map();
@@ -293,7 +293,7 @@ class Plot {
     return {runs, rows: [...rows.values()].sort((a, b) => a[0] - b[0])};
   }
 
-  // New samples or another window: the same curves of other points. Once in a while they are measured again.
+  // Draws the same curves with new samples or another window. About once a second their ranges are measured again.
   update(now) {
     if (this.folded) return;
     if (!(now - this.measured < 1000)) {
@@ -310,7 +310,7 @@ class Plot {
     this.setTime(this.section.time);
   }
 
-  // Anew, after samples, choices or colours have changed.
+  // Draws the plot from scratch, after samples, choices or colours have changed.
   draw() {
     if (this.graph) this.graph.destroy();
     this.graph = null;
@@ -363,7 +363,7 @@ class Plot {
     this.setTime(this.section.time);
   }
 
-  // As they are shown: [{side, value, text}], each once.
+  // The limits of the visible curves, in the unit shown: [{side, value, text}], each value once.
   limits() {
     const found = new Map();
     if (this.difference) return [];
@@ -413,7 +413,7 @@ class Plot {
     this.cursor.style.left = `${x}px`;
   }
 
-  // The signals of the curves that are shown, in SI units, named as in signals.csv.
+  // The signals of the visible curves as CSV text, in SI units, named as in signals.csv.
   csv() {
     const shown = this.series.filter((s) => this.section.visible[s.run] && !this.hidden.has(s.signal.name));
     const rows = new Map();

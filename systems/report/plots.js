@@ -1,4 +1,4 @@
-// The plots: in groups, with a common window of time and a common cursor.
+// All plots: in groups, with a common time window and a common cursor.
 
 'use strict';
 
@@ -10,7 +10,7 @@ class Plots {
     this.plots = [];
     this.duration = this.longest();
     this.window = [0, this.duration];
-    this.following = false;  // whether the window goes on with the samples
+    this.following = false;  // whether the window follows the newest samples
     for (const spec of specs) this.add(spec);
     Theme.onChange(() => this.draw());
   }
@@ -19,7 +19,7 @@ class Plots {
     return Math.max(1e-6, ...this.runs.map((run) => run.end));
   }
 
-  // Of a plot with no signal in any run there is nothing to show. Returns the plot, or null.
+  // Adds a plot and returns it, or null if no run has one of its signals.
   add(spec) {
     if (!this.runs.some((run) => spec.signals.some((name) => run.find(name).length))) return null;
     const plot = new Plot(this, spec);
@@ -29,7 +29,7 @@ class Plots {
     return plot;
   }
 
-  // The last group if it has this name, or a new one.
+  // The list of plots in the last group if that has this name, else in a new group.
   groupOf(name) {
     const last = this.container.lastElementChild;
     if (last && last.dataset.group === name) return last.lastElementChild;
@@ -56,7 +56,7 @@ class Plots {
   remove(plot) {
     const group = plot.box.closest('.group');
     if (plot.graph) plot.graph.destroy();
-    plot.graph = null;  // who watches its size is told of its end
+    plot.graph = null;  // the observer of its size checks for null
     plot.box.remove();
     if (!group.querySelector('.plot')) group.remove();
     this.plots.splice(this.plots.indexOf(plot), 1);
@@ -81,7 +81,7 @@ class Plots {
     for (const plot of this.plots) if (plot.graph) plot.graph.updateOptions({dateWindow: this.window, valueRange: null});
   }
 
-  // Zooming one plot in time zooms all.
+  // Applies the time window of one plot to all plots.
   synchronize(graph) {
     for (const plot of this.plots) plot.placeCursor();
     if (this.synchronizing) return;
@@ -101,7 +101,7 @@ class Plots {
     this.draw();
   }
 
-  // Marks of the runs that are shown, in order.
+  // The events of the visible runs, in order of time.
   events() {
     return this.runs.flatMap((run, r) => this.visible[r] ? run.events : []).sort((a, b) => a.time - b.time);
   }
@@ -110,7 +110,7 @@ class Plots {
     for (const plot of this.plots) plot.draw();
   }
 
-  // There are new samples. Who sees the whole run goes on seeing it.
+  // Draws new samples. A window that showed the whole run is extended.
   refresh() {
     const whole = this.window[1] >= this.duration;
     this.duration = this.longest();
@@ -126,8 +126,8 @@ class Plots {
     for (const plot of this.plots) plot.setTime(t);
   }
 
-  // For samples that come all the time: the window is the last `span` seconds, up to the time shown. What is in view
-  // is drawn by and by, see drawSome.
+  // Follows a live run: the window covers the last `span` seconds before t. drawSome then draws the visible plots step by
+  // step.
   follow(t, start, span) {
     this.duration = this.longest();
     this.time = t;
@@ -136,7 +136,7 @@ class Plots {
     this.following = true;
     for (const plot of this.plots) plot.stale = true;
   }
-  // The window stays: `whole` for all that there is, from `start`.
+  // Stops following. The window stays as it is, or with `whole` covers everything from `start`.
   hold(start, whole) {
     this.following = false;
     this.duration = this.longest();
@@ -144,7 +144,7 @@ class Plots {
     for (const plot of this.plots) plot.stale = true;
   }
 
-  // Draws stale plots for some milliseconds, first those that have waited longest; each at most ten times a second.
+  // Draws stale plots for some milliseconds, starting with those that have waited longest; each plot at most ten times a second.
   drawSome() {
     const start = performance.now();
     const height = window.innerHeight;
@@ -153,7 +153,7 @@ class Plots {
       return bottom > 0 && top < height && plot.box.offsetParent !== null;
     };
     const waiting = this.plots.filter((plot) => plot.stale && start - (plot.drawn || 0) > 95 && inView(plot));
-    this.synchronizing = true;  // each takes the window by itself
+    this.synchronizing = true;  // each plot sets the window itself
     for (const plot of waiting.sort((a, b) => (a.drawn || 0) - (b.drawn || 0))) {
       plot.update(start);
       plot.drawn = start;

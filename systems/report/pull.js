@@ -1,8 +1,8 @@
-// What is moved by hand in the replay of a run that goes on: bodies, by a spring, and the goal.
+// Dragging in the replay of a live run: pulls bodies by a spring, and moves the goal.
 
 'use strict';
 
-// One shape that stands where it is told.
+// A single shape at a given position.
 class Marker {
   constructor(replay, shape) {
     this.frames = new Frames([{size: [0, 0, 0], scale: 1, ...shape}]);
@@ -15,7 +15,7 @@ class Marker {
     replay.scene.add(this.object);
     this.set(null);
   }
-  // null: it is not to be seen.
+  // place: position, or null to hide the shape.
   set(place, vector = [0, 0, 0]) {
     this.frames.columns = [...(place || [0, 0, 0]), 1, 0, 0, 0, ...vector, 0, place ? 1 : 0];
     this.actor.update();
@@ -29,7 +29,7 @@ class Grab {
     this.bodies = Object.keys((live.controls.pull || {}).bodies || {}).map(Number);
     this.canvas = replay.renderer.domElement;
     this.canvas.style.touchAction = 'none';
-    replay.controls.enableKeys = false;  // the arrows are the robot's
+    replay.controls.enableKeys = false;  // the arrow keys drive the robot
     this.arrow = new Marker(replay, {kind: 'arrow', role: 'disturbances', name: 'pull'});
     this.label = element('output');
     this.label.id = 'force';
@@ -56,7 +56,7 @@ class Grab {
     replay.stage.addEventListener('pointerdown', (event) => {
       if (event.target !== canvas || event.button !== 0 || !this.live.drives || !this.follower.on) return;
       if (!this.press(event)) return;
-      replay.controls.enabled = false;  // the camera stays
+      replay.controls.enabled = false;  // the camera does not move during a drag
       canvas.setPointerCapture(event.pointerId);
     }, true);
     canvas.addEventListener('pointermove', (event) => {
@@ -74,7 +74,7 @@ class Grab {
     return caster;
   }
 
-  // {shape: index of the body, or null for the goal, point}, or null.
+  // The object under the mouse, {shape: index of the body, or null for the goal, point}, or null.
   under(event) {
     const caster = this.ray(event), {actors} = this.replay.runs[0];
     const hits = (object) => caster.intersectObjects(object.visible ? object.children.filter((part) => part.isMesh) : []);
@@ -92,7 +92,7 @@ class Grab {
     const found = this.under(event);
     if (!found) return false;
     const {shape, point} = found;
-    // Along the picture; what can only go about on the ground stays there.
+    // Drag in the plane of the picture; a goal on the ground is dragged along the ground.
     const flat = shape === null && this.goal.box[0][2] === this.goal.box[1][2];
     const normal = flat ? new THREE.Vector3(0, 0, 1) : this.replay.camera.getWorldDirection(new THREE.Vector3());
     this.held = {shape, point, plane: new THREE.Plane().setFromNormalAndCoplanarPoint(normal, point)};
@@ -119,7 +119,7 @@ class Grab {
     this.replay.controls.enabled = true;
   }
 
-  // Whoever watches sees the spring and its force.
+  // Shows the spring and its force to everyone who watches.
   showPull({body, point_W, target_W, force_N}) {
     this.target = body === undefined ? null : new THREE.Vector3(...target_W);
     this.arrow.set(this.target && point_W, this.target ? target_W.map((t, k) => t - point_W[k]) : undefined);
@@ -135,7 +135,7 @@ class Grab {
     this.label.style.top = `${50 - 50 * y}%`;
   }
 
-  // Before a goal is given: where what it is for is now.
+  // The initial goal: the current position of the body that will move to it.
   bodyOfGoal() {
     const actor = this.replay.runs[0].actors.find(({shape}) => shape.name === this.goal.name);
     const place = actor ? actor.object.position : this.replay.bodyPlace();

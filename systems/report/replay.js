@@ -1,7 +1,8 @@
-// The 3-D replay: all shapes of all runs in their surroundings, seen by a camera.
+// The 3-D replay: draws the shapes of all runs, the ground and the lights.
 
 class Replay {
-  // `live`: more frames will come; {travels: whether the bodies will leave where they start}. Throws if there is no WebGL.
+  // `live`: null, or {travels: whether the bodies will move away from their start} for a run that is still receiving frames.
+  // Throws if there is no WebGL.
   constructor(stage, runs, live = null) {
     const canvas = document.createElement('canvas');
     const attributes = {antialias: true, alpha: false, preserveDrawingBuffer: true};
@@ -22,7 +23,7 @@ class Replay {
     this.camera = new THREE.PerspectiveCamera(38, 1, 0.01, 1000);
     this.camera.up.set(0, 0, 1);
     this.ranges = {};
-    this.measured = new Map();  // frames of each run, of which the values are in the ranges
+    this.measured = new Map();  // by run: the number of frames whose values are included in the ranges
     this.measureValues(runs);
     this.runs = runs.map((run) => this.makeRun(run));
     this.inset = {camera: new THREE.PerspectiveCamera(38, 1, 0.01, 1000), frame: stage.querySelector('#inset'), size: 0};
@@ -45,7 +46,7 @@ class Replay {
     return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => this.live || a.everSeen()).map((a) => a.shape.role)))];
   }
 
-  // What the values of each unit span, over all runs: one colour bar serves them all.
+  // Extends the range of the values of each unit over all runs, which share one colour bar.
   measureValues(runs) {
     for (const {frames} of runs) {
       const known = Math.min(this.measured.get(frames) || 0, frames.length);
@@ -74,7 +75,7 @@ class Replay {
     return {frames, cursor, group, actors};
   }
 
-  // There are new frames.
+  // Includes new frames.
   refresh() {
     this.measureValues(this.runs);
     for (const {actors} of this.runs) {
@@ -82,8 +83,8 @@ class Replay {
     }
   }
 
-  // The box that everything stays in, and the box that is there at the start: a body that moves out of this is
-  // followed.
+  // Computes the bounding box of the whole run and that of the first frame. If the run leaves the latter by far, the camera
+  // follows the body.
   measure() {
     this.box = new THREE.Box3();
     this.home = new THREE.Box3();
@@ -109,7 +110,7 @@ class Replay {
     if (this.live && this.travels) this.box.expandByVector(new THREE.Vector3(homeExtent, homeExtent, 0));
     if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
 
-    // Of the bodies' parts about their mean place.
+    // The radius of the bodies about their mean position.
     this.setTime(0);
     this.bodyRadius = 0;
     this.start = this.bodyPlace() || new THREE.Vector3();
@@ -161,7 +162,7 @@ class Replay {
     this.surroundings = {cell, place, moved: [floor, sun, sun.target], reach: cells * cell / 4};
   }
 
-  // Ground and light go along with bodies that leave them, by whole cells.
+  // Moves ground and light by whole cells when the bodies leave them.
   moveSurroundings() {
     const body = this.bodyPlace(), {cell, place, moved, reach} = this.surroundings;
     if (!body || Math.hypot(body.x - place.x, body.y - place.y) < reach) return;
@@ -169,7 +170,7 @@ class Replay {
     for (const {position} of [{position: place}, this.grid, ...moved]) position.add(step);
   }
 
-  // So far away, in a fixed direction, that the box fits in the picture.
+  // Places the camera in a fixed direction, at the distance at which the box fits into the picture.
   resetView() {
     this.viewChosen = false;
     const moved = this.follow && this.bodyPlace() ? this.bodyPlace().sub(this.start) : new THREE.Vector3();
@@ -196,7 +197,7 @@ class Replay {
     this.requestRender();
   }
 
-  // Moves the camera up or down until the box has as much room above as below.
+  // Moves the camera up or down such that the box is centred vertically.
   center() {
     this.camera.updateMatrixWorld();
     const inverse = new THREE.Matrix4().getInverse(this.camera.matrixWorld);
@@ -236,7 +237,7 @@ class Replay {
     return this.runs[this.shown].actors.filter((a) => a.shape.role === 'bodies' && solid.includes(a.shape.kind));
   }
 
-  // The mean place of the bodies, in the run that is shown.
+  // The mean position of the bodies in the run that is shown.
   bodyPlace() {
     const actors = this.bodyParts();
     const sum = new THREE.Vector3();
@@ -252,7 +253,7 @@ class Replay {
     if (!place) return;
     this.followed = place;
     if (!this.speck) return;
-    // Closer, so that the bodies are more than a speck in a large room.
+    // Move closer, because the bodies are small compared to the scene.
     const offset = this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(place);
     this.camera.position.copy(place).addScaledVector(offset, 0.3);
@@ -288,7 +289,7 @@ class Replay {
     this.requestRender();
   }
 
-  // Less to draw: no shadows, then fewer pixels. False if there is nothing left to leave out.
+  // Reduces the rendering cost: first without shadows, then at a lower resolution. Returns false if no reduction is left.
   simplify() {
     if (this.coarse) return false;
     this.coarse = !this.sun.castShadow;
@@ -317,7 +318,7 @@ class Replay {
     for (const listener of this.afterRender) listener();
     const place = inset.size > 0 && this.bodyPlace();
     if (!place) return;
-    // What is a speck in its room gets a close-up.
+    // Draw a close-up of bodies that are small compared to the scene.
     renderer.setScissorTest(true);
     renderer.setScissor(10, 10, inset.size, inset.size);
     renderer.setViewport(10, 10, inset.size, inset.size);

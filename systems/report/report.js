@@ -1,13 +1,13 @@
-// The page of runs: header, transport, and the one time that plots and replay share.
+// The page of runs: header, transport, and the time that plots and replay share.
 //
-// window.tenonReport lets a program drive the page: ready (everything is drawn), duration(), time(), seek(t) [s],
-// play(), pause(), playing(), show(index of a drawn run), webgl (whether there is a replay), replay (a Replay, or
-// null), plots (the Plots), runs (the Recordings), append(run, samples): see Recording.append; draws what is new; live
-// (a Live, or null), follower (of a live run).
+// A program can control the page through window.tenonReport: ready (everything is drawn), duration(), time(), seek(t) [s],
+// play(), pause(), playing(), show(index of a drawn run), `webgl` (whether there is a replay), replay (a Replay, or null),
+// plots (the Plots), runs (the Recordings), append(run, samples) (see Recording.append; also draws the samples), live (a
+// Live, or null), follower (the Follower of a live run).
 
 'use strict';
 
-// live: the Live of a run that goes on, or null; bar: its RunBar.
+// live: the Live of a live run, or null; bar: its RunBar.
 function showReport(report, runs, live, bar) {
   const find = (selector) => document.querySelector(selector);
 
@@ -26,7 +26,7 @@ function showReport(report, runs, live, bar) {
 
   showHeader();
   showFigures(find('#figures'), runs);
-  // The replay and its controls fill what the header leaves of the window.
+  // The replay and its controls fill the part of the window below the header.
   const fit = () => document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
   fit();
   new ResizeObserver(fit).observe(find('header'));
@@ -60,7 +60,7 @@ function showReport(report, runs, live, bar) {
     show, append, live, follower: null,
   };
 
-  // Full width where nothing is drawn.
+  // Without a replay the plots get the full width.
   let hideReplay = false;
   function layOut() {
     const main = find('main');
@@ -90,7 +90,7 @@ function showReport(report, runs, live, bar) {
     plots.setTime(time);
     if (replay) replay.setTime(time);
   }
-  // Who looks for another time of a live run no longer follows it.
+  // Shows the time t; in a live run the page stops following the newest samples.
   function seek(t) {
     if (api.follower) api.follower.leave();
     place(t);
@@ -237,7 +237,7 @@ function showReport(report, runs, live, bar) {
     };
   }
 
-  // The next mark in time after or before now.
+  // Goes to the next event after or before the current time.
   function toEvent(direction) {
     const times = plots.events().map((event) => event.time).filter((t) => direction * (t - time) > 1e-9);
     if (times.length) seek(direction > 0 ? Math.min(...times) : Math.max(...times));
@@ -252,7 +252,7 @@ function showReport(report, runs, live, bar) {
   };
   const move = (step) => () => seek(time + step);
 
-  // What a live run has beside: panels, hands in the replay, and keys that come before those of a report.
+  // Adds the panels of a live run, dragging in the replay, and keys that take precedence over those of a report.
   function goLive() {
     const follower = api.follower = bar.follower = new Follower(live, {plots, replay, clock, stop: () => setPlaying(false)});
     const drives = (act) => () => live.drives && act();
@@ -260,19 +260,19 @@ function showReport(report, runs, live, bar) {
     const drive = api.drive = new Drive(live, find('#side'));
     if (replay) api.grab = new Grab(live, replay, follower, drive.goal);
     const keys = drive.velocity ? [
-      ...['w', '↑', 's', '↓'].map((label) => ({label, help: 'drive forward, back; with shift, faster'})),
-      ...['a', '←', 'd', '→'].map((label) => ({label, help: 'drive to the left, to the right'})),
-      ...['q', 'e'].map((label) => ({label, help: 'turn to the left, to the right'})),
+      ...['w', '↑', 's', '↓'].map((label) => ({label, help: 'drive forward or back; faster with shift'})),
+      ...['a', '←', 'd', '→'].map((label) => ({label, help: 'drive to the left or to the right'})),
+      ...['q', 'e'].map((label) => ({label, help: 'turn to the left or to the right'})),
     ] : [];
     return [
       ...keys,
-      {key: ' ', label: 'space', help: 'pause or resume the run; of the past, play', act: () => follower.on ? drives(() => bar.togglePause())() : setPlaying(!playing)},
-      {key: '.', label: '.', help: 'one tick of the paused run', act: drives(() => bar.tick.click())},
+      {key: ' ', label: 'space', help: 'pause or resume the run; in the past: play', act: () => follower.on ? drives(() => bar.togglePause())() : setPlaying(!playing)},
+      {key: '.', label: '.', help: 'advance the paused run by one tick', act: drives(() => bar.tick.click())},
       {key: 'b', label: 'b', help: 'set the run back by 5 s', act: drives(() => bar.back.click())},
-      {key: '[', label: '[', help: 'the run slower or faster', act: drives(() => bar.changeRate(-1))},
-      {key: ']', label: ']', help: 'the run slower or faster', act: drives(() => bar.changeRate(1))},
-      {key: 'l', label: 'l', help: 'the newest samples again', act: () => follower.join()},
-      {key: 'End', label: 'end', help: 'the newest samples again', act: () => follower.join()},
+      {key: '[', label: '[', help: 'slow down or speed up the run', act: drives(() => bar.changeRate(-1))},
+      {key: ']', label: ']', help: 'slow down or speed up the run', act: drives(() => bar.changeRate(1))},
+      {key: 'l', label: 'l', help: 'follow the newest samples', act: () => follower.join()},
+      {key: 'End', label: 'end', help: 'follow the newest samples', act: () => follower.join()},
       {key: '+', label: '+', help: 'add signals', act: click('#pick')},
     ];
   }
@@ -283,29 +283,29 @@ function showReport(report, runs, live, bar) {
   addTools();
   place(live ? plots.duration : 0);
   const liveKeys = live ? goLive() : [];
-  // Keys that drive, or that a live run has for something else, are not what they are in a report.
+  // Whether a live run uses the key to drive the robot, or for another purpose than a report does.
   const taken = (key) => liveKeys.some((own) => own.key === key) || (api.drive && api.drive.velocity && DRIVE_KEYS[key]);
   addKeys(find('#help'), [...liveKeys, ...[
     {key: ' ', label: 'space', help: 'play or pause', act: () => setPlaying(!playing)},
-    {key: 'ArrowLeft', shift: false, label: '←', help: 'a frame back or on (20 ms)', act: move(-0.02)},
-    {key: 'ArrowRight', shift: false, label: '→', help: 'a frame back or on (20 ms)', act: move(0.02)},
-    {key: 'ArrowLeft', shift: true, label: 'shift ←', help: 'a second back or on', act: move(-1)},
-    {key: 'ArrowRight', shift: true, label: 'shift →', help: 'a second back or on', act: move(1)},
-    {key: 'Home', label: 'home', help: 'to the start or the end', act: () => seek(0)},
-    {key: 'End', label: 'end', help: 'to the start or the end', act: () => seek(plots.duration)},
-    {key: 'p', label: 'p', help: 'to the previous or the next event', act: () => toEvent(-1)},
-    {key: 'n', label: 'n', help: 'to the previous or the next event', act: () => toEvent(1)},
-    {key: '[', label: '[', help: 'slower or faster', act: () => changeSpeed(-1)},
-    {key: ']', label: ']', help: 'slower or faster', act: () => changeSpeed(1)},
+    {key: 'ArrowLeft', shift: false, label: '←', help: 'one frame back or forward (20 ms)', act: move(-0.02)},
+    {key: 'ArrowRight', shift: false, label: '→', help: 'one frame back or forward (20 ms)', act: move(0.02)},
+    {key: 'ArrowLeft', shift: true, label: 'shift ←', help: 'one second back or forward', act: move(-1)},
+    {key: 'ArrowRight', shift: true, label: 'shift →', help: 'one second back or forward', act: move(1)},
+    {key: 'Home', label: 'home', help: 'go to the start or the end', act: () => seek(0)},
+    {key: 'End', label: 'end', help: 'go to the start or the end', act: () => seek(plots.duration)},
+    {key: 'p', label: 'p', help: 'go to the previous or the next event', act: () => toEvent(-1)},
+    {key: 'n', label: 'n', help: 'go to the previous or the next event', act: () => toEvent(1)},
+    {key: '[', label: '[', help: 'play slower or faster', act: () => changeSpeed(-1)},
+    {key: ']', label: ']', help: 'play slower or faster', act: () => changeSpeed(1)},
     {key: 'f', label: 'f', help: 'follow the body', act: click('#follow')},
-    {key: 'r', label: 'r', help: 'show everything in the replay again', act: click('#reset-view')},
-    {key: 'v', label: 'v', help: 'the next run in the replay', act: () => replay && show((replay.shown + 1) % drawn.length)},
-    {key: 'g', label: 'g', help: 'the other runs as ghosts', act: click('#ghosts')},
+    {key: 'r', label: 'r', help: 'reset the view of the replay', act: click('#reset-view')},
+    {key: 'v', label: 'v', help: 'show the next run in the replay', act: () => replay && show((replay.shown + 1) % drawn.length)},
+    {key: 'g', label: 'g', help: 'show the other runs as ghosts', act: click('#ghosts')},
     {key: 'h', label: 'h', help: 'hide or show the replay', act: click('#hide-replay')},
     {key: 'a', label: 'a', help: 'add signals', act: click('#pick')},
-    {key: 'z', label: 'z', help: 'the whole run in the plots', act: click('#zoom-out')},
+    {key: 'z', label: 'z', help: 'show the whole run in the plots', act: click('#zoom-out')},
     {key: 't', label: 't', help: 'light or dark', act: Theme.toggle},
-    {key: '?', label: '?', help: 'this page', act: () => find('#help').showModal()},
+    {key: '?', label: '?', help: 'show this list', act: () => find('#help').showModal()},
   ].filter(({key}) => !taken(key))]);
   api.ready = true;
 }

@@ -1,40 +1,40 @@
-// What may be done to a run that goes on, and who does it: a bar below the header.
+// The bar below the header of a live run, with the controls of its time and of the driver.
 
 'use strict';
 
-const RATES = [0.1, 0.25, 0.5, 1, 2, null];  // of the clock; null: as fast as it can
+const RATES = [0.1, 0.25, 0.5, 1, 2, null];  // ratios to the wall clock; null: as fast as possible
 
 class RunBar {
   constructor(live) {
     this.live = live;
-    this.follower = null;  // once there is a page
+    this.follower = null;  // set when the page has been built
     this.box = element('section');
     this.box.id = 'run-bar';
     this.box.setAttribute('role', 'toolbar');
     this.box.setAttribute('aria-label', 'run');
     this.state = element('span', 'verdict');
     this.who = element('span', 'who');
-    this.take = button('take over', 'drive this run', () => this.ask({command: live.drives ? 'leave' : 'take'}));
+    this.take = button('take over', 'become the driver of this run', () => this.ask({command: live.drives ? 'leave' : 'take'}));
     this.run = element('fieldset');
     this.run.setAttribute('aria-label', 'time of the run');
     this.pause = button('pause', 'pause or resume the run (space)', () => this.togglePause());
-    this.tick = button('one tick', 'one tick of the paused run (.)', () => this.ask({command: 'tick'}));
-    this.back = button('5 s back', 'set the run back by 5 s, to go on from there (b)', () => this.goBack(live.run.end - 5));
+    this.tick = button('one tick', 'advance the paused run by one tick (.)', () => this.ask({command: 'tick'}));
+    this.back = button('5 s back', 'set the run back by 5 s (b)', () => this.goBack(live.run.end - 5));
     this.backHere = button('back', 'set the run back', () => this.goBack(this.shownTime()));
     this.seed = element('input');
     Object.assign(this.seed, {type: 'number', min: 0, step: 1, value: 1, title: 'seed of the random numbers'});
     this.seed.setAttribute('aria-label', 'seed');
     this.run.append(this.pause, this.tick);
-    chooser(this.run, 'speed', RATES.map((rate) => rate === null ? 'as fast as it can' : `${rate}×`), RATES.indexOf(1),
+    chooser(this.run, 'speed', RATES.map((rate) => rate === null ? 'as fast as possible' : `${rate}×`), RATES.indexOf(1),
             (i) => this.ask({command: 'rate', value: RATES[i]}));
     this.rate = this.run.querySelector('select');
-    const reset = button('reset', 'start again with this seed', () => this.ask({command: 'reset', seed: Number(this.seed.value)}));
+    const reset = button('reset', 'restart the run with this seed', () => this.ask({command: 'reset', seed: Number(this.seed.value)}));
     const seedLabel = element('label', '', 'seed ');
     seedLabel.append(this.seed);
-    this.stop = button('stop', 'end the run, which writes its results', () => this.confirmStop());
+    this.stop = button('stop', 'end the run and write its results', () => this.confirmStop());
     document.querySelector('#transport').prepend(this.backHere);
     this.run.append(this.back, seedLabel, reset,
-                    button('save scenario', 'a file that starts with what holds now', () => this.save()), this.stop);
+                    button('save scenario', 'save a scenario that starts with the current values', () => this.save()), this.stop);
     this.note = element('output', 'note');
     this.box.append(this.state, this.who, this.take, this.run, this.note);
     live.on('change', () => this.show());
@@ -74,7 +74,7 @@ class RunBar {
     URL.revokeObjectURL(link.href);
   }
 
-  // Asks once more, for some seconds.
+  // Stops the run if the button is pressed twice within some seconds.
   confirmStop() {
     if (this.stop.textContent === 'really stop?') {
       this.ask({command: 'stop'});
@@ -85,7 +85,7 @@ class RunBar {
     setTimeout(() => this.stop.textContent = 'stop', 4000);
   }
 
-  // A refusal stays until the next command; that of a parameter stands at its field.
+  // Shows a refusal until the next command. The refusal of a parameter is shown at its field instead.
   showAnswer(command, {error}) {
     if (command.command === 'parameter') return;
     this.refusal = error || '';
@@ -113,8 +113,8 @@ class RunBar {
     const time = this.shownTime(), text = `back to ${time.toFixed(2)} s`;
     if (this.backHere.textContent !== text) this.backHere.textContent = text;
     this.backHere.disabled = run.end - time > history_s;
-    this.backHere.title = this.backHere.disabled ? `further back than the ${history_s} s that the run remembers` :
-        'set the run back to the time that is shown, to go on from there';
+    this.backHere.title = this.backHere.disabled ? `more than ${history_s} s back, beyond the history of the run` :
+        'set the run back to the time that is shown';
   }
 
   show() {
@@ -124,10 +124,10 @@ class RunBar {
     this.who.textContent = !live.connected ? '' : live.drives ? 'you drive' : driver ? 'another browser drives' : 'nobody drives';
     this.who.title = driver || '';
     this.take.textContent = live.drives ? 'leave' : 'take over';
-    this.take.title = live.drives ? 'let others drive' : 'drive this run';
+    this.take.title = live.drives ? 'stop driving, so that another browser can' : 'become the driver of this run';
     this.take.hidden = !live.connected;
     this.run.disabled = !live.drives;
-    this.pause.disabled = live.ended;  // it can still be set back
+    this.pause.disabled = live.ended;  // an ended run can only be set back
     this.pause.textContent = state === 'paused' ? 'resume' : 'pause';
     this.tick.disabled = state !== 'paused';
     this.showBack();

@@ -1,5 +1,5 @@
-// The samples of runs: what a page shows, without any drawing. All of it comes in by `append`, whether a page
-// reads it from its own file or is sent rows as a run goes on.
+// The samples of runs, without drawing. All data enter through `append`, both when a page reads its own file and when it
+// receives rows during a live run.
 
 'use strict';
 
@@ -20,7 +20,7 @@ function indexAt(times, t) {
   return low;
 }
 
-// Numbers that become more.
+// A typed array that grows.
 class Growing {
   constructor(Type) {
     this.data = new Type(0);
@@ -44,25 +44,25 @@ class Growing {
   values() {
     return this.data.subarray(0, this.length);
   }
-  // Those from `first` to before `end` alone.
+  // Keeps only the numbers [first, end).
   keep(first, end) {
     this.data.copyWithin(0, first, end);
     this.length = end - first;
   }
 }
 
-// [first, end) of the times from `from` to `to`, and the one before, which holds at `from`.
+// Indices [first, end) of the times from `from` to `to`, including the last time before `from`, whose value still holds there.
 function rangeOf(times, from, to) {
   return times.length > 0 && times[0] <= to ? [indexAt(times, from), indexAt(times, to) + 1] : [0, 0];
 }
 
-// The shapes of a run: WIDTH columns for each, as Shape::Fields() lists them.
+// The shapes of a run over time: WIDTH columns for each shape, in the order of Shape::Fields().
 class Frames {
   constructor(shapes) {
     this.shapes = shapes;
     this.times = new Growing(Float64Array);
-    this.columns = [];  // a number for one that has never changed
-    this.cuts = 0;      // how often frames were taken away
+    this.columns = [];  // a Growing, or a number for a column that has never changed
+    this.cuts = 0;      // how often frames were removed
   }
   get length() {
     return this.times.length;
@@ -70,7 +70,7 @@ class Frames {
   get time() {
     return this.times.values();
   }
-  // columns[c]: a value for each of the times, or one number for all of them.
+  // columns[c]: one value for each time, or one number for all times.
   append(times, columns) {
     const before = this.length;
     columns.forEach((given, c) => {
@@ -99,20 +99,20 @@ class Frames {
   }
 }
 
-// One run.
+// The samples, events and figures of one run.
 class Recording {
   constructor({name, verdict, good, figures, bands, limits, shapes}) {
     Object.assign(this, {name, verdict, good, figures, limits: limits || []});
-    // The intervals of a band that brings none are found as its signal comes.
+    // If a band has no intervals, they are derived from the samples of its signal.
     this.bands = (bands || []).map((band) => ({...band, intervals: band.intervals || [], grows: !(band.intervals || []).length}));
-    this.end = 0;  // the time of the newest
+    this.end = 0;  // time of the newest sample
     this.events = [];
     this.signals = new Map();  // by name: {name, unit, time, values}
     this.frames = new Frames(shapes || []);
   }
 
-  // Any of: {names, units, time, values}, where values[i] belongs to names[i]; frames: {time, columns}, see
-  // Frames; events: [{time, label}]. Signals that first came together share their times, and go on together.
+  // Appends any of these: {names, units, time, values}, where values[i] belongs to names[i]; frames: {time, columns}, see
+  // Frames; events: [{time, label}]. Signals that first arrive in one call share their times, and must arrive together later.
   append({names = [], units, time, values, frames, events}) {
     const fresh = names.filter((name) => !this.signals.has(name));
     const times = new Growing(Float64Array);
@@ -144,7 +144,7 @@ class Recording {
     signal.values = signal.samples.values();
   }
 
-  // An interval for each change of the band's signal.
+  // Adds an interval to the band for each change of its signal.
   static extend(band, time, values) {
     values.forEach((value, i) => {
       const before = band.intervals[band.intervals.length - 1];
@@ -153,9 +153,9 @@ class Recording {
     });
   }
 
-  // Forgets what was before `from` or after `to`.
+  // Removes all samples before `from` or after `to`.
   keep(from, to) {
-    const ranges = new Map();  // by the times that signals share
+    const ranges = new Map();  // by the array of times that signals share
     for (const signal of this.signals.values()) {
       const {times} = signal;
       if (!ranges.has(times)) ranges.set(times, rangeOf(times.values(), from, to));
@@ -179,19 +179,19 @@ class Recording {
     return times.length ? Math.min(...times) : 0;
   }
 
-  // A name of a signal stands for all its elements.
+  // Finds signals by name; a name without an element selects all elements.
   find(name) {
     const own = this.signals.get(name);
     return own ? [own] : [...this.signals.values()].filter((signal) => signal.name.startsWith(`${name}.`));
   }
 
-  // {low, high} of a signal, either null; or undefined.
+  // The limits {low, high} of a signal, either of which can be null, or undefined.
   limitsOf(name) {
     const found = this.limits.find(({signal}) => name === signal || name.startsWith(`${signal}.`));
     return found && {low: found.limits[0], high: found.limits[1]};
   }
 
-  // Of what a page has in its file.
+  // Reads a run from the data in the page.
   static read(run) {
     const recording = new Recording({...run, shapes: run.frames && run.frames.shapes});
     recording.append({events: run.events});

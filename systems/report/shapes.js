@@ -1,13 +1,13 @@
-// The shapes of a run at any time, as objects of three.js. Knows shapes, not what they are of.
+// The shapes of a run at a given time, as objects of three.js, independent of the robot to which they belong.
 
 const ROLE_COLORS = {
   bodies: 0x3d5a80, lines: 0x777777, loads: 0xb5651d, others: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
   forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
 };
-// From low to high values: viridis, which also reads in grey and by the colour-blind.
+// Colour map from low to high values: viridis, which is also readable in grey and with colour blindness.
 const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 200, 37]];
 
-// Columns of a shape in a frame, as Shape::Fields() lists them.
+// Columns of a shape in a frame, in the order of Shape::Fields().
 const WIDTH = 12, P = 0, Q = 3, VECTOR = 7, VALUE = 10, VISIBLE = 11;
 
 function scaleColor(fraction) {
@@ -16,7 +16,7 @@ function scaleColor(fraction) {
   return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
 }
 
-// The frames of a run at one time, between two of them.
+// Interpolates the frames of a run at a given time.
 class FrameCursor {
   constructor(frames) {
     this.frames = frames;
@@ -41,7 +41,7 @@ class FrameCursor {
   vector(column, out) {
     return out.set(this.value(column), this.value(column + 1), this.value(column + 2));
   }
-  // The shorter way from one attitude to the next; q and -q are the same.
+  // Interpolates along the shorter rotation; q and -q are the same attitude.
   quaternion(column, out) {
     const q = (frame) => [1, 2, 3, 0].map((k) => this.at(column + k, frame));
     out.set(...q(this.a));
@@ -98,7 +98,7 @@ class Actor {
     geometry.computeVertexNormals();
     geometry.computeBoundingSphere();
     this.material.flatShading = true;
-    this.material.side = THREE.DoubleSide;  // many files turn their triangles as it came
+    this.material.side = THREE.DoubleSide;  // many files have triangles of inconsistent orientation
     add(geometry);
     this.meshReach = geometry.boundingSphere.center.length() + geometry.boundingSphere.radius;
   }
@@ -113,7 +113,7 @@ class Actor {
     if (radius > 0) this.ball = add(new THREE.SphereBufferGeometry(radius, 20, 14));
   }
 
-  // Through all frames that there are. Adds those that are new, or all if old ones were taken away.
+  // Extends the trace by the new frames, or rebuilds it if old frames were removed.
   extendTrace() {
     const {frames} = this.frames, n = frames.length, {geometry} = this.line;
     if (this.cuts !== frames.cuts) this.traced = 0;
@@ -125,7 +125,7 @@ class Actor {
       geometry.setAttribute('lineDistance', new THREE.BufferAttribute(new Float32Array(room), 1));
       this.traced = 0;
     }
-    const {position, lineDistance} = geometry.attributes;  // dashes go by the distance along the line
+    const {position, lineDistance} = geometry.attributes;  // dashes depend on the distance along the line
     for (let i = this.traced; i < n; ++i) {
       const p = [0, 1, 2].map((k) => frames.at(this.base + P + k, i));
       position.setXYZ(i, ...p);
@@ -137,14 +137,14 @@ class Actor {
     geometry.setDrawRange(0, n);
   }
 
-  // How far the solid goes from its middle.
+  // The largest distance of a point of the solid from its centre.
   reach() {
     const [x, y, z] = this.shape.size;
     if (this.shape.kind === 'mesh') return this.meshReach;
     return this.shape.kind === 'box' ? Math.hypot(x, y, z) / 2 : x + y / 2;
   }
 
-  // Where it is in a frame, and where it ends.
+  // Points that bound the shape in a frame; none if it is invisible.
   points(frame) {
     const read = (column) => new THREE.Vector3(...[0, 1, 2].map((k) => this.frames.at(this.base + column + k, frame)));
     if (this.frames.at(this.base + VISIBLE, frame) === 0) return [];
@@ -154,7 +154,7 @@ class Actor {
     return [p.clone().addScalar(reach), p.clone().subScalar(reach)];
   }
 
-  // False for what is hidden all the time and for forces that stay zero.
+  // False for shapes that are always hidden and for forces that are always zero.
   everSeen() {
     const {frames, base, shape} = this;
     const vector = shape.kind === 'segment' || shape.kind === 'arrow';

@@ -1,4 +1,4 @@
-// Light or dark: as the browser says, or as the button says. Style sheets see it as data-theme; canvases ask for colours.
+// The theme, light or dark, as set in the browser or by the button. Style sheets use data-theme; canvases ask for colours.
 
 'use strict';
 
@@ -7,8 +7,8 @@ const Theme = (() => {
   const dark = window.matchMedia('(prefers-color-scheme: dark)');
   const listeners = [];
   let style = getComputedStyle(root);
-  const known = new Map();  // values of the style
-  let chosen = null;  // by the button; null: the browser's
+  const known = new Map();  // cached values of CSS variables
+  let chosen = null;  // theme chosen with the button; null: the browser's theme
   let printing = false;
 
   function apply() {
@@ -24,7 +24,7 @@ const Theme = (() => {
     apply();
   }
 
-  // '--grid' -> '#e8ebef'
+  // The value of a CSS variable: '--grid' -> '#e8ebef'.
   function color(name) {
     if (!known.has(name)) known.set(name, style.getPropertyValue(name).trim());
     return known.get(name);

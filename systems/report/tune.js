@@ -1,20 +1,20 @@
-// The parameters of a run that goes on: a list that folds by block, with sliders and number fields.
+// The parameters of a live run: a list that folds by block, with sliders and number fields.
 
 'use strict';
 
-// The ends of a slider: the limits, or from nothing to twice what holds at first; null if that says nothing.
+// The ends of a slider: the limits, or from zero to twice the initial value; null if the initial value is zero.
 function spanOf({low, high}, value) {
   const finite = Number.isFinite;
   const ends = [finite(low) ? low : Math.min(0, 2 * value), finite(high) ? high : Math.max(0, 2 * value)];
   return ends[0] < ends[1] ? ends : null;
 }
 
-// One parameter: a row for each element.
+// One parameter, with a row for each element.
 class Tuned {
   constructor(live, parameter) {
     Object.assign(this, {live, parameter, latest: new Latest(live)});
     this.start = [].concat(parameter.value);
-    this.held = this.start;  // what the run last said
+    this.held = this.start;  // current value of the run
     this.box = element('div', 'parameter');
     const name = parameter.path.slice(parameter.path.lastIndexOf('.') + 1), {unit} = parameter;
     const ends = this.start.map((value, i) => this.limits(i));
@@ -24,7 +24,7 @@ class Tuned {
     head.append(element('b', '', name.split('_').join(' ')), element('span', 'unit', unit ? prettyUnit(unit) : ''),
                 element('small', '', limits.filter((text) => text).join(', ')));
     head.title = `${parameter.path}${parameter.meaning ? `: ${parameter.meaning}` : ''}`;
-    this.undo = button('↺', `${name}: back to what held at first`, () => this.ask(this.start));
+    this.undo = button('↺', `${name}: restore the initial value`, () => this.ask(this.start));
     head.append(this.undo);
     this.rows = this.start.map((value, i) => this.makeRow(name, i, value));
     this.refusal = element('output', 'refusal');
@@ -32,7 +32,7 @@ class Tuned {
     this.show(parameter.now || this.start);
   }
 
-  // What element i may be.
+  // The limits of element i.
   limits(i) {
     const {low, high} = this.parameter, at = (bound) => Array.isArray(bound) ? bound[i] : bound;
     return {low: at(low), high: at(high)};
@@ -64,7 +64,7 @@ class Tuned {
     this.ask(this.held.map((old, k) => k === i ? value : old));
   }
 
-  // What is refused returns to what holds, and says why.
+  // Requests new values. If they are refused, shows the reason and restores the current values.
   ask(values) {
     const {path, value} = this.parameter;
     this.latest.push({command: 'parameter', path, value: Array.isArray(value) ? values : values[0]}, ({error}) => {
@@ -77,7 +77,7 @@ class Tuned {
     this.held = values;
     values.forEach((value, i) => {
       const {field, slider} = this.rows[i];
-      if (!Number.isFinite(value)) field.value = '';  // infinite: JSON has no number for it
+      if (!Number.isFinite(value)) field.value = '';  // infinite, which JSON cannot represent
       else if (field.value === '' || Number(field.value) !== value) field.value = Number(value.toPrecision(6));
       if (slider && slider !== document.activeElement) slider.value = value;
     });
@@ -107,7 +107,7 @@ class Tune {
     this.fill();
   }
 
-  // A group for each block; its rows are made when it is opened.
+  // Makes a group for each block; the rows of a group are made when it is opened.
   fill() {
     const groups = new Map();
     for (const parameter of this.live.parameters) {

@@ -1,8 +1,8 @@
-// The page of a volume: table of figures, the surface of where something holds, and slices through it.
+// The page of a volume: a table of figures, the surface of the region in which a condition holds, and slices through it.
 //
-// window.tenonVolume lets a program look at the page: ready (everything is drawn), webgl (whether there is a surface),
-// replay (a Replay, or null), faces (of the surface), show(index of a map), colour(index of a quantity), slice(axis, index),
-// state(i, j, k) of a cell.
+// A program can inspect the page through window.tenonVolume: ready (everything is drawn), `webgl` (whether there is a surface),
+// replay (a Replay, or null), faces (number of faces of the surface), show(index of a map), colour(index of a quantity),
+// slice(axis, index), state(i, j, k) of a cell.
 
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -10,7 +10,7 @@
   const FAILS = 0, UNDECIDED = 1, HOLDS = 2, UNDECIDED_COLOR = '#ead9b0';
   const SLICES = [{normal: 2, across: 0, up: 1}, {normal: 1, across: 0, up: 2}, {normal: 0, across: 1, up: 2}];
 
-  // A map with its parts by cells.
+  // A map, with the part to which each cell belongs.
   class Volume {
     constructor(json) {
       Object.assign(this, json);
@@ -38,7 +38,7 @@
     value(row, quantity) {
       return this.rows[row * this.width + 7 + quantity];
     }
-    // Of what holds, without the last hundredths, which few cells would stretch the colours for.
+    // The range of a quantity over cells that hold, from the 1st to the 99th percentile, so outliers do not stretch the colours.
     range(quantity) {
       const values = [];
       for (let row = 0; row * this.width < this.rows.length; ++row) {
@@ -56,7 +56,7 @@
     place(index, a) {
       return this.low[a] + index * this.cell[a];
     }
-    // Faces between cells that hold and others, as triangles.
+    // The faces between cells that hold and other cells, as triangles.
     surface() {
       const points = [], normals = [], colors = [];
       this.faces = 0;
@@ -123,7 +123,7 @@
     key.replaceChildren();
     const swatch = element('span', 'swatch');
     swatch.style.background = UNDECIDED_COLOR;
-    key.append('Coloured cells hold as a whole. ', swatch, 'Undecided: some of the cell may not. Cells without colour fail all over.');
+    key.append('The condition holds everywhere in coloured cells. ', swatch, 'Undecided: it may fail in a part of the cell. It fails everywhere in cells without colour.');
   }
 
   function drawSlice(canvas, slice) {
@@ -181,7 +181,7 @@
     };
   }
 
-  // Round numbers within, about so many.
+  // About `count` round numbers between low and high.
   function ticks(low, high, count) {
     const raw = (high - low) / count, power = Math.pow(10, Math.floor(Math.log10(raw)));
     const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw);
@@ -254,13 +254,13 @@
 
   showHeader();
   for (const volume of volumes) volume.quantity = 0;
-  // The surface fills what the header and the figures leave of the window.
+  // The surface fills the part of the window below the header and the figures.
   const fit = () => document.documentElement.style.setProperty('--top', `${find('main').offsetTop}px`);
   fit();
   for (const part of ['header', '#figures']) new ResizeObserver(fit).observe(find(part));
   try {
     replay = new Replay(find('#stage'), volumes);
-    replay.speck = false;  // no close-up: the surface would hide what it shows
+    replay.speck = false;  // no close-up, because the surface would hide its content
     replay.resize();
   } catch (error) {
     if (error.message !== 'no WebGL') throw error;

@@ -123,7 +123,7 @@ TEST_F(CasesTest, ShowsLimitsAndSurvival) {
 
 TEST_F(CasesTest, SaysWhatIsWrong) {
   EXPECT_EQ(RunCases("--only A44"), 2);
-  EXPECT_THAT(text, AllOf(HasSubstr("no campaign of that name"), HasSubstr("cases_random")));
+  EXPECT_THAT(text, AllOf(HasSubstr("no campaign has this name"), HasSubstr("cases_random")));
   EXPECT_EQ(RunCases("--seeds 0"), 2);
   EXPECT_THAT(text, HasSubstr("--seeds and --jobs must be at least 1"));
   EXPECT_EQ(RunCases("--report-only"), 1);

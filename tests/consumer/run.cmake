@@ -1,5 +1,5 @@
-# cmake -D PREFIX=… -D SOURCE=… -D WORK=… -D FLAGS=… -P run.cmake
-# Builds the consumer against an installation, with and without NDEBUG, and runs what came out.
+# `cmake -D PREFIX=… -D SOURCE=… -D WORK=… -D FLAGS=… -P run.cmake`
+# Builds the consumer against an installation, with and without NDEBUG, and runs its programs.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT code EQUAL 0)

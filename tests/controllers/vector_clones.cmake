@@ -1,5 +1,5 @@
-# cmake -D NM=… -D LIBRARY=… -P vector_clones.cmake: the hot loops stand in the library for AVX2, too. GCC 12 leaves
-# out clones of templates in some cases, without a warning.
+# `cmake -D NM=… -D LIBRARY=… -P vector_clones.cmake`: checks that the library contains AVX2 clones of the hot loops. In some
+# cases GCC 12 omits clones of templates without a warning.
 execute_process(COMMAND ${NM} -C ${LIBRARY} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 foreach(cables 4 5 6 7 8 -1)
   set(slq "Slq<tenon::CdprTrackingProblem<${cables}> >")
