@@ -1,5 +1,4 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
@@ -62,9 +61,6 @@ SimulatorOptions RecommendedOptions(const QuadrupedStand& stand) {
 }
 SimulatorOptions RecommendedOptions(const QuadrupedWalk& walk) {
   return RecommendedOptions(walk.world);
-}
-SimulatorOptions RecommendedOptions(const GuideDog& guide_dog) {
-  return RecommendedOptions(guide_dog.world);
 }
 SimulatorOptions RecommendedOptions(const CdprLoop&) {
   return CdprIntegration().Options();

@@ -10,7 +10,6 @@
 namespace tenon {
 
 class CdprLoop;
-class GuideDog;
 class QuadrupedStand;
 class QuadrupedWalk;
 class QuadrupedWorld;
@@ -75,7 +74,6 @@ struct CdprIntegration {
 SimulatorOptions RecommendedOptions(const QuadrupedWorld& world);
 SimulatorOptions RecommendedOptions(const QuadrupedStand& stand);
 SimulatorOptions RecommendedOptions(const QuadrupedWalk& walk);
-SimulatorOptions RecommendedOptions(const GuideDog& guide_dog);
 SimulatorOptions RecommendedOptions(const CdprLoop& loop);
 
 }  // namespace tenon
