@@ -1,4 +1,5 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/drive_limits.h>
@@ -42,7 +43,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
     return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
   });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   const auto diagram = builder.Build();

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
@@ -29,7 +30,8 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
                   std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
   DiagramBuilder builder;
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
   if (options.live) {
     WalkSchedule* walk = nullptr;

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>

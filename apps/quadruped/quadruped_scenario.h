@@ -2,8 +2,8 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/path_verdict.h>
-#include <tenon/apps/quadruped/quadruped_faults.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/diagrams/faults/legged_faults.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
