@@ -7,22 +7,19 @@
 
 namespace tenon {
 
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const LocomotionProfile& profile,
-                                      const QuadrupedDescription& believed) {
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const QuadrupedDescription& model,
+                                      const LocomotionProfile& profile, const FootSchedulerParams& gaits) {
   QuadrupedWalkParams params;
   params.world = world;
-  params.locomotion = MakeLocomotion(believed, profile);
-  params.locomotion.scheduler = LoadGaits({"standard"}, ScaleOf(world.plant.robot));
-  params.observer = MakeObserver(believed, profile);
+  params.locomotion = MakeLocomotion(model, profile, gaits);
+  params.observer = MakeObserver(model, profile);
   return params;
 }
 
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
-  return MakeQuadrupedWalk(MakeQuadrupedWorld(robot), profile, robot);
-}
-
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {
-  return MakeQuadrupedWalk(robot, LoadLocomotionProfile("standard", ScaleOf(robot)));
+  const RobotScale scale = ScaleOf(robot);
+  return MakeQuadrupedWalk(MakeQuadrupedWorld(robot), robot, LoadLocomotionProfile({"standard"}, scale),
+                           LoadGaits({"standard"}, scale));
 }
 
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)

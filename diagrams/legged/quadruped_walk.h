@@ -24,15 +24,13 @@ struct QuadrupedWalkParams {
   std::optional<LeggedStateEstimatorParams> estimator;  ///< if empty, the controller reads the true state
 };
 
-/// Parameters of a walk in `world` whose controller and observers use the model `believed` of the robot. The
-/// gaits are the standard ones, scaled to the robot of `world`. The path of the walk is empty: set
-/// QuadrupedWalkParams::walk. Throws ParameterError.
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const LocomotionProfile& profile,
-                                      const QuadrupedDescription& believed);
-/// Parameters of a walk on level ground, from rest in the nominal stance and without disturbances. The
-/// controller and the observers know the true masses. Throws ParameterError.
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile);
-/// Parameters of a walk on level ground with the standard profile for this robot. Throws ParameterError.
+/// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
+/// differ from the true one. The path of the walk is empty: set QuadrupedWalkParams::walk.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const QuadrupedDescription& model,
+                                      const LocomotionProfile& profile, const FootSchedulerParams& gaits);
+/// Parameters of a walk on level ground, from rest in the nominal stance and without disturbances, with the
+/// standard profile and gaits. The controller and the observers have the true model of the robot. The path of
+/// the walk is empty: set QuadrupedWalkParams::walk. Throws ParameterError.
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
