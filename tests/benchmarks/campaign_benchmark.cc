@@ -18,7 +18,7 @@
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/temporary_path.h>
 
