@@ -33,8 +33,8 @@ void CdprIntegration::Validate() const {
   DemandWithin("atol", atol, kFinestAtol, kCoarsest);
 }
 
-// Ticks every few milliseconds restart the integrator, and the plants declare their jumps: open tables see
-// all that matters, at an evaluation less per tick.
+// Ticks restart the integrator every few milliseconds, and the plants declare their jumps. Open tables are
+// sufficient then, and save one evaluation per tick.
 
 SimulatorOptions LeggedIntegration::Options(const std::string& plant) const {
   const bool stabilized = method == LeggedIntegrator::kStabilized;
