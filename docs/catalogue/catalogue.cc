@@ -60,7 +60,7 @@
 namespace tenon::docs {
 namespace {
 
-/// Stands for any type in a template's place: a size that no other block has.
+/// The template argument of all generic blocks. No other block has signals of this size.
 using T = Vec<7>;
 
 template <class Scenario>
@@ -68,7 +68,7 @@ Scenario ReadScenario(const std::string& name) {
   return YamlDocument::Load(FindResource("scenarios", name).string()).Read<Scenario>();
 }
 
-/// What ships.
+/// Parameters of the shipped robots and scenarios.
 struct Shipped {
   QuadrupedDescription dog = LoadQuadruped(FindResource("robots", "dogbot").string());
   apps::QuadrupedScenario flat = ReadScenario<apps::QuadrupedScenario>("flat");
@@ -88,7 +88,7 @@ Entry Make(std::string name, Params&&... params) {
   return {name, name, std::make_unique<Block>(std::forward<Params>(params)...)};
 }
 
-/// Of a template with one type in it.
+/// Makes the entry of a block that is a template with one type argument.
 template <class Block, class... Params>
 Entry MakeOfType(const std::string& name, Params&&... params) {
   return {name + "<T>", name, std::make_unique<Block>(std::forward<Params>(params)...), {{"Vec<7>", "T"}}};

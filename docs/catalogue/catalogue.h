@@ -9,29 +9,29 @@
 
 namespace tenon::docs {
 
-/// One block or diagram that Tenon offers, made with the parameters that ship.
+/// One block or diagram of the library, made with shipped parameters.
 struct Entry {
-  std::string title;  ///< as one writes it: "Gain<T>", "TrunkImu"
-  std::string name;   ///< of its class
+  std::string title;  ///< name in code: "Gain<T>", "TrunkImu"
+  std::string name;   ///< name of its class
   std::unique_ptr<System> block;
-  /// What stands for a type that a template's argument has put into the block: {"Vec<7>", "T"}.
+  /// Names of types that depend on a template argument, by the type in the block: {"Vec<7>", "T"}.
   std::vector<std::pair<std::string, std::string>> placeholders = {};
-  std::string note = {};  ///< a sentence that the block itself cannot tell
+  std::string note = {};  ///< an additional sentence on the page
 };
 
-/// Blocks that stand together on the page; the page's template says `{{name}}` where.
+/// Blocks of one section of the page, which replaces `{{name}}` in the page's template.
 struct Shelf {
   std::string name;
   std::vector<Entry> entries;
 };
 
-/// All of them.
+/// All blocks and diagrams of the library.
 std::vector<Shelf> MakeCatalogue();
 
-/// A diagram as Graphviz draws it.
+/// The picture of a diagram.
 struct Picture {
-  std::string name;      ///< of the file, without its ending
-  std::string graphviz;  ///< what Diagram::Graphviz() writes
+  std::string name;      ///< name of the file without extension
+  std::string graphviz;  ///< output of Diagram::Graphviz()
 };
 
 /// Pictures of the shipped diagrams.

@@ -19,7 +19,7 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-/// Fowler, Noll and Vo's FNV-1a.
+/// The FNV-1a hash by Fowler, Noll and Vo.
 std::uint64_t Hash(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3;

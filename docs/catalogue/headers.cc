@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 using Lines = std::vector<std::string>;
 
-/// The sentence with which a docstring begins, up to a formula, a list or a table at the latest.
+/// The first sentence of a docstring. It ends before a formula, a list or a table at the latest.
 std::string FirstSentence(const Lines& docstring) {
   std::string text;
   for (const std::string& line : docstring) {
@@ -52,7 +52,8 @@ Lines ReadLines(const fs::path& file) {
 std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
   static const std::regex kType(
       R"((?:class|struct|enum class|enum|using) (\w+)( = .*|(?: final)?(?: :| \{|$).*))");
-  static const std::regex kBlock(R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b|QuadrupedWalk\b).*)");
+  static const std::regex kBlock(
+      R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b|QuadrupedWalk\b).*)");
   std::map<std::string, Declaration> found;
   for (const char* room : {"systems", "plants", "controllers", "diagrams"}) {
     for (const auto& entry : fs::recursive_directory_iterator(source / room)) {
@@ -62,7 +63,7 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
       for (std::size_t i = 0; i < lines.size(); ++i) {
         std::smatch match;
         if (!std::regex_match(lines[i], match, kType)) continue;
-        // A long declaration goes on in the next line.
+        // A long declaration continues in the next line.
         const std::string declaration = lines[i] + (i + 1 < lines.size() ? lines[i + 1] : "");
         found.try_emplace(match[1], Declaration{header, FirstSentence(DocstringAbove(lines, i)),
                                                 std::regex_match(declaration, kBlock)});

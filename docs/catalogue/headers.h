@@ -7,15 +7,15 @@
 
 namespace tenon::docs {
 
-/// Something that a public header declares.
+/// A declaration in a public header.
 struct Declaration {
-  std::string header;     ///< from the top of the source tree: "systems/primitives/gain.h"
+  std::string header;     ///< path in the source tree: "systems/primitives/gain.h"
   std::string summary;    ///< the first sentence of its docstring
   bool is_block = false;  ///< derives from LeafSystem or Subdiagram
 };
 
-/// What the public headers below `source` declare at the top level of a namespace: classes, structures,
-/// enumerations and names of types.
+/// The classes, structures, enumerations and type aliases that the public headers below `source` declare in
+/// namespaces, by name.
 std::map<std::string, Declaration> ReadHeaders(const std::filesystem::path& source);
 
 std::vector<std::string> ReadLines(const std::filesystem::path& file);

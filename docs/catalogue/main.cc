@@ -1,4 +1,4 @@
-// Writes what docs/ holds of the blocks and diagrams; tools/docs runs it.
+// Writes the generated files of docs/: blocks.md, scenarios.md, keys and diagrams. tools/docs runs it.
 
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/scenario_page.h>

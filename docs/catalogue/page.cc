@@ -17,7 +17,7 @@ namespace {
 using internal::TypeInfo;
 using Kind = TypeInfo::Kind;
 
-/// Types that have a name of their own which the compiler does not know.
+/// The name of a type. Type aliases with a name of their own come first.
 std::string NameOf(const TypeInfo& type) {
   if (*type.id == typeid(CableVector)) return "CableVector";
   if (*type.id == typeid(ExternalForces)) return "ExternalForces";
@@ -25,14 +25,14 @@ std::string NameOf(const TypeInfo& type) {
   return internal::TypeName(type);
 }
 
-/// A line of a table.
+/// One row of a Markdown table.
 std::string Line(const std::vector<std::string>& cells) {
   std::string line = "|";
   for (const std::string& cell : cells) line += (cell.empty() ? "" : " " + cell) + " |";
   return line + "\n";
 }
 
-/// What a list, an array or an optional is made of.
+/// The element type of a list, an array or an optional.
 const TypeInfo& ItemOf(const TypeInfo& type) {
   return type.item == nullptr ? type : ItemOf(type.item());
 }
@@ -41,7 +41,7 @@ bool HasEntry(const TypeInfo& type) {
   return type.kind == Kind::kStruct || !type.names.empty();
 }
 
-/// The types that ports, states and Parameters carry, and those of their fields.
+/// Collects the types of ports, states and Parameters and of their fields.
 class Signals {
  public:
   explicit Signals(const std::map<std::string, Declaration>& declarations) : declarations_(declarations) {}
@@ -100,13 +100,13 @@ std::string Number(double number) {
   return fmt::format("{:.4g}", number);
 }
 
-/// "m, m/s (position, velocity)"
+/// Units and elements of a signal: "m, m/s (position, velocity)".
 std::string UnitOf(const Source& source) {
   const Spec& spec = source.spec();
   return spec.units + (spec.elements.empty() ? "" : fmt::format(" ({})", spec.elements));
 }
 
-/// What an optional input reads as while nothing is connected.
+/// The value of an optional input that is not connected.
 std::string DefaultOf(const Source& input) {
   const std::vector<double> numbers = input.initial_numbers();
   if (input.type_name() == "bool") return numbers[0] == 0 ? "false" : "true";
@@ -118,7 +118,7 @@ std::string DefaultOf(const Source& input) {
   return numbers.size() == 1 ? text : fmt::format("({}{})", text, numbers.size() > 3 ? ", …" : "");
 }
 
-/// The inputs of `block` whose present value `source` depends on.
+/// Collects the inputs of `block` from which `source` has feedthrough.
 void FindInputs(const Source& source, const System& block, std::set<const Source*>& seen) {
   if (!seen.insert(&source).second) return;
   if (source.kind() == SourceKind::kInput && &source.owner() == &block) return;
@@ -142,7 +142,7 @@ std::string When(const Trigger& trigger) {
   return "continuous";
 }
 
-/// One line of a block's table.
+/// One row of a block's table.
 struct Row {
   std::string name, type, unit;
   std::string kind = {}, when = {}, follows = {};
@@ -217,7 +217,7 @@ class BlockTable {
         row.when = When(source.trigger());
     }
     if (!rows_.empty()) {
-      // Ports of a list stand in one line.
+      // The ports of a list share one row.
       const auto [list, number] = SplitNumber(row.name);
       const auto [last, last_number] = SplitNumber(rows_.back().name.substr(0, rows_.back().name.find(',')));
       if (number > 0 && last == list && rows_.back().AlikeBut(row)) {
@@ -235,7 +235,7 @@ class BlockTable {
     return signals_.Link(source.type());
   }
 
-  /// The inputs that the output follows without delay.
+  /// The inputs from which the output has feedthrough.
   std::string Follows(const Source& output) const {
     std::set<const Source*> seen;
     FindInputs(output, *entry_.block, seen);
@@ -263,7 +263,7 @@ class BlockTable {
   const Entry& entry_;
   Signals& signals_;
   std::vector<Row> rows_;
-  std::string parameters_;  ///< a table of their own, if there are any
+  std::string parameters_;  ///< table of the Parameters; empty without any
 };
 
 std::string Section(const Entry& entry, const std::map<std::string, Declaration>& declarations,
@@ -272,7 +272,7 @@ std::string Section(const Entry& entry, const std::map<std::string, Declaration>
   if (declaration == declarations.end()) {
     throw Error(fmt::format("the class '{}' of the catalogue is in no public header", entry.name));
   }
-  // Pages would take <T> for a tag.
+  // In Markdown, <T> would be a tag.
   const std::string heading = entry.title.substr(0, entry.title.find('<'));
   return fmt::format("### {}\n\n[`{}`](../{}): {}{}\n\n{}", heading, entry.title, declaration->second.header,
                      declaration->second.summary, entry.note.empty() ? "" : " " + entry.note,

@@ -9,8 +9,9 @@
 
 namespace tenon::docs {
 
-/// docs/blocks.md: the template with a table of ports for every block, and one of the types that they carry.
-/// Throws Error if a shelf has no place in the template, or a block is not declared in a public header.
+/// The text of docs/blocks.md: the template `text` with a table of ports for each block, and a table of their
+/// types. Throws Error if the template has no place for a shelf, or a block is not declared in a public
+/// header.
 std::string WritePage(const std::string& text, const std::vector<Shelf>& catalogue,
                       const std::map<std::string, Declaration>& declarations);
 

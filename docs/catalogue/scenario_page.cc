@@ -23,15 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 using apps::ScenarioKey;
 
-/// What the members of one struct are, and which keys stand for them.
+/// The meanings of the members of a struct, and the keys of these members.
 struct Members {
-  std::string about;                            ///< of the struct
-  std::string base;                             ///< the struct that it derives from, if there is one
-  std::map<std::string, std::string> meanings;  ///< by member
+  std::string about;                                      ///< docstring of the struct
+  std::string base;                                       ///< base struct; empty without one
+  std::map<std::string, std::string> meanings;            ///< docstrings by member
   std::vector<std::pair<std::string, std::string>> keys;  ///< key, member
 };
 
-/// A line's docstring behind `slashes`, or nothing.
+/// The docstring of a line behind `slashes`; empty if there is none.
 std::string Docstring(const std::string& line, const std::string& slashes) {
   const std::size_t at = line.find(slashes);
   if (at == line.npos || (slashes == "/// " && line.find_first_not_of(' ') != at)) return "";
@@ -46,7 +46,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kStruct(R"(^ *struct (\w+)(?: final)?(?: : (\w+))? \{.*)");
   static const std::regex kName(R"((\w+)\s*(?:=|\{|,|;))");
   std::string name, above, declaration;
-  bool trailing = false;  // a docstring may go on
+  bool trailing = false;  // the next line may continue a trailing docstring
   std::vector<std::string> declared;
   for (const std::string& line : ReadLines(file)) {
     std::smatch match;
@@ -77,7 +77,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
     const std::string trimmed = text.substr(0, text.find_last_not_of(' ') + 1);
     const bool ends = trimmed.ends_with(';');
     if (!ends && !trimmed.empty() && !trimmed.ends_with(" {") && !trimmed.ends_with('}')) continue;
-    // A declaration has ended.
+    // The declaration is complete.
     declared.clear();
     const std::size_t initial = declaration.find_first_of("({=");  // a function begins with a bracket
     if (ends && (initial == declaration.npos || declaration[initial] != '(')) {
@@ -94,7 +94,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
   }
 }
 
-/// Which keys stand for which members: what the Fields() in a file say.
+/// Reads the keys of the members from the Fields() in a file.
 void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kBegin(
       R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
@@ -115,13 +115,13 @@ void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   }
 }
 
-/// Without the unit at its end, which the key says.
+/// The meaning without the unit at its end, which is part of the key.
 std::string WithoutUnit(const std::string& meaning) {
   static const std::regex kUnit(R"( ?\[[^\]]*\]$)");
   return std::regex_replace(meaning, kUnit, "");
 }
 
-/// The structs that a type is made of, itself among them.
+/// Adds the names of a struct and of all structs in it.
 void AddStructs(const internal::TypeInfo& type, std::set<std::string>& names) {
   using Kind = internal::TypeInfo::Kind;
   if (type.kind == Kind::kArray || type.kind == Kind::kList || type.kind == Kind::kOptional ||
@@ -152,7 +152,7 @@ const Page kPages[] = {
      &internal::TypeInfoOf<apps::CampaignFile>, &apps::KeysOf<apps::CampaignFile>},
 };
 
-/// With a backslash before each of some characters.
+/// The text with a backslash before each character that is in `which`.
 std::string Escaped(const std::string& text, std::string_view which) {
   std::string escaped;
   for (const char c : text) {
@@ -188,7 +188,7 @@ std::string WriteMeanings(const fs::path& source) {
     for (const auto& entry : fs::recursive_directory_iterator(source / room))
       if (entry.path().extension() == ".h" || entry.path().extension() == ".cc")
         files.push_back(entry.path());
-  std::ranges::sort(files, {}, [](const fs::path& file) {  // docstrings stand in headers
+  std::ranges::sort(files, {}, [](const fs::path& file) {  // docstrings are in headers, which are read first
     return std::pair(file.extension() != ".h", file);
   });
   for (const fs::path& file : files) {

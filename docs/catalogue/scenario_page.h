@@ -5,11 +5,11 @@
 
 namespace tenon::docs {
 
-/// docs/keys/meanings.yaml: what the members of scenarios' structs mean, by struct and key, as the docstrings
-/// in the source tree at `source` tell it.
+/// The text of docs/keys/meanings.yaml: the meanings of the keys of scenarios, by struct and key, from the
+/// docstrings in the source tree at `source`.
 std::string WriteMeanings(const std::filesystem::path& source);
 
-/// docs/scenarios.md: all keys of the scenarios of all apps.
+/// The text of docs/scenarios.md: all keys of the scenarios of all apps.
 std::string WriteScenarioKeys();
 
 }  // namespace tenon::docs
