@@ -1,14 +1,14 @@
-// What a millisecond of a walk costs: DogBot trots for two seconds, after two in which it gets going, with
-// control and optimisation at 1 kHz.
+// Computing times of one millisecond of a walk. DogBot trots for two seconds, after two seconds of starting,
+// with control and optimization at 1 kHz.
 //
-//   wbc/tick     the whole-body controller: model, task, optimisation, torques
-//   wbc/model    of these the model
-//   loop/BLOCK   each block alone, at every tick with what it reads in the walk; the plant integrated over
-//                the millisecond with the walk's torques, which takes it along the same motion
-//   loop/all     all of it, wired, with a log at 1 kHz; loop/all_unlogged without the log
+//   wbc/tick     the whole-body controller: model, task, optimization, torques
+//   wbc/model    the model of the whole-body controller
+//   loop/BLOCK   one block alone, at each tick with its inputs of the walk; the plant is integrated over the
+//                millisecond with the torques of the walk, along the same motion
+//   loop/all     the whole diagram with a log at 1 kHz; loop/all_unlogged without the log
 //
-// Counters: median_ns, p99_ns and mean_ns of a tick; of the plant, evaluations of its derivatives per ms; of
-// the loop, real_time_factor.
+// Counters: median_ns, p99_ns and mean_ns of a tick; for the plant also evaluations of its derivatives per
+// ms; for the loop also real_time_factor.
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
@@ -41,8 +41,8 @@ const std::vector<test::TrotTick>& Recording() {
   return ticks;
 }
 
-/// The least time of each tick over the iterations, which do the same every time: what the machine does
-/// besides is not the block's.
+/// Records the least time of each tick over the iterations, which are identical, so that other load of the
+/// machine does not count.
 class Times {
  public:
   template <class F>
@@ -65,7 +65,7 @@ class Times {
   std::vector<double> ns_ = std::vector<double>(kTicks - kFirst, 1e300);
 };
 
-/// Ticks a block with its inputs of each tick, as `give(context, block, tick)` sets them.
+/// Measures the ticks of a block, whose inputs are set by `give(context, block, tick)`.
 template <class Block, class Give>
 void Replay(benchmark::State& state, const Block& original, const Give& give) {
   DiagramBuilder builder;
@@ -218,8 +218,8 @@ void Plant(benchmark::State& state) {
   state.counters["evaluations"] = static_cast<double>(evaluations) / static_cast<double>(measured);
 }
 
-/// The run repeats bit for bit, so that each hundredth of a second does the same work every time: of each the
-/// least time over the iterations counts, whatever else the machine does.
+/// The run repeats bit by bit. Of each hundredth of a second the least time over the iterations counts, so
+/// that other load of the machine does not.
 void All(benchmark::State& state, bool logged) {
   constexpr int kChunk = 10;
   std::vector<double> best((kTicks - kFirst) / kChunk, 1e300);
