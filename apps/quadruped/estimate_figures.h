@@ -14,9 +14,9 @@
 namespace tenon::apps {
 
 /// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of
-/// "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path". Without an estimator there are no
-/// figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw drift,
-/// because no sensor measures them.
+/// "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path". Without an estimator there are
+/// no figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw
+/// drift, because no sensor measures them.
 class EstimateFigures {
  public:
   void Begin(const std::vector<std::string>& names);

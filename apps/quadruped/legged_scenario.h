@@ -87,7 +87,7 @@ struct LiveScenario {
   Vec<2> forward_m_per_s{-0.3, 0.4};     ///< least and largest speed forward
   Vec<2> sideways_m_per_s{-0.15, 0.15};  ///< least and largest speed to the left
   Vec<2> yaw_rad_per_s{-0.5, 0.5};       ///< least and largest rate of turn
-  double squat_m = 0.08;                 ///< how far the trunk is lowered in a squat
+  double squat_m = 0.08;                 ///< depth of a squat
   double load_ratio = 0.4;               ///< largest load on the trunk, relative to the robot's mass
 
   static FieldList Fields() {
@@ -112,8 +112,8 @@ constexpr auto EnumNames(Part) {
 struct ForceScenario {
   Part on = Part::kTrunk;                             ///< body on which the force acts
   double height = 0.5;                                ///< point on a leg: 0 the foot, 0.5 the knee, 1 the hip
-  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< in W
-  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< in W
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< force in W
+  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< torque in W
   double factor = 1;                                     ///< multiplies force and torque
   double turn_rad = 0;                                   ///< turns force and torque about the vertical
   double start_s = 0;                                    ///< time at which the force sets in

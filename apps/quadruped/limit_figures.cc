@@ -57,9 +57,9 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     excesses_.Add(excess);
     if (excess == 0) continue;
     const auto [given, limit] = Beside(torque, possible);
-    breaches_.Add(
-        row[0], "a drive exceeded its torque-speed line",
-        fmt::format("{} gave {} N m at {:.3g} rad/s, where its limit is {} N m", joint.name, given, speed, limit));
+    breaches_.Add(row[0], "a drive exceeded its torque-speed line",
+                  fmt::format("{} gave {} N m at {:.3g} rad/s, where its limit is {} N m", joint.name, given,
+                              speed, limit));
   }
 }
 

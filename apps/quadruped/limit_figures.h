@@ -16,10 +16,11 @@ namespace tenon::apps {
 
 /// Checks the physical limits of drives, feet, legs, trunk and ground, from a log of every control tick.
 ///
-/// The torque of a drive must stay within its torque-speed line at the joint's speed, whether or not the plant
-/// enforced this. A joint that is driven beyond its speed limit from outside is no breach while its drive stays
-/// within the line. Links and trunk must not penetrate each other or the ground by more than `kPressedIn`, and a
-/// foot must not penetrate the ground by more than `kPressedRatio` of its radius, or kPressedIn if that is more.
+/// The torque of a drive must stay within its torque-speed line at the joint's speed, whether or not the
+/// plant enforced this. A joint that is driven beyond its speed limit from outside is no breach while its
+/// drive stays within the line. Links and trunk must not penetrate each other or the ground by more than
+/// `kPressedIn`, and a foot must not penetrate the ground by more than `kPressedRatio` of its radius, or
+/// kPressedIn if that is more.
 class LimitFigures final : public LogSink {
  public:
   static constexpr double kPressedIn = 0.005;   ///< penetration of links and trunk [m]

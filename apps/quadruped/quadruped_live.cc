@@ -62,8 +62,8 @@ QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, Wal
   builder.Connect(world.plant.state, load_.robot);
   const std::size_t used = world.disturbances.params.count;
   Demand(used + 2 <= kMaxExternalForces,
-         fmt::format("the scenario has {} forces, but a live run allows at most {}: remove some",
-                     used - 1, kMaxExternalForces - 3));
+         fmt::format("the scenario has {} forces, but a live run allows at most {}: remove some", used - 1,
+                     kMaxExternalForces - 3));
   auto& forces = builder.AddFunction(
       {"live_forces"}, Uses(world.disturbances.forces, pull_.force, load_.force),
       [used](const ExternalForces& others, const ExternalForce& pull, const ExternalForce& load) {

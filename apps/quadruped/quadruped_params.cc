@@ -15,7 +15,7 @@ namespace {
 
 struct RobotFiles {
   QuadrupedDescription robot;
-  SizeRatio ratio;  ///< of the robot to DogBot, if the scenario scales its forces
+  SizeRatio ratio;  ///< size relative to DogBot, if the scenario scales its forces
   HardwareScenario hardware;
 };
 

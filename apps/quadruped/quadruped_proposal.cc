@@ -428,7 +428,7 @@ class Proposal {
   const std::filesystem::path path_;
   const internal::UrdfFile file_;
   std::map<std::string, double> locked_;
-  std::map<std::string, Isometry3d> poses_;  ///< of the links in B, with all joints at 0
+  std::map<std::string, Isometry3d> poses_;  ///< poses of the links in B, with all joints at 0
   std::vector<Chain> chains_;
   std::array<Chain, kNumLegs> legs_;
   std::array<Foot, kNumLegs> feet_;

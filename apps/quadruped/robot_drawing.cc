@@ -65,7 +65,7 @@ std::string DrawQuadruped(const QuadrupedDescription& robot) {
       const Eigen::Vector3d d = p - box.center();
       return origin + scale * Eigen::Vector2d(d.dot(view.right), -d.dot(view.up));
     };
-    // What is far from the viewer first.
+    // Layers are drawn from the back to the front.
     std::vector<std::pair<double, std::string>> layers;
     for (const auto& leg : legs) {
       std::string line;

@@ -31,7 +31,7 @@ class StandFigures final : public LogSink {
  private:
   std::vector<std::size_t> position_, attitude_, force_;
   std::vector<double> start_;                 // horizontal position of the trunk [m]
-  Tally height_, tilt_;                       // of the trunk [m], [rad]
+  Tally height_, tilt_;                       // height and tilt of the trunk [m], [rad]
   Tally load_;                                // magnitude of the force on a foot [N]
   std::optional<double> height_end_, drift_;  // [m]
 };

@@ -14,15 +14,15 @@
 
 namespace tenon::apps {
 
-/// Throws KeyError if the run ends at `end` [s], before `from` [s], the time from which it is judged. Its figures
-/// would be null. If --duration has `cut` the run, this prints a warning instead.
+/// Throws KeyError if the run ends at `end` [s], before `from` [s], the time from which it is judged. Its
+/// figures would be null. If --duration has `cut` the run, this prints a warning instead.
 void CheckJudged(double from, double end, bool cut = false);
 
 /// Figures of a walking robot, computed during the run from a log of every control tick.
 ///
-/// Errors are those of QuadrupedWalk::errors. The error of the ground forces is the mean over all stance phases
-/// without `kEdge` seconds at both ends of each phase. The slip of a foot is the distance that its contact point
-/// moves along the ground in one stance phase.
+/// Errors are those of QuadrupedWalk::errors. The error of the ground forces is the mean over all stance
+/// phases without `kEdge` seconds at both ends of each phase. The slip of a foot is the distance that its
+/// contact point moves along the ground in one stance phase.
 class WalkFigures final : public LogSink {
  public:
   static constexpr double kEdge = 0.012;  ///< [s]
@@ -36,16 +36,16 @@ class WalkFigures final : public LogSink {
   }
   /// The signals to log, in a diagram with a QuadrupedWalk named "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
-  /// Diagnostics of the optimization. They hold wall-clock times, so they are not in Signals, whose log must be
-  /// the same in each run.
+  /// Diagnostics of the optimization. They hold wall-clock times, so they are not in Signals, whose log must
+  /// be the same in each run.
   static const Source* Solves(const LeggedLocomotion& locomotion) {
     return &locomotion.whole_body.diagnostics;
   }
   /// The signals that must be logged for the figures: Signals and Solves.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
-  /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer (`observes` is
-  /// false) there are no figures of its estimate.
+  /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
+  /// (`observes` is false) there are no figures of its estimate.
   WalkFigures(double from, bool observes, const PathVerdict& path)
       : from_(from), observes_(observes), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;

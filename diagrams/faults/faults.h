@@ -30,10 +30,10 @@ struct Fault {
   std::vector<std::string> elements = {};  ///< names of elements of the signal, joints or cables; empty: all
   double start_s = 0;                      ///< begin of the fault
   std::optional<double> duration_s;        ///< empty: to the end of the run
-  std::optional<double> size;              ///< of spike and offset [unit of the signal]; of loss: 1 loses all
-  std::optional<double> period_s;          ///< of a spike; empty: a single spike
-  std::optional<int> samples;              ///< delay of `late` in ticks
-  std::optional<double> probability;       ///< of `lost`, at each tick
+  std::optional<double> size;      ///< size of spike and offset [unit of the signal], or of loss: 1 loses all
+  std::optional<double> period_s;  ///< period of spikes; empty: a single spike
+  std::optional<int> samples;      ///< delay of `late` in ticks
+  std::optional<double> probability;  ///< probability of `lost` at each tick
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -61,7 +61,7 @@ struct FaultAt : Fault {
 class FaultError : public ParameterError {
  public:
   FaultError(std::size_t index, const std::string& what) : ParameterError(what), index_(index) {}
-  std::size_t index() const { return index_; }  ///< of the fault in its list
+  std::size_t index() const { return index_; }  ///< index of the fault in its list
 
  private:
   std::size_t index_;

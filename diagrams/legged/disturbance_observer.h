@@ -23,9 +23,9 @@ class DisturbanceObserver final : public Subdiagram {
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
 
-  LegMomentumObserver* legs = nullptr;          ///< for kLegs and kHybrid
-  NonlinearDisturbanceObserver* ndo = nullptr;  ///< for kNdoM and kNdoInverse
-  ComObserver* com = nullptr;                   ///< for kCom, kHybrid and kFocchi
+  LegMomentumObserver* legs = nullptr;          ///< null except for kLegs and kHybrid
+  NonlinearDisturbanceObserver* ndo = nullptr;  ///< null except for kNdoM and kNdoInverse
+  ComObserver* com = nullptr;                   ///< null except for kCom, kHybrid and kFocchi
 
   OutputPort<WrenchEstimate> wrench{this, {"wrench"}};
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};

@@ -13,10 +13,10 @@ namespace tenon {
 ///     state ────────────────────▲────────────────────┼───────────────┤
 ///     wrench, leg_forces (disturbances) ─────────────┴───────────────┘
 ///
-/// Connections that the sketch leaves out: the schedule feeds all other blocks; `state` and `wrench` feed swing
-/// and trunk planner; the estimated ground feeds swing planner and whole-body controller; `foot_forces` feed the
-/// swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected, no
-/// disturbance is compensated. Each block can be replaced by one with the same ports.
+/// Connections that the sketch leaves out: the schedule feeds all other blocks; `state` and `wrench` feed
+/// swing and trunk planner; the estimated ground feeds swing planner and whole-body controller; `foot_forces`
+/// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
+/// no disturbance is compensated. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);

@@ -21,7 +21,7 @@ struct QuadrupedWalkParams {
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
-  std::optional<LeggedStateEstimatorParams> estimator;  ///< if empty, the controller reads the true state
+  std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
 };
 
 /// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may

@@ -38,12 +38,12 @@
 #include <tenon/tests/controllers/optimization/owned_qp.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
+#include "least_times.h"
 #include <benchmark/benchmark.h>
 #include <libalglib/optimization.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
@@ -178,34 +178,12 @@ std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   return problems;
 }
 
-/// Records the least time of each problem of a sequence.
-class Times {
- public:
-  explicit Times(std::size_t problems) : ns_(problems, std::numeric_limits<double>::infinity()) {}
-  template <class F>
-  auto Measure(std::size_t problem, F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto result = f();
-    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
-    ns_[problem] = std::min(ns_[problem], elapsed.count());
-    return result;
-  }
-  void Report(benchmark::State& state, const std::string& prefix = "") {
-    std::sort(ns_.begin(), ns_.end());
-    state.counters[prefix + "median_ns"] = ns_[ns_.size() / 2];
-    state.counters[prefix + "p99_ns"] = ns_[ns_.size() * 99 / 100];
-  }
-
- private:
-  std::vector<double> ns_;
-};
-
 void Solve(benchmark::State& state, const Set& set, bool eliminate) {
   const std::vector<Stored> problems = MakeProblems(set, eliminate), others = MakeProblems(set, !eliminate);
   DualActiveSet solver(30, 60);
   std::vector<int> guess;
   guess.reserve(30);
-  Times warm(problems.size()), cold(problems.size());
+  LeastTimes warm(problems.size()), cold(problems.size());
   long iterations = 0, failures = 0;
   for (auto _ : state) {
     guess.clear();
@@ -248,7 +226,7 @@ void MakeAndSolve(benchmark::State& state, bool eliminate) {
   const WholeBodyQpParams params = Params(walk, eliminate);
   WholeBodyQp qp(walk.limit);
   WholeBodySolution solution;
-  Times times(walk.tasks.size());
+  LeastTimes times(walk.tasks.size());
   for (auto _ : state) {
     for (std::size_t k = 0; k < walk.tasks.size(); ++k) {
       const auto& [dynamics, task] = walk.tasks[k];
@@ -260,7 +238,7 @@ void MakeAndSolve(benchmark::State& state, bool eliminate) {
 
 void SolveByAlglib(benchmark::State& state, bool interior_point) {
   const std::vector<Stored> problems = MakeProblems({"qp"}, false);
-  Times times(problems.size());
+  LeastTimes times(problems.size());
   long iterations = 0, failures = 0;
   double difference = 0;
   for (auto _ : state) {

@@ -13,6 +13,7 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
+#include "least_times.h"
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -26,6 +27,7 @@ namespace tenon {
 namespace {
 
 constexpr int kFirst = 2000, kTicks = 4000;
+constexpr std::size_t kMeasured = kTicks - kFirst;
 
 const test::TrotLoop& Trot() {
   static const test::TrotLoop trot;
@@ -41,37 +43,13 @@ const std::vector<test::TrotTick>& Recording() {
   return ticks;
 }
 
-/// Records the least time of each tick over the iterations, which are identical, so that other load of the
-/// machine does not count.
-class Times {
- public:
-  template <class F>
-  void Measure(int tick, F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
-    f();
-    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
-    double& least = ns_[static_cast<std::size_t>(tick - kFirst)];
-    least = std::min(least, elapsed.count());
-  }
-  void Report(benchmark::State& state) {
-    std::sort(ns_.begin(), ns_.end());
-    state.counters["median_ns"] = ns_[ns_.size() / 2];
-    state.counters["p99_ns"] = ns_[ns_.size() * 99 / 100];
-    state.counters["mean_ns"] =
-        std::accumulate(ns_.begin(), ns_.end(), 0.0) / static_cast<double>(ns_.size());
-  }
-
- private:
-  std::vector<double> ns_ = std::vector<double>(kTicks - kFirst, 1e300);
-};
-
 /// Measures the ticks of a block, whose inputs are set by `give(context, block, tick)`.
 template <class Block, class Give>
 void Replay(benchmark::State& state, const Block& original, const Give& give) {
   DiagramBuilder builder;
   const Block& block = builder.Add<Block>("block", original.params);
   const auto diagram = builder.BuildWithOpenInputs();
-  Times times;
+  LeastTimes times(kMeasured);
   for (auto _ : state) {
     Simulator simulator(*diagram);
     for (int n = 0; n < kTicks; ++n) {
@@ -80,7 +58,7 @@ void Replay(benchmark::State& state, const Block& original, const Give& give) {
       if (n < kFirst) {
         tick();
       } else {
-        times.Measure(n, tick);
+        times.Measure(static_cast<std::size_t>(n - kFirst), tick);
       }
     }
   }
@@ -180,10 +158,11 @@ void FootSensor(benchmark::State& state) {
 void Model(benchmark::State& state) {
   const QuadrupedModel model(Loop().locomotion.whole_body.params.robot);
   QuadrupedDynamics dynamics;
-  Times times;
+  LeastTimes times(kMeasured);
   for (auto _ : state) {
     for (int n = kFirst; n < kTicks; ++n) {
-      times.Measure(n, [&] { model.Calc(Recording()[static_cast<std::size_t>(n)].state, &dynamics); });
+      times.Measure(static_cast<std::size_t>(n - kFirst),
+                    [&] { model.Calc(Recording()[static_cast<std::size_t>(n)].state, &dynamics); });
       benchmark::DoNotOptimize(dynamics);
     }
   }
@@ -199,7 +178,7 @@ void Plant(benchmark::State& state) {
       });
   builder.Connect(torque, plant.torque);
   const auto diagram = builder.BuildWithOpenInputs();
-  Times times;
+  LeastTimes times(kMeasured);
   long evaluations = 0, measured = 0;
   for (auto _ : state) {
     Simulator simulator(*diagram, test::TrotLoop::Options("plant"));
@@ -207,7 +186,7 @@ void Plant(benchmark::State& state) {
     simulator.RunTo((kFirst - 1) / 1000.0);
     const long before = simulator.statistics().evaluations;
     for (int n = kFirst; n < kTicks; ++n) {
-      times.Measure(n, [&] { simulator.RunTo(n / 1000.0); });
+      times.Measure(static_cast<std::size_t>(n - kFirst), [&] { simulator.RunTo(n / 1000.0); });
     }
     evaluations += simulator.statistics().evaluations - before;
     measured += kTicks - kFirst;
