@@ -3,6 +3,7 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
@@ -44,7 +45,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   DiagramBuilder builder;
   auto& loop = BlameBlocks(
       kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<CdprLive> live;
   if (options.live) live.emplace(builder, loop);
   const auto diagram = builder.Build();

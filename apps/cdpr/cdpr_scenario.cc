@@ -2,6 +2,7 @@
 #include <tenon/apps/cdpr/path_file.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>

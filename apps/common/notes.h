@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tenon/apps/common/faults.h>
-
 #include <string>
 #include <vector>
 
@@ -19,14 +17,5 @@ struct Acts {
 /// why it does not, empty: none.
 void AddIdle(const std::string& key, const Acts& acts, double duration, const std::string& reason,
              std::vector<std::string>& notes);
-
-/// Remarks on the faults of a scenario.
-template <class Place>
-void AddNotes(const std::vector<FaultScenario<Place>>& faults, double duration,
-              std::vector<std::string>& notes) {
-  for (std::size_t i = 0; i < faults.size(); ++i)
-    AddIdle("faults." + std::to_string(i), {faults[i].start_s, faults[i].duration_s.value_or(-1)}, duration,
-            "", notes);
-}
 
 }  // namespace tenon::apps

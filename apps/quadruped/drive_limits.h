@@ -7,7 +7,7 @@
 
 namespace tenon::apps {
 
-/// What the drives of a robot can do: the torque and the speed of each joint [N m, rad/s], both ways.
+/// Limits of torque and speed of each joint [N m, rad/s], in both directions.
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant);
 
 }  // namespace tenon::apps

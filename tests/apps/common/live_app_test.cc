@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
     Arguments, LiveUsageTest,
     ::testing::Values(
         BadUsage{"flat --live=99999", "a port from 1 to 65535"},
-        BadUsage{"flat --live --compare", "leave --compare away"},
+        BadUsage{"flat --live --compare", "remove --compare"},
         BadUsage{"flat --live-address 0.0.0.0", "--live"},
         BadUsage{"flat --replay nowhere.jsonl", "cannot read the recording 'nowhere.jsonl'"},
         BadUsage{"stand --set 'parameters={loop.world.monitor.max_tild: [1]}'",

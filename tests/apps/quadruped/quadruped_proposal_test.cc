@@ -110,7 +110,7 @@ TEST_F(QuadrupedProposalTest, LocksWhatIsNoLegs) {
       "<link name=\"arm\"/><joint name=\"shoulder\" type=\"continuous\"><parent link=\"trunk\"/>"
       "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>";
   const QuadrupedProposal proposal = Propose(Replaced(ReadUrdf("a1"), "</robot>", arm));
-  EXPECT_THAT(proposal.notes, Contains(HasSubstr("joint 'shoulder' is no leg's: locked at 0 rad")));
+  EXPECT_THAT(proposal.notes, Contains(HasSubstr("joint 'shoulder' belongs to no leg: locked at 0 rad")));
   EXPECT_NEAR(Load(proposal).mass(), 12.776, 1e-9);
 }
 

@@ -84,9 +84,9 @@ INSTANTIATE_TEST_SUITE_P(
     All, TenonGaitStabilityUsageTest,
     ::testing::Values(
         BadUsage{"drop", "this scenario does not walk"},
-        BadUsage{"flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\"", "none of them walks"},
+        BadUsage{"flat --set \"walk.path.segments=[{gait: stand, duration_s: 1}]\"", "walk.path.segments: "},
         BadUsage{"flat --set \"walk.path.segments=[{gait: trot, yaw_rate_rad_per_s: 0.1, duration_s: 1}]\"",
-                 "the last one turns"},
+                 "walk.path.segments: the last walking segment turns"},
         BadUsage{"flat --out there", "--out"}, BadUsage{"flat --graph there.svg", "--graph"}));
 TEST_P(TenonGaitStabilityUsageTest, ExitCode2WithItsMessage) {
   const Result result = RunApp(GetParam().arguments);  // writes no files: has no --out

@@ -89,7 +89,7 @@ TEST_F(TenonQuadrupedTest, GaitSpeedAndObserverAreForThoseWhoWalk) {
               AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
   const Result stands = RunApp("stand --gait trot" + Out());
   EXPECT_EQ(stands.exit_code, 2);
-  EXPECT_THAT(stands.text, HasSubstr("'stand' does not walk: leave --gait"));
+  EXPECT_THAT(stands.text, HasSubstr("'stand' does not walk: remove --gait"));
   const Result gallops = RunApp("flat --gait canter" + Out());
   EXPECT_EQ(gallops.exit_code, 2);
   EXPECT_THAT(gallops.text, HasSubstr("gallop"));
@@ -118,7 +118,7 @@ TEST_F(TenonQuadrupedTest, FiguresOfNothingAreNull) {
   EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"foot_force_max_N\": null"));
   const Result late = RunApp("A1 --set walk.judged_from_s=1000" + Out());
   EXPECT_EQ(late.exit_code, 2);
-  EXPECT_THAT(late.text, HasSubstr("before walk.judged_from_s = 1000 s: lower that, or lengthen the walk"));
+  EXPECT_THAT(late.text, HasSubstr("before walk.judged_from_s = 1000 s"));
 }
 
 TEST_F(TenonQuadrupedTest, RefusesMoreFaultsThanARobotMayHave) {
@@ -129,8 +129,7 @@ TEST_F(TenonQuadrupedTest, RefusesMoreFaultsThanARobotMayHave) {
   file.close();
   const Result result = RunApp((out / "faults.yaml").string() + Out());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.text,
-              AllOf(HasSubstr("faults.yaml:3:3: faults: 101 faults are too many, 100 the most")));
+  EXPECT_THAT(result.text, AllOf(HasSubstr("faults.yaml:3:3: faults: 101 faults are too many")));
 }
 
 TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
@@ -184,11 +183,9 @@ TEST_F(TenonQuadrupedTest, PushesAreDrawnBySeed) {
 TEST_F(TenonQuadrupedTest, RefusesScenariosThatNeitherStandNorWalk) {
   fs::create_directories(out);
   std::ofstream(out / "none.yaml") << "app: tenon-quadruped\ncase: none\n";
-  EXPECT_THAT(RunApp((out / "none.yaml").string() + Out()).text,
-              HasSubstr("give one of pd and walk, not none"));
+  EXPECT_THAT(RunApp((out / "none.yaml").string() + Out()).text, HasSubstr("neither pd nor walk is given"));
   std::ofstream(out / "sweep.yaml") << "extends: flat\nsweep: {period_s: 1}\n";
-  EXPECT_THAT(RunApp((out / "sweep.yaml").string() + Out()).text,
-              HasSubstr("a sweep needs a walk and a force"));
+  EXPECT_THAT(RunApp((out / "sweep.yaml").string() + Out()).text, HasSubstr("needs walk and forces"));
   EXPECT_THAT(RunApp("A3-sweep --set sweep.phases=0" + Out()).text, HasSubstr("all must be positive"));
 }
 
@@ -268,7 +265,7 @@ TEST_F(TenonQuadrupedTest, WhatNoRobotDoesIsNotFinished) {
                 AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr(reason)));
     EXPECT_NE(Read(out / "report.html").find(std::string("but ") + reason), std::string::npos);
   };
-  judged("flat --duration 1.5 --set limit_speed=false", "a drive gave what it cannot: ");
+  judged("flat --duration 1.5 --set limit_speed=false", "a drive exceeded its torque-speed line: ");
   // A foot that is too soft for the weight, and joints that are.
   const std::string stand = "stand --set fall.min_height_ratio=0 --set fall.max_tilt_rad=3 ";
   judged(stand + "--duration 0.2 --set robot.contact.stiffness_N_per_m=2000",
@@ -391,10 +388,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"flat --set walk.gaits.trot=1", "walk.gaits.trot: unknown key"},
         BadUsage{"stand --set duration_s=0", "duration_s = 0 must be positive"},
         BadUsage{"stand --set start_height_m=-0.1", "start_height_m = -0.1 must not be negative"},
-        BadUsage{"stand --set fall.min_height_ratio=1", "the stance would be a fall"},
+        BadUsage{"stand --set fall.min_height_ratio=1", "min_height_ratio = 1"},
         BadUsage{"stand --set fall.max_height_m=0", "max_height_m = 0 must be positive"},
-        BadUsage{"stand --set 'live.yaw_rad_per_s=[1,2]'",
-                 "yaw_rad_per_s = [1, 2]: give the least, 0 or less"},
+        BadUsage{"stand --set 'live.yaw_rad_per_s=[1,2]'", "yaw_rad_per_s = [1, 2]"},
         BadUsage{"stand --set live.load_ratio=0", "load_ratio = 0 must be positive"},
         BadUsage{"stand --set fall.max_tilt_rad=4", "max_tilt_rad = 4 must be from"},
         BadUsage{"stand --set pd.stiffness_N_m_per_rad=0", "stiffness = 0 must be positive"},
@@ -452,12 +448,12 @@ INSTANTIATE_TEST_SUITE_P(
                  "robot.foot_radius_m: foot_radius_m is 1e+09 m but must be at most 0.1"},
         BadUsage{"stand --set fall.max_height_m=0.01", "fall.max_height_m: 0.01 must be above 0.2"},
         BadUsage{"stand --set 'payload={mass_kg: 1, position_m: [0, 0, -1.5]}'",
-                 "payload.position_m: the load reaches down to 1.5 m below the trunk"},
+                 "payload.position_m: the payload reaches 1.5 m below the trunk"},
         BadUsage{"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0.123456789123}]'",
                  "random_forces.0.period_s: a sample period of 0.123456789123 s is no fraction"},
         BadUsage{"stand --set \"forces=[$(for i in 1 2 3 4 5 6 7 8; do printf '{duration_s: 1},'; done)"
                  "{duration_s: 1}]\"",
-                 ": forces: 9 forces, those of random_forces among them, are too many: 7 are the most"},
+                 ": forces: 9 forces (forces and random_forces) are too many, at most 7"},
         BadUsage{"stand --set report.plots.1.signals=[]", "report: the plot 'attitude"},
         BadUsage{"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
                  "flat.yaml:11:9: walk.path.segments.1: segments.1 is too short"}));

@@ -15,11 +15,11 @@
 
 namespace tenon::apps {
 
-/// Gains of an observer, given or designed; those that it has by default if there are none.
+/// Gains of a leg observer, given or designed. The default gains if neither is given.
 struct VariantScenario {
-  std::string name;                              ///< of its directory, and in the report
-  std::vector<double> gains_per_s;               ///< of the observer, from the innermost on
-  std::optional<ButterworthDesign> butterworth;  ///< in place of gains: order and bandwidth
+  std::string name;                              ///< name in the report, and of the output directory
+  std::vector<double> gains_per_s;               ///< gains of the observer, the innermost first
+  std::optional<ButterworthDesign> butterworth;  ///< design of the gains by order and bandwidth
 
   static FieldList Fields() {
     return {Required("name", &VariantScenario::name),
@@ -27,23 +27,23 @@ struct VariantScenario {
             {"butterworth", &VariantScenario::butterworth}};
   }
   void Validate() const;  ///< throws ParameterError
-  void Resolve();         ///< leaves gains alone
+  void Resolve();         ///< replaces `butterworth` by its gains
 };
 
 /// A run of tenon-observer-order, as its YAML file says it.
 struct ObserverOrderScenario {
-  std::string app;           ///< the app whose scenario this is
-  std::string description;   ///< one line
-  std::string case_name;     ///< the run's name
-  YamlFile robot{"dogbot"};  ///< a shipped robot, a file, or one with what differs
-  double duration_s = 1;     ///< simulated time
-  std::uint64_t seed = 1;    ///< of all random streams
-  JointPdScenario pd;        ///< by which it stands
-  Eigen::Vector3d force_N = Eigen::Vector3d(20, 0, 10);  ///< on the front left foot, from `start_s` on
-  double start_s = 0.2;                                  ///< of the force
+  std::string app;                                       ///< name of the app that runs the scenario
+  std::string description;                               ///< one line
+  std::string case_name;                                 ///< name of the run
+  YamlFile robot{"dogbot"};                              ///< a shipped robot, a file, or one with changes
+  double duration_s = 1;                                 ///< simulated time
+  std::uint64_t seed = 1;                                ///< seed of all random streams
+  JointPdScenario pd;                                    ///< controller that holds the stance
+  Eigen::Vector3d force_N = Eigen::Vector3d(20, 0, 10);  ///< force on the front left foot, from `start_s` on
+  double start_s = 0.2;                                  ///< time at which the force sets in
   std::vector<VariantScenario> variants;                 ///< gains to compare
-  double log_rate_hz = 1000;                             ///< of signals.csv
-  ReportScenario report;                                 ///< what the report shows
+  double log_rate_hz = 1000;                             ///< sample rate of signals.csv
+  ReportScenario report;                                 ///< contents of the report
 
   static FieldList Fields() {
     return {Required("app", &ObserverOrderScenario::app),

@@ -1,14 +1,16 @@
-#include <tenon/apps/cdpr/cdpr_faults.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/faults/cdpr_faults.h>
 #include <tenon/plants/cdpr/cable_fault.h>
 
-namespace tenon::apps {
+namespace tenon {
 namespace {
 
 constexpr const char* kOnlyPd =
-    "it is there for the controllers pd…; choose command, winch, cable, lengths, pose, imu or estimate";
+    "only the controllers pd… read the reference; choose command, winch, cable, lengths, pose, imu or "
+    "estimate";
 constexpr const char* kOnlyEstimated =
-    "it is there for the controllers mpc_… and pd_offset_free; choose command, winch, cable, lengths or "
-    "reference";
+    "only the controllers mpc_… and pd_offset_free have an estimator; choose command, winch, cable, lengths "
+    "or reference";
 
 }  // namespace
 
@@ -67,7 +69,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
         return insert(fault, name, CableFaultKind::kStuck);
       case CdprFaultPlace::kCable:
         DemandKind(fault, {FaultKind::kBroken});
-        Demand(!fault.duration_s, "duration_s: a cable that broke stays broken, leave it away");
+        Demand(!fault.duration_s, "duration_s: a broken cable stays broken; remove duration_s");
         return insert(fault, name, CableFaultKind::kBroken);
       case CdprFaultPlace::kLengths:
         return lengths.Insert(inserter, fault, name);
@@ -84,4 +86,4 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   return std::move(inserter.signals);
 }
 
-}  // namespace tenon::apps
+}  // namespace tenon

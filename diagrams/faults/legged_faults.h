@@ -1,26 +1,27 @@
 #pragma once
 
-#include <tenon/apps/common/faults.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/diagrams/legged/quadruped_stand.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/faults/faults.h>
 
 #include <array>
 #include <vector>
 
-namespace tenon::apps {
+namespace tenon {
 
-/// Where a quadruped can fail.
+class GuideDog;
+class QuadrupedStand;
+class QuadrupedWalk;
+
+/// A place where a quadruped can fail.
 enum class LeggedFaultPlace {
-  kTorque,        ///< the controller's command to the drives [N m], one element per joint
-  kJoint,         ///< the joints themselves: stuck, or broken, whose drive gives no torque
-  kEncoders,      ///< JointMotion, to the controller that stands or the state estimator
-  kTorqueSensor,  ///< [N m], to whatever estimates forces
+  kTorque,        ///< command of the controller to the drives [N m], one element per joint
+  kJoint,         ///< the joints themselves: stuck, or broken, then the drive gives no torque
+  kEncoders,      ///< JointMotion, to the PD controller or the state estimator
+  kTorqueSensor,  ///< [N m], to all blocks that estimate forces
   kFootForce,     ///< FootForces, to controller and observers, if the feet have sensors
-  kImu,           ///< ImuMeasurement, to observers and the state estimator
-  kState,         ///< LeggedState, as controller and observers are told it
+  kImu,           ///< ImuMeasurement, to the observers or the state estimator
+  kState,         ///< LeggedState that the controller and the observers read
   kWrench,        ///< WrenchEstimate of the observers, to the controller
-  kObstacle,      ///< whether the guide dog sees an obstacle
+  kObstacle,      ///< output of the guide dog's obstacle detector
 };
 constexpr auto EnumNames(LeggedFaultPlace) {
   using enum LeggedFaultPlace;
@@ -30,10 +31,10 @@ constexpr auto EnumNames(LeggedFaultPlace) {
                     Named{kState, "state"},          Named{kWrench, "wrench"},
                     Named{kObstacle, "obstacle"}};
 }
-using LeggedFault = FaultScenario<LeggedFaultPlace>;
+using LeggedFault = FaultAt<LeggedFaultPlace>;
 
-/// Puts faults into a diagram, before it is built, and returns what to log of them. Throw ParameterError with
-/// the key of a fault that is not possible there.
+/// Adds faults to a diagram before it is built. Returns the signals of the faults to log. Throws FaultError
+/// for a fault that is not possible in this diagram, and ParameterError for too many faults.
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedStand& loop,
                                         const std::vector<LeggedFault>& faults);
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedWalk& loop,
@@ -41,4 +42,4 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedWalk& 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, GuideDog& loop,
                                         const std::vector<LeggedFault>& faults);
 
-}  // namespace tenon::apps
+}  // namespace tenon

@@ -1,14 +1,21 @@
-#include <tenon/apps/quadruped/quadruped_faults.h>
+#include <tenon/diagrams/faults/legged_faults.h>
+#include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
+#include <tenon/diagrams/legged/quadruped_stand.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/legged/joint_lock.h>
 
-namespace tenon::apps {
+namespace tenon {
 namespace {
 
-constexpr const char* kOnlyWalks = "it is there for a robot that walks; choose torque, joint or encoders";
-constexpr const char* kOnlyGuideDogs = "it is there for tenon-guide-dog; choose another place";
+constexpr const char* kOnlyWalks = "the robot stands by joint PD; choose torque, joint or encoders";
+constexpr const char* kOnlyGuideDogs = "only a guide dog has an obstacle detector; choose another place";
+constexpr const char* kNoEstimator =
+    "the controller reads the true state; set walk.state to estimated, or choose the place state";
+constexpr const char* kNoFootSensors =
+    "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor";
 
-/// The places that a diagram has.
+/// The places of one diagram.
 struct Places {
   QuadrupedWorld* world;
   FaultPoint<Vec<12>> torque;
@@ -22,21 +29,19 @@ struct Places {
   FaultChain<JointLocks> locks{world->plant.locks};
 };
 
-/// Of what walks, QuadrupedWalk or GuideDog; these read state and wrench beside locomotion and observer.
-Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_readers,
+/// The places of a walk. A guide dog has further readers of state and wrench beside locomotion and observer.
+Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<InputPort<LeggedState>*> state_readers,
                     std::vector<InputPort<WrenchEstimate>*> wrench_readers) {
   QuadrupedWorld& world = loop.world;
   const Rate rate = loop.locomotion.whole_body.params.rate;
-  FaultPoint<JointMotion> encoders(
-      "the controller is told the true state; set walk.state to estimated, or choose the place state");
+  FaultPoint<JointMotion> encoders(kNoEstimator);
   std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.observer.imu};
   if (loop.estimator != nullptr) {
     encoders = {world.joints, {&loop.estimator->joints}, world.encoders.params.rate};
     imu_readers = {&loop.estimator->imu};
   }
   std::vector<InputPort<Vec<12>>*> torque_readers{&loop.observer.torque};
-  FaultPoint<FootForces> foot_force(
-      "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor");
+  FaultPoint<FootForces> foot_force(kNoFootSensors);
   if (loop.foot_forces_of_legs != nullptr) {
     torque_readers.push_back(&loop.foot_forces_of_legs->torque);
     state_readers.push_back(&loop.foot_forces_of_legs->state);
@@ -57,56 +62,69 @@ Places PlacesOfWalk(auto& loop, std::vector<InputPort<LeggedState>*> state_reade
       .torque_sensor = {world.measured_torque, std::move(torque_readers), world.torque_sensor.params.rate},
       .foot_force = std::move(foot_force),
       .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
-      .state = {loop.estimator != nullptr ? loop.estimator->state : world.state, std::move(state_readers),
-                rate},
+      .state = {loop.state, std::move(state_readers), rate},
       .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
 }
 
-void InsertJointFault(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
+bool BreaksJoint(const LeggedFault& fault) {
+  return fault.at == LeggedFaultPlace::kJoint && fault.kind == FaultKind::kBroken;
+}
+
+std::vector<int> JointsOf(const Fault& fault, const Places& places) {
+  return fault.Indices("joint", places.world->external_torque.elements());
+}
+
+void InsertJointLock(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
   DemandKind(fault, {FaultKind::kStuck, FaultKind::kBroken});
-  const std::vector<int> joints = fault.Indices("joint", places.world->external_torque.elements());
-  if (fault.kind == FaultKind::kBroken) {
-    Fault loss = fault;
-    loss.kind = FaultKind::kLoss;
-    loss.size = 1;
-    return places.torque.Insert(inserter, loss, name);
-  }
-  auto& lock = inserter.builder.Add<JointLock>(name, {.joints = joints, .schedule = fault.schedule()});
+  auto& lock = inserter.builder.Add<JointLock>(
+      name, {.joints = JointsOf(fault, places), .schedule = fault.schedule()});
   inserter.builder.Connect(places.world->state, lock.state);
   places.locks.Append(inserter.builder, lock.locks, lock.others);
   inserter.signals.push_back(&lock.acting);
 }
 
+/// Sets the torque of the joints to zero.
+void InsertBrokenJoint(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
+  JointsOf(fault, places);
+  Fault loss = fault;
+  loss.kind = FaultKind::kLoss;
+  loss.size = 1;
+  places.torque.Insert(inserter, loss, name);
+}
+
+void InsertFault(FaultInserter& inserter, const LeggedFault& fault, const std::string& name, Places& places) {
+  switch (fault.at) {
+    case LeggedFaultPlace::kTorque:
+      return places.torque.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kJoint:
+      return InsertJointLock(inserter, fault, name, places);
+    case LeggedFaultPlace::kEncoders:
+      return places.encoders.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kTorqueSensor:
+      return places.torque_sensor.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kFootForce:
+      return places.foot_force.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kImu:
+      return places.imu.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kState:
+      return places.state.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kWrench:
+      return places.wrench.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kObstacle:
+      return places.obstacle.Insert(inserter, fault, name);
+  }
+}
+
 std::vector<const Source*> Insert(DiagramBuilder& builder, Places places,
                                   const std::vector<LeggedFault>& faults) {
   FaultInserter inserter(builder);
-  bool breaks = false;
-  const auto insert = [&](const LeggedFault& fault, const std::string& name) {
-    if ((fault.at == LeggedFaultPlace::kJoint && fault.kind == FaultKind::kBroken) != breaks) return;
-    switch (fault.at) {
-      case LeggedFaultPlace::kTorque:
-        return places.torque.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kJoint:
-        return InsertJointFault(inserter, fault, name, places);
-      case LeggedFaultPlace::kEncoders:
-        return places.encoders.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kTorqueSensor:
-        return places.torque_sensor.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kFootForce:
-        return places.foot_force.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kImu:
-        return places.imu.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kState:
-        return places.state.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kWrench:
-        return places.wrench.Insert(inserter, fault, name);
-      case LeggedFaultPlace::kObstacle:
-        return places.obstacle.Insert(inserter, fault, name);
-    }
-  };
-  inserter.InsertAll(faults, insert);
-  breaks = true;  // last, next to the drives: what broke gives no torque, whatever the command is
-  inserter.InsertAll(faults, insert);
+  inserter.InsertAll(faults, [&](const LeggedFault& fault, const std::string& name) {
+    if (!BreaksJoint(fault)) InsertFault(inserter, fault, name, places);
+  });
+  // Broken joints come last, next to the drives, so that no other fault of the command gives them torque.
+  inserter.InsertAll(faults, [&](const LeggedFault& fault, const std::string& name) {
+    if (BreaksJoint(fault)) InsertBrokenJoint(inserter, fault, name, places);
+  });
   return std::move(inserter.signals);
 }
 
@@ -135,4 +153,4 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, GuideDog& loop,
   return Insert(builder, std::move(places), faults);
 }
 
-}  // namespace tenon::apps
+}  // namespace tenon

@@ -1,23 +1,24 @@
 #pragma once
 
-#include <tenon/apps/common/faults.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/faults/faults.h>
 
 #include <array>
 #include <vector>
 
-namespace tenon::apps {
+namespace tenon {
 
-/// Where a cable robot can fail.
+class CdprLoop;
+
+/// A place where a cable robot can fail.
 enum class CdprFaultPlace {
-  kCommand,    ///< of the controller to the winches [N], one element per cable
+  kCommand,    ///< command of the controller to the winches [N], one element per cable
   kWinch,      ///< the winches themselves: stuck
   kCable,      ///< the cables: broken
-  kLengths,    ///< CableSignals, to the PD and to what estimates pose, load and broken cables
-  kReference,  ///< CdprReference, to the PD
+  kLengths,    ///< CableSignals, to the PD controller and the estimators of pose, load and broken cables
+  kReference,  ///< CdprReference, to the PD controller
   kPose,       ///< PoseMeasurement, to the estimator
   kImu,        ///< ImuMeasurement, to the estimators
-  kEstimate,   ///< PlatformEstimate, to the MPC and to what estimates the load
+  kEstimate,   ///< PlatformEstimate, to the MPC and the load estimator
 };
 constexpr auto EnumNames(CdprFaultPlace) {
   using enum CdprFaultPlace;
@@ -25,11 +26,11 @@ constexpr auto EnumNames(CdprFaultPlace) {
                     Named{kLengths, "lengths"}, Named{kReference, "reference"}, Named{kPose, "pose"},
                     Named{kImu, "imu"},         Named{kEstimate, "estimate"}};
 }
-using CdprFault = FaultScenario<CdprFaultPlace>;
+using CdprFault = FaultAt<CdprFaultPlace>;
 
-/// Puts faults into a diagram, before it is built, and returns what to log of them. Throws ParameterError
-/// with the key of a fault that is not possible there.
+/// Adds faults to a diagram before it is built. Returns the signals of the faults to log. Throws FaultError
+/// for a fault that is not possible in this diagram, and ParameterError for too many faults.
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
                                         const std::vector<CdprFault>& faults);
 
-}  // namespace tenon::apps
+}  // namespace tenon

@@ -1,6 +1,8 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
+#include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/apps/guide_dog/guide_dog_run.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
@@ -11,8 +13,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <fmt/core.h>
-
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,9 +21,10 @@
 namespace tenon::apps {
 namespace {
 
-/// The person goes where browsers drag her, no faster than one walks.
+/// Lets a browser drag the person to a goal, to which the person walks at kSpeed.
 LiveControls::Goal PersonGoalOf(const Person& person) {
-  constexpr double kReach = 20, kSpeed = 0.5;  // [m] from where she starts, [m/s]
+  constexpr double kReach = 20;   // largest distance of the goal from the start, along each axis [m]
+  constexpr double kSpeed = 0.5;  // [m/s]
   const Vec<2>& start = person.params.start;
   return {"person",
           {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
@@ -31,8 +32,6 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
             return LiveSets{SetTo(person.goal, {true, place.head<2>(), kSpeed})};
           }};
 }
-
-}  // namespace
 
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options) {
   const double duration = Duration(scenario);
@@ -42,13 +41,14 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
     return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
   });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  // As scaled to the robot.
+  // The parameters of the loop, unlike those of the scenario, are scaled to the robot.
   const auto leash = std::make_shared<GuideDogFigures>(loop.admittance.params.gains.desired_tension,
                                                        loop.supervisor.params.gains.threshold);
   const auto walk =
@@ -68,8 +68,6 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     walk->AddTo(summary);
     limits->AddTo(summary);
   };
-  const std::string description =
-      fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), duration, scenario.seed);
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry,
                                                   &loop.person.geometry, &loop.leash.geometry,
                                                   &loop.obstacles.geometry};
@@ -79,9 +77,11 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     controls = live->Controls();
     controls.goal = PersonGoalOf(loop.person);
   }
-  return RunScenario(options, scenario, description, duration, simulator, signals, shapes,
+  return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
                      DriveLimits(loop.world.plant), judge, controls);
 }
+
+}  // namespace
 
 ScenarioApp GuideDogApp() {
   ScenarioApp app = MakeScenarioApp(
@@ -92,8 +92,7 @@ ScenarioApp GuideDogApp() {
         return scenario;
       },
       MakeGuideDogParams, RunGuideDog);
-  app.files = {
-      {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
+  app.files = LeggedFiles();
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
       const auto scenario = document.Read<GuideDogScenario>();

@@ -1,12 +1,10 @@
-// tenon-observer-order: what order and gains of the leg observer cost and bring, on a constant force.
-
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/quadruped/observer_order_scenario.h>
+#include <tenon/apps/studies/observer_order_scenario.h>
+#include <tenon/apps/studies/observer_order_study.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
@@ -22,9 +20,9 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kSettled = 0.02;  // of the force: the estimate has settled once it stays so near
+constexpr double kSettled = 0.02;  // band of the settling time, relative to the force
 
-/// How an estimate follows the step, from its log.
+/// Computes overshoot and settling time of an estimate of a constant force from its log.
 class StepFigures final : public LogSink {
  public:
   StepFigures(const Eigen::Vector3d& force, double start) : force_(force), start_(start) {}
@@ -40,8 +38,8 @@ class StepFigures final : public LogSink {
     if (inside && !inside_) inside_since_ = row[0];
     inside_ = inside;
   }
-  double overshoot() const { return std::max(0.0, peak_ - 1); }  ///< over the force
-  /// Until it stays in the band [s]; empty if it does not.
+  double overshoot() const { return std::max(0.0, peak_ - 1); }  ///< relative to the force
+  /// Time from which the estimate stays in the band [s]; empty if it does not.
   std::optional<double> settling_time() const {
     return inside_ ? std::optional(inside_since_ - start_) : std::nullopt;
   }
@@ -53,10 +51,10 @@ class StepFigures final : public LogSink {
   std::vector<std::size_t> estimate_;
 };
 
-/// The two figures that are weighed against each other.
+/// The two figures of a variant between which there is a trade-off.
 struct Cost {
-  double settling = std::numeric_limits<double>::infinity();  ///< [s]
-  double noise = std::numeric_limits<double>::infinity();     ///< [Hz]
+  double settling = std::numeric_limits<double>::infinity();  ///< settling time [s]
+  double noise = std::numeric_limits<double>::infinity();     ///< noise bandwidth [Hz]
   bool WorseThan(const Cost& other) const {
     return other.settling <= settling && other.noise <= noise &&
            (other.settling < settling || other.noise < noise);
@@ -65,7 +63,7 @@ struct Cost {
 
 struct Result {
   Summary summary;
-  std::optional<Report> report;  ///< none if refused
+  std::optional<Report> report;  ///< empty if the gains were refused
   Cost cost;
   double overshoot = 0, lag = 0;
 };
@@ -99,7 +97,7 @@ QuadrupedWorldParams MakeWorld(const ObserverOrderScenario& scenario) {
   return world;
 }
 
-/// A run that did not take place.
+/// The result of a variant whose gains are refused with the message `why`.
 Result Refused(const ObserverOrderScenario& scenario, const VariantScenario& variant, const char* why) {
   RunOutcome outcome;
   outcome.failure = fmt::format("refused: {}", why);
@@ -119,8 +117,8 @@ LegMomentumObserverParams ObserverOf(const QuadrupedDescription& robot, const Va
   return params;
 }
 
-/// Throws KeyError if the gains of all are refused.
-void DemandOneToRun(const ObserverOrderScenario& scenario) {
+/// Throws KeyError if the gains of all variants are refused.
+void DemandValidVariant(const ObserverOrderScenario& scenario) {
   const QuadrupedDescription robot = MakeWorld(scenario).plant.robot;
   std::string why;
   for (const VariantScenario& variant : scenario.variants) {
@@ -134,8 +132,7 @@ void DemandOneToRun(const ObserverOrderScenario& scenario) {
   throw KeyError("variants", fmt::format("0: {}", why));
 }
 
-Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenario,
-                  const VariantScenario& variant) {
+Result RunVariant(const RunOptions& options, ObserverOrderScenario scenario, const VariantScenario& variant) {
   const QuadrupedWorldParams world_params = MakeWorld(scenario);
   LegMomentumObserverParams observer_params;
   try {
@@ -160,9 +157,9 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   report.Log(simulator, signals, {&world.plant.geometry});
   scenario.variants = {variant};
   const ScenarioFiles files(scenario);
-  const OutputDirectory out(OptionsOf(arguments).out);
+  const OutputDirectory out(options.out);
   files.Write(out.path());
-  WriteGraph(*diagram, arguments.graph);
+  WriteGraph(*diagram, options.graph);
   const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
   simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
@@ -184,20 +181,21 @@ Result RunVariant(const CommonArguments& arguments, ObserverOrderScenario scenar
   return result;
 }
 
-int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenario) {
+int RunAll(const RunOptions& options, const ObserverOrderScenario& scenario) {
   std::vector<std::string> names;
   for (const VariantScenario& variant : scenario.variants) names.push_back(variant.name);
   CheckVariantNames(names);
-  DemandOneToRun(scenario);
+  DemandValidVariant(scenario);
   const ScenarioFiles files(scenario);
-  const OutputDirectory out(OptionsOf(arguments).out);
+  const OutputDirectory out(options.out);
   const std::filesystem::path& base = out.path();
-  for (const std::string& name : names) OutputDirectory(base / name);  // also of those that are refused
+  for (const std::string& name : names)
+    OutputDirectory(base / name);  // clears those of refused variants, too
   files.Write(base);
   std::vector<Result> results;
   for (const VariantScenario& variant : scenario.variants) {
-    CommonArguments each = arguments;
-    each.out = (base / variant.name).string();
+    RunOptions each = options;
+    each.out = base / variant.name;
     results.push_back(RunVariant(each, scenario, variant));
     if (results.back().summary.exit_code() >= kOutputFailed) break;
   }
@@ -234,30 +232,26 @@ int RunAll(const CommonArguments& arguments, const ObserverOrderScenario& scenar
   return worst;
 }
 
-int Run(const CommonArguments& arguments) {
-  const ScenarioApp app{.name = "tenon-observer-order",
-                        .description = {},
-                        .keys = [] { return KeysOf<ObserverOrderScenario>(); },
-                        .check = {},
-                        .run = {}};
-  if (PrintsInstead(arguments, app)) return kRan;
-  const YamlDocument document = LoadScenario(arguments, "tenon-observer-order");
+}  // namespace
+
+ScenarioApp ObserverOrderApp() {
+  return {.name = "tenon-observer-order",
+          .description = {},
+          .keys = [] { return KeysOf<ObserverOrderScenario>(); },
+          .check = {},
+          .run = {}};
+}
+
+int StudyObserverOrders(const YamlDocument& document, std::optional<double> duration,
+                        const RunOptions& options) {
   auto scenario = document.Read<ObserverOrderScenario>();
-  if (arguments.duration) scenario.duration_s = *arguments.duration;
+  if (duration) scenario.duration_s = *duration;
   scenario.Validate();
   return RunBlaming(document, [&] {
     for (std::size_t i = 0; i < scenario.variants.size(); ++i)
       Blame(fmt::format("variants.{}", i), [&] { scenario.variants[i].Resolve(); });
-    return RunAll(arguments, scenario);
+    return RunAll(options, scenario);
   });
 }
 
-}  // namespace
 }  // namespace tenon::apps
-
-int main(int argc, char** argv) {
-  CLI::App app("Compares orders and gains of the leg observer on a constant force.", "tenon-observer-order");
-  tenon::apps::CommonArguments arguments;
-  tenon::apps::AddCommonArguments(app, arguments);
-  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
-}
