@@ -105,9 +105,6 @@ class QuadrupedModel {
     Eigen::Matrix3d inertia;
     double mass;
   };
-  /// M' nu_star: how fast M changes along x, times a velocity that stays.
-  Vec<18> MassRateTimes(const LeggedState& x, const QuadrupedDynamics& dynamics,
-                        const Vec<18>& nu_star) const;
 
   Body trunk_;
   std::array<Body, kNumJoints> bodies_;
