@@ -110,38 +110,34 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
                            const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                            Geometry* geometry) {
   Geometry& shapes = *geometry;
-  std::array<Eigen::Matrix3d, kNumBodies> R_W;
-  std::array<Eigen::Vector3d, kNumBodies> p_W;
-  R_W[0] = x.R_WB();
-  p_W[0] = x.p_WB;
-  shapes[kTrunk].p_W = p_W[0];
+  std::array<Eigen::Matrix3d, kNumBodies> R_W{x.R_WB()};
+  std::array<Eigen::Vector3d, kNumBodies> p_W{x.p_WB};
+  shapes[kTrunk].p_W = x.p_WB;
   if (robot.meshes[0] == nullptr) shapes[kTrunk].p_W += R_W[0] * robot.trunk.com;
-  shapes[kPayload].p_W = p_W[0] + R_W[0] * payload.com;
+  shapes[kPayload].p_W = x.p_WB + R_W[0] * payload.com;
   shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
   shapes[kPath].p_W = x.p_WB;
 
-  for (int j = 0; j < kNumJoints; ++j) {
-    const JointDescription& joint = robot.joint(j);
-    const std::size_t parent = j % kJointsPerLeg == 0 ? 0 : At(j), body = At(j + 1);
-    p_W[body] = p_W[parent] + R_W[parent] * joint.p_PJ;
-    R_W[body] = R_W[parent] * Eigen::AngleAxisd(x.q[j], joint.axis);
-    Shape& link = shapes[At(kFirstLink + j)];
-    if (robot.meshes[body] != nullptr) {
-      link.p_W = p_W[body];
-      link.q_W = QuaternionFromRotation(R_W[body]);
-      continue;
-    }
-    const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, j);
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
-    link.p_W = p_W[body] + along_W / 2;
-    link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
-  }
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const std::size_t shank = At(kJointsPerLeg * (leg + 1));
-    Shape& foot = shapes[At(kFirstFoot + leg)];
+    const LegPose pose = robot.PoseOfLeg(leg, x.q);
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const int joint = kJointsPerLeg * leg + i;
+      const std::size_t body = At(joint + 1);
+      p_W[body] = x.p_WB + R_W[0] * pose.p_BJ[At(i)];
+      R_W[body] = R_W[0] * pose.R_BJ[At(i)];
+      Shape& link = shapes[At(kFirstLink + joint)];
+      if (robot.meshes[body] != nullptr) {
+        link.p_W = p_W[body];
+        link.q_W = QuaternionFromRotation(R_W[body]);
+        continue;
+      }
+      const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, joint);
+      const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
+      link.p_W = p_W[body] + along_W / 2;
+      link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
+    }
     Shape& force = shapes[At(kFirstFootForce + leg)];
-    foot.p_W = p_W[shank] + R_W[shank] * robot.legs[At(leg)].foot_J;
-    force.p_W = foot.p_W;
+    force.p_W = shapes[At(kFirstFoot + leg)].p_W = x.p_WB + R_W[0] * pose.foot_B;
     force.vector_W = feet[leg];
   }
   for (std::size_t i = 0; i < external.size(); ++i) {

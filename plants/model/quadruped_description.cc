@@ -21,6 +21,16 @@ void CheckNotNegative(const char* key, double value) {
         fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
 }
 
+/// A point of the leg's body i, given in that body's frame, in the trunk's frame B.
+Eigen::Vector3d PointInTrunk(const LegDescription& leg, int i, Eigen::Vector3d p,
+                             const Vec<kJointsPerLeg>& q) {
+  for (; i >= 0; --i) {
+    const JointDescription& joint = leg.joints[static_cast<std::size_t>(i)];
+    p = joint.p_PJ + Eigen::AngleAxisd(q[i], joint.axis) * p;
+  }
+  return p;
+}
+
 }  // namespace
 
 void DriveProperties::Validate() const {
@@ -62,8 +72,8 @@ double QuadrupedDescription::mass() const {
 }
 
 Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
-  const auto& joints = legs[static_cast<std::size_t>(leg)].joints;
-  return joints[0].p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg], joints[0].axis) * joints[1].p_PJ;
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  return PointInTrunk(at, 0, at.joints[1].p_PJ, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
 double QuadrupedDescription::LegLength(int leg) const {
@@ -73,20 +83,23 @@ double QuadrupedDescription::LegLength(int leg) const {
 
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
-  Eigen::Vector3d p = at.foot_J;
-  for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-    const JointDescription& joint = at.joints[static_cast<std::size_t>(i)];
-    p = joint.p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], joint.axis) * p;
-  }
-  return p;
+  return PointInTrunk(at, kJointsPerLeg - 1, at.foot_J, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
-Eigen::Matrix3d QuadrupedDescription::ShankRotation(int leg, const Vec<kNumJoints>& q) const {
+LegPose QuadrupedDescription::PoseOfLeg(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
-  Eigen::Matrix3d R_BJ = Eigen::Matrix3d::Identity();
-  for (int i = 0; i < kJointsPerLeg; ++i)
-    R_BJ = R_BJ * Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], at.joints[static_cast<std::size_t>(i)].axis);
-  return R_BJ;
+  LegPose pose;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+    const JointDescription& joint = at.joints[i];
+    p += R * joint.p_PJ;
+    R = R * Eigen::AngleAxisd(q[kJointsPerLeg * leg + static_cast<int>(i)], joint.axis);
+    pose.p_BJ[i] = p;
+    pose.R_BJ[i] = R;
+  }
+  pose.foot_B = p + R * at.foot_J;
+  return pose;
 }
 
 double QuadrupedDescription::StanceHeight() const {

@@ -32,6 +32,13 @@ struct LegDescription {
   Eigen::Vector3d foot_J = Eigen::Vector3d::Zero();  ///< centre of the foot's sphere in the last J [m]
 };
 
+/// Pose of a leg in the trunk's frame B.
+struct LegPose {
+  std::array<Eigen::Matrix3d, kJointsPerLeg> R_BJ;  ///< axes of the bodies
+  std::array<Eigen::Vector3d, kJointsPerLeg> p_BJ;  ///< origins of the joints [m]
+  Eigen::Vector3d foot_B;                           ///< centre of the foot's sphere [m]
+};
+
 /// Motor, gear and end stops of a joint; the same for all.
 struct DriveProperties {
   double rotor_inertia = 0;            ///< seen at the joint, times gear ratio squared [kg m^2]
@@ -102,8 +109,8 @@ struct QuadrupedDescription {
   double LegLength(int leg) const;
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;
-  /// The axes of the leg's last body, R_BJ, at the joint angles q.
-  Eigen::Matrix3d ShankRotation(int leg, const Vec<kNumJoints>& q) const;
+  /// Pose of the leg's three bodies at the joint angles q [rad].
+  LegPose PoseOfLeg(int leg, const Vec<kNumJoints>& q) const;
   /// Height of B's origin over level ground that the feet touch in the stance: the mean over the feet [m].
   double StanceHeight() const;
 };
