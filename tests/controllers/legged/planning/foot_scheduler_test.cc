@@ -324,14 +324,14 @@ TEST(FootSchedulerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s = -1"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s = 0"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl",
-                      "'front_right' stands there 0 times"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop",
-                      "empty group: leave it out"));
+                      "'front_right' 0 times"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop", "empty group"));
   EXPECT_TRUE(refuses(
       [](auto& p) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
       },
-      "must be two at least", "in the air at once"));
+      "at least two", "in the air at once"));
   EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N is 0 N", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase is 2", "0 to 1"));
   EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s is -1 s", "not be negative"));
@@ -345,8 +345,8 @@ TEST(FootSchedulerTest, FileErrorsNameThePlace) {
   EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot.swing_groups",
                                      "rear_rigth", "rear_right"));
   document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
-  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot",
-                                     "'rear_right' stands there 0 times"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot", "'rear_right' 0 times"));
   auto heavy = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
   heavy.Set("touchdown_force_mg", "4");
   EXPECT_TRUE(Throws<ParameterError>([&] { heavy.Read<GaitFile>(); }, "touchdown_force_mg is 4", "0.25"));

@@ -495,7 +495,7 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_limit = 1.1; }),
                                      "stretch_limit = 1.1", "at most 1"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_stiffness = -1; }),
-                                     "stretch_stiffness = -1", "stretch legs"));
+                                     "stretch_stiffness = -1"));
   EXPECT_TRUE(
       Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
   EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }),
@@ -540,7 +540,7 @@ TEST(WholeBodyController, GainsAreSetInARun) {
   wrong.stretch_limit = 1.1;
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, wrong); }, "stretch_limit = 1.1"));
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->max_failures_in_a_row, -1); },
-                                     "max_failures_in_a_row = -1", "negative"));
+                                     "max_failures_in_a_row = -1", "at least 0"));
 }
 
 TEST(WholeBodyController, MoreFailuresAreForgivenInARun) {
