@@ -9,7 +9,7 @@
 
 namespace tenon {
 
-static constexpr double kRounding = 1e-9;  // [m], more than sums and roots round
+static constexpr double kRounding = 1e-9;  // [m], above rounding errors
 
 QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
     : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
@@ -81,7 +81,7 @@ QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const 
 QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
   const Points points = PointsAt(x.q);
   QuadrupedClearances clear;
-  // What is too far away at its middle cannot be the nearest.
+  // Skips pairs whose midpoints are too far apart to be the nearest.
   const auto middle = [&](Link link) -> Eigen::Vector3d {
     return (points[link.leg][link.index] + points[link.leg][link.index + 1]) / 2;
   };

@@ -10,12 +10,12 @@
 namespace tenon {
 namespace {
 
-constexpr double kPlaneSize = 12;         // [m], of a slope
+constexpr double kPlaneSize = 12;         // edge of the slab of a slope [m]
 constexpr double kPlaneThickness = 0.02;  // [m]
-constexpr double kBoxDepth = 0.01;        // [m], of boxes in the plane, so that no gap shows
+constexpr double kBoxDepth = 0.01;        // depth of boxes below the plane, so that no gap is visible [m]
 constexpr int kNumBodies = 1 + kNumJoints;
 
-// The order of the shapes: these, the links, the feet, their forces, the external forces, the terrain.
+// Indices of the shapes; the terrain follows after kNumMoving.
 enum Index {
   kTrunk,
   kPayload,
@@ -31,7 +31,7 @@ std::size_t At(int index) {
   return static_cast<std::size_t>(index);
 }
 
-/// The trunk: its uniform box, widened to the first joints of the legs if they lie outside.
+/// Edges of the trunk's uniform box, widened to the first joints of the legs [m].
 Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   Vec<3> edges = UniformBox(robot.trunk);
   for (const LegDescription& leg : robot.legs)
@@ -39,7 +39,7 @@ Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   return edges;
 }
 
-/// Where a link ends, in its joint's frame: at the next joint, or at the foot.
+/// End of a link in its joint's frame: the next joint, or the foot [m].
 const Eigen::Vector3d& LinkEnd(const QuadrupedDescription& robot, int joint) {
   return joint % kJointsPerLeg == kJointsPerLeg - 1 ? robot.legs[At(joint / kJointsPerLeg)].foot_J
                                                     : robot.joint(joint + 1).p_PJ;
@@ -66,7 +66,7 @@ void AddTerrain(const TerrainParams& params, Geometry* shapes) {
 
 }  // namespace
 
-/// m (b^2 + c^2) / 12 about its first axis, and so on.
+// The moment of inertia about the first axis is m (b^2 + c^2) / 12.
 Eigen::Vector3d UniformBox(const RigidInertia& body) {
   if (body.mass == 0) return Eigen::Vector3d::Zero();
   const Vec<3> I = body.inertia.diagonal();

@@ -18,7 +18,7 @@ void CheckPositive(const char* key, double value, const char* remedy) {
 void CheckNotNegative(const char* key, double value) {
   if (!(value >= 0))
     throw ParameterError(
-        fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
+        fmt::format("{} is {} but must not be negative; give 0 for none, or a positive value", key, value));
 }
 
 /// A point of the leg's body i, given in that body's frame, in the trunk's frame B.
@@ -39,7 +39,7 @@ void DriveProperties::Validate() const {
   constexpr double kMostDamping = 1e4;  // N m s/rad; with a leg's inertia a time constant of microseconds
   if (damping > kMostDamping)
     throw ParameterError(
-        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: no joint moves against more",
+        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: a joint with more does not move",
                     damping, kMostDamping));
   CheckNotNegative("friction_N_m", friction);
   if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
@@ -53,15 +53,15 @@ void DriveProperties::Validate() const {
 }
 
 void ContactProperties::Validate() const {
-  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over the depth it may sink in");
+  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over its static depth");
   CheckNotNegative("dissipation_s_per_m", dissipation);
-  CheckPositive("blend_m", blend, "give a tenth of the static depth or so");
+  CheckPositive("blend_m", blend, "give about a tenth of the static depth");
   CheckPositive("bristle_stiffness_per_m", bristle_stiffness,
                 "give the friction coefficient over the deflection before sliding");
   CheckNotNegative("bristle_damping_s_per_m", bristle_damping);
-  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or less than ground has that matters");
-  CheckPositive("full_friction_N", full_friction, "give a small part of the weight on a foot");
-  CheckPositive("release_time_s", release_time, "give some milliseconds");
+  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or the lowest friction of interest");
+  CheckPositive("full_friction_N", full_friction, "give a small fraction of the weight on a foot");
+  CheckPositive("release_time_s", release_time, "give a few milliseconds");
 }
 
 double QuadrupedDescription::mass() const {
@@ -110,15 +110,16 @@ double QuadrupedDescription::StanceHeight() const {
 
 QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload) {
   if (!(payload.mass >= 0))
-    throw ParameterError(fmt::format("a payload of {} kg makes no sense; give 0 for none", payload.mass));
+    throw ParameterError(
+        fmt::format("the payload's mass is {} kg but must not be negative; give 0 for none", payload.mass));
   if (payload.mass > 0) robot.trunk = robot.trunk + payload;
   return robot;
 }
 
 QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
   if (!(std::isfinite(factor) && factor > 0))
-    throw ParameterError(
-        fmt::format("a mass factor of {}: it must be positive, 1 for the robot as it is", factor));
+    throw ParameterError(fmt::format(
+        "the mass factor is {} but must be finite and positive; 1 keeps the robot's masses", factor));
   const auto scale = [factor](RigidInertia& body) {
     body.mass *= factor;
     body.inertia *= factor;
