@@ -57,13 +57,6 @@ struct GaitTiming {
   double cycle() const { return num_steps * step_duration(); }
   /// Duration of a foot's stance from touchdown to lift-off [s].
   double leg_stance() const { return cycle() - swing; }
-  /// Duty factor: fraction of the cycle in which a foot stands; 1 if the robot stands.
-  double duty() const { return num_steps == 0 ? 1 : leg_stance() / cycle(); }
-  /// Phase of the cycle at which a leg lifts off.
-  double lift_off_phase(int leg) const {
-    if (num_steps == 0) return 0;
-    return (step[static_cast<std::size_t>(leg)] * step_duration() + stance) / cycle();
-  }
   static FieldList Fields() {
     return {{"num_steps", &GaitTiming::num_steps},
             {"step", &GaitTiming::step, "", kLegElements},
