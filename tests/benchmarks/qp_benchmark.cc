@@ -11,12 +11,11 @@
 // Benchmarks of each set:
 //
 //     SET/eliminated            12 variables, warm start from the active set of the previous problem
-//     SET/full                  30 variables, warm start likewise
+//     SET/full                  30 variables (FullWholeBodyQp), warm start likewise
 //
 // Benchmarks of the set qp only:
 //
-//     whole_body_qp/eliminated  includes making the problem from the dynamics
-//     whole_body_qp/full
+//     whole_body_qp             12 variables, includes making the problem from the dynamics
 //     qp/alglib_ipm             30 variables, dense interior-point method of ALGLIB
 //     qp/alglib_aul             augmented Lagrangian method of ALGLIB, used in Morlando 2023. Both have a
 //                               tolerance of 1e-6: smaller ones take longer at hardly better precision
@@ -34,6 +33,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/kkt_residual.h>
 #include <tenon/tests/controllers/optimization/owned_qp.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
@@ -129,12 +129,6 @@ const Sequence& Walk(const std::string& name) {
   return found != recorded.end() ? found->second : recorded.emplace(name, walks.at(name)()).first->second;
 }
 
-WholeBodyQpParams Params(const Sequence& walk, bool eliminate) {
-  WholeBodyQpParams params = walk.params;
-  params.eliminate = eliminate;
-  return params;
-}
-
 struct Stored : test::OwnedQp {
   using OwnedQp::OwnedQp;
   Eigen::VectorXd x;  // solution of the problem
@@ -160,16 +154,17 @@ struct Set {
 std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   std::vector<Stored> problems;
   const Sequence& walk = Walk(set.walk);
-  const WholeBodyQpParams params = Params(walk, eliminate);
   WholeBodyQp maker(walk.limit);
-  DualActiveSet solver(30, 60);
+  DualActiveSet solver = test::FullWholeBodySolver();
   for (const auto& [dynamics, task] : walk.tasks) {
     WholeBodySolution solution;
     maker.Solve(dynamics, task, params, &solution);
     // At touchdown some torques are at their limits already, and the moved limits would contradict them.
     if (set.moved > 0 && solution.num_active > 0) continue;
-    Stored& qp = problems.emplace_back(maker.problem());
-    qp.x = maker.solver().x();
+    Stored& qp = problems.emplace_back(
+        eliminate ? maker.problem() : test::FullWholeBodyQp(dynamics, task, walk.params, walk.limit).view());
+    solver.Solve(qp.view());
+    qp.x = solver.x();
     if (set.moved == 0) continue;
     MoveRows(set.moved, &qp);
     solver.Solve(qp.view());
@@ -180,7 +175,7 @@ std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
 
 void Solve(benchmark::State& state, const Set& set, bool eliminate) {
   const std::vector<Stored> problems = MakeProblems(set, eliminate), others = MakeProblems(set, !eliminate);
-  DualActiveSet solver(30, 60);
+  DualActiveSet solver = test::FullWholeBodySolver();
   std::vector<int> guess;
   guess.reserve(30);
   LeastTimes warm(problems.size()), cold(problems.size());
@@ -221,16 +216,15 @@ void Solve(benchmark::State& state, const Set& set, bool eliminate) {
     state.SkipWithError("a solve failed, or is not the minimum");
 }
 
-void MakeAndSolve(benchmark::State& state, bool eliminate) {
+void MakeAndSolve(benchmark::State& state) {
   const Sequence& walk = Walk("qp");
-  const WholeBodyQpParams params = Params(walk, eliminate);
   WholeBodyQp qp(walk.limit);
   WholeBodySolution solution;
   LeastTimes times(walk.tasks.size());
   for (auto _ : state) {
     for (std::size_t k = 0; k < walk.tasks.size(); ++k) {
       const auto& [dynamics, task] = walk.tasks[k];
-      times.Measure(k, [&] { return qp.Solve(dynamics, task, params, &solution); });
+      times.Measure(k, [&] { return qp.Solve(dynamics, task, walk.params, &solution); });
     }
   }
   times.Report(state);
@@ -309,8 +303,7 @@ const bool kRegistered = [] {
     Register((name + std::string("/eliminated")).c_str(), 10, Solve, set, true);
     Register((name + std::string("/full")).c_str(), 10, Solve, set, false);
   }
-  Register("whole_body_qp/eliminated", 10, MakeAndSolve, true);
-  Register("whole_body_qp/full", 10, MakeAndSolve, false);
+  Register("whole_body_qp", 10, MakeAndSolve);
   Register("qp/alglib_ipm", 2, SolveByAlglib, true);
   Register("qp/alglib_aul", 2, SolveByAlglib, false);
   return true;

@@ -50,7 +50,7 @@ TEST(PointOnLegTest, RunsFromTheFootOverTheKneeToTheHip) {
     EXPECT_THAT(at(0.75), IsNear(Vec<3>((hip + knee) / 2), 1e-12));
   }
   EXPECT_TRUE(
-      Throws<ParameterError>([&] { PointOnLeg(params.robot, 4, 0.5); }, "leg 4 is not there", "0 to 3"));
+      Throws<ParameterError>([&] { PointOnLeg(params.robot, 4, 0.5); }, "leg 4 does not exist", "0 to 3"));
   EXPECT_TRUE(
       Throws<ParameterError>([&] { PointOnLeg(params.robot, 0, 1.5); }, "height 1.5", "0 for the foot"));
 }
@@ -161,15 +161,15 @@ TEST(DisturbancesTest, RefuseParametersThatMakeNoSense) {
   const auto refuses = [](auto make, const auto&... parts) { return Throws<ParameterError>(make, parts...); };
   ExternalForce wrong = OnKnee();
   wrong.body = 13;
-  EXPECT_TRUE(refuses([&] { PulseForce pulse({wrong, 0, 1}); }, "body 13 is not there", "1 to 12"));
+  EXPECT_TRUE(refuses([&] { PulseForce pulse({wrong, 0, 1}); }, "body 13 does not exist", "1 to 12"));
   wrong = OnKnee();
   wrong.force_W[1] = NAN;
   EXPECT_TRUE(refuses([&] { SineForce sine({wrong, 1}); }, "must be finite", "N m"));
   EXPECT_TRUE(refuses([] { SineForce sine({OnKnee(), INFINITY}); }, "angular_frequency is inf"));
-  EXPECT_TRUE(refuses([] { SineForce sine({OnKnee(), 1, 2, 1}); }, "ends at 1 s but starts at 2 s"));
+  EXPECT_TRUE(refuses([] { SineForce sine({OnKnee(), 1, 2, 1}); }, "ends at 1 s", "start at 2 s"));
   EXPECT_TRUE(refuses([] { PulseForce pulse({OnKnee(), NAN, 1}); }, "start is nan"));
   EXPECT_TRUE(refuses([] { PulseForce pulse({OnKnee(), 0, -1}); }, "duration = -1 must not be negative"));
-  EXPECT_TRUE(refuses([] { RandomForce random({DogBot(), false, 3, 2}); }, "magnitudes from 3 to 2 N"));
+  EXPECT_TRUE(refuses([] { RandomForce random({DogBot(), false, 3, 2}); }, "3 and 2 N"));
   EXPECT_TRUE(refuses([] { RandomForce random({{}, false, 1, 2}); }, "the robot has no mass"));
   EXPECT_TRUE(refuses([] { ForceBundle bundle({9}); }, "9 forces are too many", "at most 8"));
 }
@@ -180,7 +180,7 @@ TEST(DisturbancesTest, ForcesAreSetInARun) {
   for (const double time : {0.2, 1.0, 5.0}) {
     EXPECT_EQ(sine.RunTo(time)[sine->force].force_W, built_sine.RunTo(time)[built_sine->force].force_W);
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { sine.Set(sine->end, 0); }, "ends at 0 s", "starts at 0.5 s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { sine.Set(sine->end, 0); }, "ends at 0 s", "start at 0.5 s"));
 
   TestRig<PulseForce> pulse;
   pulse.Set(pulse->push, OnKnee()).Set(pulse->start, 1).Set(pulse->duration, 0.5);

@@ -79,11 +79,11 @@ TEST(SpringPullTest, RefusesWhatMakesNoSense) {
   EXPECT_THAT([] { TestRig<SpringPull> rig(SpringPullParams{}); },
               testing::ThrowsMessage<ParameterError>(testing::HasSubstr("has no mass")));
   EXPECT_THAT([] { TestRig<SpringPull> rig(SpringPullParams{.robot = test::DogBot(), .damping = -1}); },
-              testing::ThrowsMessage<ParameterError>(testing::HasSubstr("none may be negative")));
+              testing::ThrowsMessage<ParameterError>(testing::HasSubstr("must not be negative")));
   TestRig<SpringPull> rig(SpringPullParams{.robot = test::DogBot()});
   rig.Fix(rig->state, LeggedState());
   rig.Set(rig->grip, {true, 13, Vec<3>::Zero(), Vec<3>::Zero()});
-  EXPECT_THAT([&] { rig[rig->force]; }, testing::ThrowsMessage<RunError>(testing::HasSubstr("at body 13")));
+  EXPECT_THAT([&] { rig[rig->force]; }, testing::ThrowsMessage<RunError>(testing::HasSubstr("on body 13")));
 }
 
 }  // namespace

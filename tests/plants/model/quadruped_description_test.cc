@@ -540,13 +540,13 @@ TEST(WithMassFactorTest, ScalesMassesAndInertias) {
 
 TEST(WithMassFactorTest, RefusesWhatIsNoFactor) {
   EXPECT_TRUE(
-      Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "a mass factor of 0", "positive"));
+      Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "mass factor is 0", "positive"));
 }
 
 TEST(WithPayloadTest, RefusesNegativeMass) {
   RigidInertia payload;
   payload.mass = -1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "a payload of -1 kg",
+  EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "payload's mass is -1 kg",
                                      "give 0 for none"));
 }
 

@@ -166,7 +166,7 @@ TEST(ImuTest, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(refuses(params, "bias", "rad/s"));
   params = {};
   params.p_B[2] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refuses(params, "p_B, where the IMU is, is not finite", "give metres"));
+  EXPECT_TRUE(refuses(params, "p_B", "not finite", "give metres"));
   params = {};
   params.gravity = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses(params, "gravity is nan"));

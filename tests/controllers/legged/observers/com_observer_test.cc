@@ -205,10 +205,10 @@ TEST(ComObserverTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
   ComObserverParams params = Params(DogBot());
   params.gains.force_bandwidth = 0;
-  EXPECT_TRUE(refuses(params, "force_bandwidth_rad_per_s = 0 must be positive"));
+  EXPECT_TRUE(refuses(params, "force_bandwidth_rad_per_s = 0", "positive"));
   params = Params(DogBot());
   params.gains.torque_bandwidth = NAN;
-  EXPECT_TRUE(refuses(params, "torque_bandwidth_rad_per_s = nan must be positive"));
+  EXPECT_TRUE(refuses(params, "torque_bandwidth_rad_per_s = nan", "positive"));
 }
 
 TEST(ComObserverTest, GainsAreSetInARun) {

@@ -74,7 +74,7 @@ TEST(EstimatorGainsTest, RefusesWhatDiverges) {
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({}); }, "0 gains", "r from 1 to 12"));
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz(std::vector<double>(13, 1.0)); }, "13 gains"));
   EXPECT_TRUE(Throws<ParameterError>([] { DemandHurwitz({1, NAN}); }, "1, nan", "not all finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(0, 1); }, "order 0: give 1 to 12"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(0, 1); }, "order of the estimator is 0", "12"));
   EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(2, 0); }, "0 rad/s", "must be positive"));
   EXPECT_TRUE(Throws<ParameterError>([] { GainsOfPolynomial({1, 0}); }, "not all finite"));
 }

@@ -93,7 +93,7 @@ TEST(GroundForceObserverTest, RefusesWhatMakesNoSense) {
       "min_singular_value = 0 m"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { GroundForceObserverParams{.robot = test::DogBot(), .gravity = 0}.Validate(); },
-      "gravity is 0 m/s^2"));
+      "gravity = 0 m/s^2"));
 }
 
 }  // namespace

@@ -289,7 +289,7 @@ TEST(ComPlannerTest, DoesNotAllocate) {
 TEST(ComPlannerTest, RefusesNonsense) {
   ComPlannerParams params = Params();
   params.blend = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "within 0 s", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "blend is 0 s", "positive"));
   params = Params();
   params.gravity = 0;
   EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "gravity is 0", "positive"));
@@ -311,7 +311,7 @@ TEST(ComPlannerTest, TheBlendIsSetInARun) {
   EXPECT_EQ(found.com_W, expected.com_W);
   EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
   EXPECT_NE(walk_off(plain).com_W, expected.com_W);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "blended in within 0 s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "blend is 0 s"));
 }
 
 }  // namespace

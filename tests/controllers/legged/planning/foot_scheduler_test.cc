@@ -25,6 +25,11 @@ FootSchedulerParams Standard() {
       .For(208.52136);  // DogBot's weight: 4 N
 }
 
+/// The fraction of a gait's cycle in which a foot stands.
+double Duty(const ContactSchedule& schedule) {
+  return schedule.timing.leg_stance() / schedule.timing.cycle();
+}
+
 /// A scheduler with feet that carry weight whenever they are not in the air, unless a test says otherwise.
 class Walk {
  public:
@@ -120,7 +125,7 @@ TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
     ASSERT_EQ(swings.size(), 2 * expected.size()) << EnumName(gait);
     for (std::size_t k = 0; k < swings.size(); ++k) EXPECT_EQ(swings[k], expected[k % expected.size()]);
     for (const int count : stance_ticks) {
-      EXPECT_NEAR(count, ticks * walk.schedule().timing.duty(), 2.0) << EnumName(gait);
+      EXPECT_NEAR(count, ticks * Duty(walk.schedule()), 2.0) << EnumName(gait);
     }
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps - 1);
     walk.Tick();
@@ -134,7 +139,7 @@ TEST(FootSchedulerTest, TrotHasTheTimingOfTheThesis) {
   EXPECT_EQ(walk.schedule().num_stance(), 4);
   EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 2; }), 150);
   EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 4; }), 115);
-  EXPECT_NEAR(walk.schedule().timing.duty(), 1 - 0.115 / 0.53, 1e-12);
+  EXPECT_NEAR(Duty(walk.schedule()), 1 - 0.115 / 0.53, 1e-12);
 }
 
 TEST(FootSchedulerTest, PlannedTimesAreTheTimesAtWhichEventsCome) {
@@ -301,7 +306,7 @@ TEST(FootSchedulerTest, WithoutStanceTheGroupsFollowAtOnce) {
   params.gaits.trot.stance = 0;
   Walk walk(Gait::kTrot, params);
   for (int n = 0; n < 400; ++n) ASSERT_EQ(walk.Tick().num_stance(), 2) << n;
-  EXPECT_EQ(walk.schedule().timing.duty(), 0.5);
+  EXPECT_EQ(Duty(walk.schedule()), 0.5);
   EXPECT_EQ(walk.schedule().footsteps, 3);
 }
 
@@ -324,14 +329,14 @@ TEST(FootSchedulerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s = -1"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s = 0"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl",
-                      "'front_right' stands there 0 times"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop",
-                      "empty group: leave it out"));
+                      "'front_right' 0 times"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop", "empty group"));
   EXPECT_TRUE(refuses(
       [](auto& p) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
       },
-      "must be two at least", "in the air at once"));
+      "at least two", "in the air at once"));
   EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N is 0 N", "positive"));
   EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase is 2", "0 to 1"));
   EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s is -1 s", "not be negative"));
@@ -345,8 +350,8 @@ TEST(FootSchedulerTest, FileErrorsNameThePlace) {
   EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot.swing_groups",
                                      "rear_rigth", "rear_right"));
   document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
-  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot",
-                                     "'rear_right' stands there 0 times"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot", "'rear_right' 0 times"));
   auto heavy = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
   heavy.Set("touchdown_force_mg", "4");
   EXPECT_TRUE(Throws<ParameterError>([&] { heavy.Read<GaitFile>(); }, "touchdown_force_mg is 4", "0.25"));

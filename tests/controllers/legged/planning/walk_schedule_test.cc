@@ -105,7 +105,7 @@ TEST(WalkScheduleTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { WalkSchedule block(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments is empty", "give one"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments is empty"));
   EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration_m_per_s2 = 0", "positive"));
   EXPECT_TRUE(
       refuses([](auto& p) { p.yaw_acceleration = 0; }, "yaw_acceleration_rad_per_s2 = 0", "positive"));
