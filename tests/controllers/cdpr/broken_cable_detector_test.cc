@@ -1,8 +1,5 @@
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::broken_cable_detector_test {
 namespace {

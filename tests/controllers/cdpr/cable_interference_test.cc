@@ -1,13 +1,10 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 
 namespace tenon::cable_interference_test {

@@ -1,12 +1,7 @@
 #include <tenon/controllers/cdpr/cable_pd.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cable_pd_test {
 namespace {
@@ -21,8 +16,8 @@ class CablePdTest : public ::testing::Test {
     cables.length_rate = reference.length_rate;
   }
   CableVector Command() {
-    rig.Fix(rig.system().cables, cables).Fix(rig.system().reference, reference).Tick();
-    return rig[rig.system().command];
+    rig.Fix(rig->cables, cables).Fix(rig->reference, reference).Tick();
+    return rig[rig->command];
   }
 
   TestRig<CablePd> rig{CablePdParams{LoadCdpr(FindResource("robots", "cdpr_4")), 1000, 50}};

@@ -1,15 +1,10 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 namespace tenon::cdpr_kinematics_test {
 namespace {
@@ -119,7 +114,7 @@ TEST(CdprKinematics, CableLeavesItsPulleyTangentially) {
 
 TEST(CdprKinematics, WhatIsNoNumberStaysSo) {
   for (const CdprDescription& robot : {test::FourCableRobot(), WithPulleys(test::FourCableRobot())}) {
-    const Vector3d nowhere(std::numeric_limits<double>::quiet_NaN(), 0, 1);
+    const Vector3d nowhere(NAN, 0, 1);
     EXPECT_TRUE(std::isnan(CalcCableLine(robot, 0, nowhere, Matrix3d::Identity()).length));
   }
 }
@@ -172,10 +167,8 @@ TEST(CdprKinematics, LockedStiffnessOfAQuadrifilarPendulum) {
 TEST(CdprKinematics, NoMotionIsLeftBySixCables) {
   const CdprDescription robot = test::SixCableRobot();
   const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 2}, Matrix3d::Identity());
-  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Constant(6, 50)),
-            std::numeric_limits<double>::infinity());
-  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Zero(6)),
-            -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Constant(6, 50)), INFINITY);
+  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Zero(6)), -INFINITY);
 }
 
 // K is the Hessian of the energy of elastic cables and of gravity, by second differences.
@@ -216,7 +209,7 @@ TEST(CdprKinematics, TranslationalStiffnessIsForceOverDisplacement) {
   const CableKinematics cables = CalcCableKinematics(robot, {0.3, -0.2, 1.8}, Matrix3d::Identity());
   const Matrix6d K = CalcElasticStiffness(robot.cable, cables, CableVector::Constant(6, 40));
   const double least = CalcLeastTranslationalStiffness(K);
-  double softest = std::numeric_limits<double>::infinity();
+  double softest = INFINITY;
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j <= 30; ++j) {
       Vector6d force = Vector6d::Zero();

@@ -1,13 +1,10 @@
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 #include <vector>
 

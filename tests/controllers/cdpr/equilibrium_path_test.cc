@@ -1,17 +1,12 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -22,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = INFINITY;
 constexpr double kStep = 1e-4;
 
 Path TestCircle() {

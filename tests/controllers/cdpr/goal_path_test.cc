@@ -1,12 +1,7 @@
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::goal_path_test {
 namespace {

@@ -1,14 +1,11 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
 #include <Eigen/Dense>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using ::testing::HasSubstr;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = INFINITY;
 
 CableKinematics Cables(const CdprDescription& robot, const StaticEquilibrium& equilibrium) {
   return CalcCableKinematics(robot, equilibrium.p_WB, equilibrium.R_WB);

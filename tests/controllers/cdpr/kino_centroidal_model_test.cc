@@ -1,17 +1,11 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <vector>
 
 namespace tenon::kino_centroidal_model_test {
@@ -182,7 +176,7 @@ TEST(KinoCentroidalModel, IsNotFiniteWhereItSaysNothing) {
   CentroidalState x = SomeState(), next;
   model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
   EXPECT_TRUE(next.allFinite());
-  for (const double angle : {1.1e6, -1e300, std::numeric_limits<double>::infinity()}) {
+  for (const double angle : {1.1e6, -1e300, INFINITY}) {
     x[11] = angle;
     model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
     EXPECT_FALSE(next.allFinite()) << angle;

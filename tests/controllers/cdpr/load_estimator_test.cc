@@ -2,17 +2,11 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::load_estimator_test {
 namespace {

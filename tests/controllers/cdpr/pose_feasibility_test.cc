@@ -1,14 +1,10 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 namespace tenon::pose_feasibility_test {

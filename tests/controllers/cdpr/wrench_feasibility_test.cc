@@ -1,18 +1,13 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 #include <vector>
@@ -78,7 +73,7 @@ TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
     }
     const Vector2d wrench(Uniform(-60, 60), Uniform(-40, 100));
     // Lines through two corners with all others on one side are edges; the least distance inwards counts.
-    double least = std::numeric_limits<double>::infinity();
+    double least = INFINITY;
     for (const Vector2d& a : corners) {
       for (const Vector2d& b : corners) {
         if ((b - a).norm() < 1e-9) continue;

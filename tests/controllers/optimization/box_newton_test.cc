@@ -1,12 +1,7 @@
 #include <tenon/controllers/optimization/box_newton.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/matchers.h>
 
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <random>
 
 namespace tenon::box_newton_test {
@@ -136,9 +131,9 @@ TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
   EXPECT_FALSE(box.SolveFree(H, g, x));
   H.setIdentity();
-  g[0] = std::numeric_limits<double>::quiet_NaN();
+  g[0] = NAN;
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = INFINITY;
   g[0] = -infinity;
   lower.setConstant(-infinity);
   upper.setConstant(infinity);

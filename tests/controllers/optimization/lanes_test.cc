@@ -1,12 +1,8 @@
 #include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 
 namespace tenon::internal::lanes_test {
@@ -15,7 +11,7 @@ namespace {
 /// How many units in the last place `value` is off.
 double Units(double value, long double expected) {
   const double magnitude = std::abs(static_cast<double>(expected));
-  const double unit = std::nextafter(magnitude, std::numeric_limits<double>::infinity()) - magnitude;
+  const double unit = std::nextafter(magnitude, INFINITY) - magnitude;
   return static_cast<double>(std::abs(value - expected) / unit);
 }
 
@@ -50,7 +46,7 @@ TEST(Lanes, SineAndCosineOfAnyAngleUpToAMillion) {
 }
 
 TEST(Lanes, SineAndCosineOfWhatIsTooLargeAreNotFinite) {
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = INFINITY;
   double sines[4], cosines[4];
   for (const double angle : {1.1e6, -1.1e6, 1e300, infinity, std::nan("")}) {
     const double angles[4] = {0, angle, M_PI, -1e6};
@@ -64,7 +60,7 @@ TEST(Lanes, SineAndCosineOfWhatIsTooLargeAreNotFinite) {
 }
 
 TEST(Lanes, SquareRootsAreThoseOfTheLibrary) {
-  const Lanes values = {2, 0, 1e-300, std::numeric_limits<double>::infinity()};
+  const Lanes values = {2, 0, 1e-300, INFINITY};
   Lanes roots;
   Sqrt(values, &roots);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(roots[i], std::sqrt(values[i]));

@@ -1,11 +1,6 @@
 #include <tenon/controllers/optimization/riccati.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
 
 namespace tenon::riccati_test {
 namespace {

@@ -1,15 +1,9 @@
 #include <tenon/plants/cdpr/cable_fault.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace tenon::cable_fault_test {

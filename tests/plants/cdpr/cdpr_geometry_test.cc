@@ -1,10 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
 
@@ -98,7 +94,6 @@ TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
 }
 
 TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   CdprDescription robot = FourCableRobot();
   robot.cable.mass_per_length = 0.05;
   robot.winch.pulley_radius = 0.04;

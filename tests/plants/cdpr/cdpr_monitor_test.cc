@@ -1,10 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_monitor_test {
 namespace {

@@ -1,16 +1,6 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 namespace tenon::elastic_catenary_test {
 namespace {
@@ -212,7 +202,7 @@ TEST(ElasticCatenaryTest, RefusesWhatIsNoCable) {
   EXPECT_TRUE(refuses(1, 0, 1e3, 1, 1));
   EXPECT_TRUE(refuses(1, 1, -1e3, 1, 1));
   EXPECT_TRUE(refuses(1, 1, 1e3, -1, 1));
-  EXPECT_TRUE(refuses(1, 1, 1e3, 1, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_TRUE(refuses(1, 1, 1e3, 1, NAN));
 }
 
 }  // namespace

@@ -1,12 +1,8 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 namespace tenon::free_rigid_body_test {
 namespace {

@@ -1,9 +1,5 @@
 #include <tenon/plants/cdpr/payload_schedule.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::payload_schedule_test {
 namespace {
@@ -14,7 +10,7 @@ TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
   params.attach_s = 1;
   params.release_s = 2;
   TestRig<PayloadSchedule> rig(params);
-  const auto mass_at = [&](double time) { return rig.RunTo(time)[rig.system().payload].mass; };
+  const auto mass_at = [&](double time) { return rig.RunTo(time)[rig->payload].mass; };
   EXPECT_EQ(mass_at(0.999), 0);
   EXPECT_EQ(mass_at(1), 5);
   EXPECT_EQ(mass_at(1.999), 5);

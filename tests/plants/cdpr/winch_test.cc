@@ -1,12 +1,7 @@
 #include <tenon/plants/cdpr/winch.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::winch_test {
 namespace {

@@ -1,11 +1,5 @@
 #include <tenon/plants/legged/drive_errors.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::drive_errors_test {
 namespace {

@@ -1,9 +1,5 @@
 #include <tenon/plants/legged/fall_monitor.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::fall_monitor_test {
 namespace {
@@ -17,9 +13,9 @@ LeggedState At(const Vec<3>& p_WB, double roll = 0) {
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {
   TestRig<FallMonitor> rig(FallMonitorParams{.min_height = 0.2});
-  rig.Fix(rig.system().state, At({0, 0, 0.201}));
+  rig.Fix(rig->state, At({0, 0, 0.201}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({0, 0, 0.199}));
+  rig.Fix(rig->state, At({0, 0, 0.199}));
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
   EXPECT_EQ(status.reason,
@@ -30,17 +26,17 @@ TEST(FallMonitorTest, HeightCountsFromTheGroundBelow) {
   FallMonitorParams params{.min_height = 0.2};
   params.terrain.grade = {0.5, 0};
   TestRig<FallMonitor> rig(params);
-  rig.Fix(rig.system().state, At({-2, 0, -0.79}));
+  rig.Fix(rig->state, At({-2, 0, -0.79}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({2, 0, 1.19}));
+  rig.Fix(rig->state, At({2, 0, 1.19}));
   EXPECT_TRUE(rig.simulator().AdvanceTo(1).ended);
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkTilts) {
   TestRig<FallMonitor> rig(FallMonitorParams{.max_tilt = 0.8});
-  rig.Fix(rig.system().state, At({0, 0, 1}, -0.79));
+  rig.Fix(rig->state, At({0, 0, 1}, -0.79));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({0, 0, 1}, -0.81));
+  rig.Fix(rig->state, At({0, 0, 1}, -0.81));
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
   EXPECT_EQ(status.reason,

@@ -1,16 +1,10 @@
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace tenon::joint_lock_test {

@@ -1,17 +1,11 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -41,8 +35,8 @@ QuadrupedDescription Lossless(QuadrupedDescription robot) {
   robot.drive.damping = robot.drive.friction = 0;
   for (LegDescription& leg : robot.legs)
     for (JointDescription& joint : leg.joints) {
-      joint.lower = -std::numeric_limits<double>::infinity();
-      joint.upper = std::numeric_limits<double>::infinity();
+      joint.lower = -INFINITY;
+      joint.upper = INFINITY;
     }
   return robot;
 }
@@ -194,8 +188,8 @@ TEST(QuadrupedPlantTest, FallsFreely) {
   QuadrupedPlantParams params = Params(A1());
   params.initial = High(params.initial);
   Rig rig(params);
-  rig.Fix(rig.system().torque, Vec<12>::Zero());
-  const LeggedAcceleration& a = rig[rig.system().acceleration];
+  rig.Fix(rig->torque, Vec<12>::Zero());
+  const LeggedAcceleration& a = rig[rig->acceleration];
   EXPECT_THAT(a.a_W, IsNear(Vec<3>(0, 0, -kGravity), 1e-12));
   EXPECT_THAT(a.alpha_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
   EXPECT_THAT(a.qdd, IsNear(Vec<12>::Zero(), 1e-12));
@@ -232,11 +226,11 @@ TEST(QuadrupedPlantTest, FrictionTakesEnergy) {
   params.initial = High(params.initial);
   params.initial.qd.setConstant(1);
   Rig rig(params);
-  rig.Fix(rig.system().torque, Vec<12>::Zero());
+  rig.Fix(rig->torque, Vec<12>::Zero());
   // Power of friction at the start: viscous and Coulomb's, on twelve joints.
-  const double before = rig[rig.system().energy].total(), h = 1e-5;
+  const double before = rig[rig->energy].total(), h = 1e-5;
   rig.RunTo(h);
-  EXPECT_NEAR((rig[rig.system().energy].total() - before) / h, -12 * (0.05 + 0.2 * std::tanh(10)), 0.02);
+  EXPECT_NEAR((rig[rig->energy].total() - before) / h, -12 * (0.05 + 0.2 * std::tanh(10)), 0.02);
 }
 
 // --- Drives ---------------------------------------------------------------------------------------------
@@ -246,10 +240,10 @@ TEST(QuadrupedPlantTest, DrivesSaturate) {
   Vec<12> command = Vec<12>::Constant(100);
   command[1] = -100;
   command[2] = 42;
-  rig.Fix(rig.system().torque, command);
-  EXPECT_EQ(rig[rig.system().joint_torque][0], 60);
-  EXPECT_EQ(rig[rig.system().joint_torque][1], -60);
-  EXPECT_EQ(rig[rig.system().joint_torque][2], 42);
+  rig.Fix(rig->torque, command);
+  EXPECT_EQ(rig[rig->joint_torque][0], 60);
+  EXPECT_EQ(rig[rig->joint_torque][1], -60);
+  EXPECT_EQ(rig[rig->joint_torque][2], 42);
 }
 
 TEST(QuadrupedPlantTest, TorqueFallsWithSpeedIfAsked) {
@@ -261,8 +255,8 @@ TEST(QuadrupedPlantTest, TorqueFallsWithSpeedIfAsked) {
     Vec<12> command = Vec<12>::Constant(100), expected = Vec<12>::Constant(60);
     command[6] = expected[6] = -50;  // braking is not limited
     if (limited) expected.head<5>() << 60, 30, 0, -60, -60;
-    rig.Fix(rig.system().torque, command);
-    EXPECT_THAT(rig[rig.system().joint_torque], IsNear(expected, 1e-12));
+    rig.Fix(rig->torque, command);
+    EXPECT_THAT(rig[rig->joint_torque], IsNear(expected, 1e-12));
   }
 }
 
@@ -275,12 +269,11 @@ TEST(QuadrupedPlantTest, EndStopsPushBack) {
     params.initial.q[2] = params.robot.joint(2).upper + beyond;
     params.initial.qd[2] = speed;
     Rig rig(params);
-    rig.Fix(rig.system().torque, Vec<12>::Zero());
+    rig.Fix(rig->torque, Vec<12>::Zero());
     Vec<18> a;
-    a << rig[rig.system().acceleration].a_W, rig[rig.system().acceleration].alpha_W,
-        rig[rig.system().acceleration].qdd;
+    a << rig[rig->acceleration].a_W, rig[rig->acceleration].alpha_W, rig[rig->acceleration].qdd;
     QuadrupedDynamics dynamics;
-    QuadrupedModel(params.robot, 0).Calc(rig[rig.system().state], &dynamics);
+    QuadrupedModel(params.robot, 0).Calc(rig[rig->state], &dynamics);
     return (dynamics.M * a + dynamics.coriolis)[8];  // the torque of the stop
   };
   EXPECT_NEAR(qdd(-0.01, 3), 0, 1e-9);
@@ -477,10 +470,10 @@ TEST(QuadrupedPlantTest, RefusesForcesOnBodiesThatAreNotThere) {
   Rig rig(Params(DogBot()));
   ExternalForces forces;
   forces[0].body = 13;
-  rig.Fix(rig.system().torque, Vec<12>::Zero()).Fix(rig.system().external, forces);
-  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().acceleration]; }, "body 13", "0 for the trunk"));
-  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().external_wrench]; }, "body 13"));
-  EXPECT_TRUE(Throws<RunError>([&] { rig[rig.system().external_torque]; }, "body 13"));
+  rig.Fix(rig->torque, Vec<12>::Zero()).Fix(rig->external, forces);
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->acceleration]; }, "body 13", "0 for the trunk"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->external_wrench]; }, "body 13"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->external_torque]; }, "body 13"));
 }
 
 TEST(QuadrupedPlantTest, RefusesParametersThatCannotBe) {

@@ -1,13 +1,7 @@
 #include <tenon/plants/legged/sliding_load.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::sliding_load_test {
 namespace {

@@ -1,13 +1,9 @@
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
 
 namespace tenon::spring_pull_test {
 namespace {

@@ -1,16 +1,13 @@
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Dense>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace tenon::cdpr_description_test {
 namespace {
@@ -177,7 +174,7 @@ TEST(CdprDescriptionTest, ErrorsOfAFileNameItsLine) {
 }
 
 TEST(CdprDescriptionTest, Mass) {
-  for (const double mass : {0.0, -2.0, std::numeric_limits<double>::quiet_NaN()})
+  for (const double mass : {0.0, -2.0, NAN})
     EXPECT_THAT(ErrorAfter([&](auto& robot) { robot.mass = mass; }),
                 AllOf(HasSubstr("mass is"), HasSubstr("kg but must be positive; give mass_kg above 0")));
 }
@@ -192,9 +189,8 @@ TEST(CdprDescriptionTest, Inertia) {
   EXPECT_THAT(ErrorAfter([](auto& robot) { robot.inertia_B.diagonal() << 1, 2, 3.5; }),
               AllOf(HasSubstr("inertia of no rigid body: its principal moments are 1, 2, 3.5 kg m^2"),
                     HasSubstr("above the sum of the other two")));
-  EXPECT_THAT(
-      ErrorAfter([](auto& robot) { robot.inertia_B(0, 0) = std::numeric_limits<double>::infinity(); }),
-      HasSubstr("inertia has entries that are not finite"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.inertia_B(0, 0) = INFINITY; }),
+              HasSubstr("inertia has entries that are not finite"));
   EXPECT_EQ(ErrorAfter([](auto& robot) { robot.inertia_B.diagonal() << 1, 2, 3; }), "no error")
       << "a flat plate";
 }
@@ -208,9 +204,8 @@ TEST(CdprDescriptionTest, Cables) {
   EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables[3].attachment_B = robot.cables[3].anchor_W; }),
               AllOf(HasSubstr("cables.3 has zero length: anchor and attachment are both (3.5, -4.5, 4) m"),
                     HasSubstr("from the platform's CoM")));
-  EXPECT_THAT(
-      ErrorAfter([](auto& robot) { robot.cables[0].anchor_W[1] = std::numeric_limits<double>::quiet_NaN(); }),
-      HasSubstr("cables.0 has a coordinate that is not finite"));
+  EXPECT_THAT(ErrorAfter([](auto& robot) { robot.cables[0].anchor_W[1] = NAN; }),
+              HasSubstr("cables.0 has a coordinate that is not finite"));
 }
 
 TEST(CdprDescriptionTest, CableProperties) {

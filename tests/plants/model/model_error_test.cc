@@ -1,12 +1,6 @@
 #include <tenon/plants/model/model_error.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::model_error_test {
 namespace {

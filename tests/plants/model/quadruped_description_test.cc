@@ -1,22 +1,18 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <sstream>
 
 namespace tenon::quadruped_description_test {
@@ -142,8 +138,8 @@ TEST(QuadrupedDescriptionTest, ContinuousJointsHaveNoEnd) {
   files.Change(&RobotFiles::urdf, "\"FL_thigh_joint\" type=\"revolute\"",
                "\"FL_thigh_joint\" type=\"continuous\"");
   const QuadrupedDescription robot = files.Load();
-  EXPECT_EQ(robot.joint(1).lower, -std::numeric_limits<double>::infinity());
-  EXPECT_EQ(robot.joint(1).upper, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(robot.joint(1).lower, -INFINITY);
+  EXPECT_EQ(robot.joint(1).upper, INFINITY);
   EXPECT_EQ(robot.joint(4).upper, 4.1888);
 }
 

@@ -4,11 +4,8 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
 
 namespace tenon::quadruped_model_mujoco_test {
 namespace {

@@ -1,11 +1,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::standing_test {
 namespace {

@@ -1,16 +1,11 @@
 #include <tenon/plants/robots/mesh_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <numbers>

@@ -1,12 +1,6 @@
 #include <tenon/plants/sensors/cable_sensors.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <numbers>
 
 namespace tenon::cable_sensors_test {

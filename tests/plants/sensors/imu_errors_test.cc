@@ -1,12 +1,5 @@
 #include <tenon/plants/sensors/imu_errors.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::imu_errors_test {
 namespace {

@@ -1,10 +1,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::shank_forces_test {
 namespace {

@@ -1,14 +1,8 @@
 #include <tenon/plants/surroundings/leash.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::leash_test {
 namespace {

@@ -1,10 +1,5 @@
 #include <tenon/plants/surroundings/obstacle_detector.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::obstacle_detector_test {
 namespace {
@@ -17,8 +12,8 @@ bool Sees(double x, double y, double yaw) {
   LeggedState state;
   state.p_WB = {x, y, 0.4};
   state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
-  rig.Fix(rig.system().state, state);
-  return rig[rig.system().obstacle];
+  rig.Fix(rig->state, state);
+  return rig[rig->obstacle];
 }
 
 TEST(ObstacleDetectorTest, SeesWhatIsAheadInRange) {
@@ -61,8 +56,8 @@ TEST(ObstacleDetectorTest, TurnsWithTheRobotAndSeesAllObstacles) {
 
 TEST(ObstacleDetectorTest, DrawsThePillars) {
   TestRig<ObstacleDetector> rig(kParams);
-  rig.Fix(rig.system().state, LeggedState());
-  const Geometry& shapes = rig[rig.system().geometry];
+  rig.Fix(rig->state, LeggedState());
+  const Geometry& shapes = rig[rig->geometry];
   ASSERT_EQ(shapes.size(), 2U);
   EXPECT_THAT(Vec<2>(shapes[1].p_W.head<2>()), IsNear(Vec<2>(-5, 4), 1e-15));
   EXPECT_EQ(shapes[1].size[0], 0.5);

@@ -1,15 +1,9 @@
 #include <tenon/plants/surroundings/leash.h>
 #include <tenon/plants/surroundings/person.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <functional>
 #include <string>
 
@@ -156,7 +150,7 @@ TEST(PersonTest, OscillatesOnTheLeash) {
 
 TEST(PersonTest, IsDrawnWhereItIs) {
   TestRig<Person> rig(Params());
-  const Geometry& shapes = rig[rig.system().geometry];
+  const Geometry& shapes = rig[rig->geometry];
   for (const Shape& shape : shapes) {
     EXPECT_EQ(shape.role, ShapeRole::kOther);
     EXPECT_THAT(Vec<2>(shape.p_W.head<2>()), IsNear(Vec<2>(-1, 2), 1e-12)) << shape.name;

@@ -1,15 +1,10 @@
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::terrain_test {
 namespace {

@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tenon::disturbance_filter_test {

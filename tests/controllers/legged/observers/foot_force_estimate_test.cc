@@ -1,10 +1,7 @@
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::foot_force_estimate_test {
 namespace {

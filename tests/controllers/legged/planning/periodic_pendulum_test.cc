@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::periodic_pendulum_test {
 namespace {

@@ -1,12 +1,5 @@
 #include <tenon/controllers/legged/planning/walk_drive.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::walk_drive_test {
 namespace {

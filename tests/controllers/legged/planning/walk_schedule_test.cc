@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/planning/walk_schedule.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <functional>
 #include <string>
 
@@ -62,16 +57,16 @@ TEST(WalkScheduleTest, GoesTheLengthsOnRamps) {
 
 TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
   TestRig<WalkSchedule> rig(Example());
-  const double end = rig.system().end_time();
+  const double end = rig->end_time();
   EXPECT_NEAR(end, 0.5 + 0.4 + (2 - 0.024) / 0.12 + 3.5 / 0.12 + 4, 1e-12);
-  EXPECT_NEAR(rig.system().last_ramp_end(), end - 4 + std::hypot(0.12, 0.1) / 0.3, 1e-12);
+  EXPECT_NEAR(rig->last_ramp_end(), end - 4 + std::hypot(0.12, 0.1) / 0.3, 1e-12);
   rig.RunTo(end - 1);
-  EXPECT_EQ(rig[rig.system().command].gait, Gait::kPace);
-  EXPECT_EQ(rig[rig.system().command].left, 0.1);
-  EXPECT_EQ(rig[rig.system().command].forward, 0);
+  EXPECT_EQ(rig[rig->command].gait, Gait::kPace);
+  EXPECT_EQ(rig[rig->command].left, 0.1);
+  EXPECT_EQ(rig[rig->command].forward, 0);
   rig.RunTo(end + 0.02);
-  EXPECT_EQ(rig[rig.system().command].gait, Gait::kStand);
-  EXPECT_EQ(rig[rig.system().command].left, 0);
+  EXPECT_EQ(rig[rig->command].gait, Gait::kStand);
+  EXPECT_EQ(rig[rig->command].left, 0);
 }
 
 // In the middle the sine itself, at both ends at rest, and the rates are those of the height.
@@ -85,7 +80,7 @@ TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
   TestRig<WalkSchedule> rig(params);
   const auto at = [&](double t) {
     rig.RunTo(t);
-    return rig[rig.system().command].height;
+    return rig[rig->command].height;
   };
   EXPECT_EQ(at(0), Vec<3>(0, 0, 0));
   Vec<3> before = at(0.1), now = at(0.101), after = at(0.102);

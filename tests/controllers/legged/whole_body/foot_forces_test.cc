@@ -1,12 +1,10 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/SVD>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::foot_forces_test {
 namespace {

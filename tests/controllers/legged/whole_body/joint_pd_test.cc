@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::joint_pd_test {
 namespace {
@@ -64,20 +59,20 @@ TEST(JointPdTest, IsTheEquationWithinTheLimits) {
   joints.q[2] -= 0.1;
   joints.qd[4] = 0.5;
   joints.q[8] += 100;
-  rig.Fix(rig.system().joints, joints).Tick();
+  rig.Fix(rig->joints, joints).Tick();
   Vec<12> expected = StandingTorque(params.robot, 9.81);
   expected[2] += 40 * 0.1;
   expected[4] -= 2 * 0.5;
   expected[8] = -60;
-  EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-12));
+  EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-12));
 }
 
 TEST(JointPdTest, FollowsItsReferenceWithoutGravityCompensation) {
   JointPdParams params = Params(A1());
   params.gravity_compensation = false;
   TestRig<JointPd> rig(params);
-  rig.Fix(rig.system().joints, JointMotion{}).Fix(rig.system().reference, Vec<12>::Constant(0.2)).Tick();
-  EXPECT_THAT(rig[rig.system().torque], IsNear(Vec<12>::Constant(8), 1e-12));
+  rig.Fix(rig->joints, JointMotion{}).Fix(rig->reference, Vec<12>::Constant(0.2)).Tick();
+  EXPECT_THAT(rig[rig->torque], IsNear(Vec<12>::Constant(8), 1e-12));
 }
 
 TEST(JointPdTest, RefusesParametersThatMakeNoSense) {
