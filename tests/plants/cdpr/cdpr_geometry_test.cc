@@ -41,9 +41,7 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
 }
 
 TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
-  CdprDescription robot = FourCableRobot();
-  robot.cable.mass_per_length = 1;
-  robot.winch.pulley_radius = 0.1;
+  const CdprDescription robot = FourCableRobot(1, 0.1);
   CdprPlantParams params = Hanging(robot);
   params.initial_tension.setConstant(60);
   TestRig<CdprPlant> rig(params);
@@ -94,9 +92,7 @@ TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
 }
 
 TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
-  CdprDescription robot = FourCableRobot();
-  robot.cable.mass_per_length = 0.05;
-  robot.winch.pulley_radius = 0.04;
+  const CdprDescription robot = FourCableRobot(0.05, 0.04);
   Geometry geometry = MakeCdprGeometry(robot);
   RandomStream random(1);
   const PlatformState x = RandomPlatform(random);

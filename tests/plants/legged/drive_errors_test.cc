@@ -31,9 +31,8 @@ TEST(DriveErrorsTest, RippleGrowsWithTheTorque) {
 }
 
 TEST(DriveErrorsTest, RefusesWhatIsNoRatio) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { DriveErrors errors({.gain_deviation = 1.5}); }, "gain_deviation = 1.5"));
-  EXPECT_TRUE(Throws<ParameterError>([] { DriveErrors errors({.ripple = -1}); }, "ripple = -1"));
+  EXPECT_TRUE(Refuses<DriveErrors>({.gain_deviation = 1.5}, "gain_deviation"));
+  EXPECT_TRUE(Refuses<DriveErrors>({.ripple = -1}, "ripple"));
 }
 
 }  // namespace

@@ -113,13 +113,10 @@ TEST(JointLockTest, TakesEnergyAndGivesNone) {
 }
 
 TEST(JointLockTest, RefusesNonsense) {
-  const auto refuses = [](const JointLockParams& params, const char* message) {
-    return Throws<ParameterError>([&] { JointLock block(params); }, message);
-  };
-  EXPECT_TRUE(refuses({.joints = {12}}, "there is no joint 12"));
-  EXPECT_TRUE(refuses({.schedule = {.duration = -1}}, "schedule.duration"));
-  EXPECT_TRUE(refuses({.stiffness = 0}, "stiffness = 0"));
-  EXPECT_TRUE(refuses({.damping = -1}, "damping = -1"));
+  EXPECT_TRUE(Refuses<JointLock>({.joints = {12}}, "joint 12"));
+  EXPECT_TRUE(Refuses<JointLock>({.schedule = {.duration = -1}}, "schedule.duration"));
+  EXPECT_TRUE(Refuses<JointLock>({.stiffness = 0}, "stiffness"));
+  EXPECT_TRUE(Refuses<JointLock>({.damping = -1}, "damping"));
 }
 
 }  // namespace

@@ -114,12 +114,12 @@ TEST(SlidingLoadTest, RefusesNonsense) {
     change(params);
     return Throws<ParameterError>([&] { SlidingLoad load(params); }, a, b);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass of -1 kg", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.slip_speed = 0; }, "slip_speed of 0 m/s", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness of -1 N/m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity of nan m/s^2", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction of -0.1", "0 for none"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio of -1", "negative"));
+  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass"));
+  EXPECT_TRUE(refuses([](auto& p) { p.slip_speed = 0; }, "slip_speed"));
+  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity"));
+  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction"));
+  EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio"));
   EXPECT_TRUE(refuses([](auto& p) { p.reach = {-1, 0}; }, "reach", "give metres"));
 }
 

@@ -56,10 +56,10 @@ TEST(WithModelErrorTest, TheTrunksCoMIsOffByARatioOfTheDistanceBetweenItsHips) {
 }
 
 TEST(WithModelErrorTest, RefusesWhatIsNoRatio) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.mass_ratio = 1}); }, "mass_ratio = 1", "below 1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.com_ratio = -0.1}); }, "com_ratio = -0.1", "10 %"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.inertia_ratio = NAN}); }, "inertia_ratio = nan"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.length_ratio = 2}); }, "length_ratio = 2"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.mass_ratio = 1}); }, "mass_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.com_ratio = -0.1}); }, "com_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.inertia_ratio = NAN}); }, "inertia_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.length_ratio = 2}); }, "length_ratio"));
 }
 
 }  // namespace

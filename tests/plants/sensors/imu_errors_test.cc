@@ -60,8 +60,7 @@ TEST(ImuErrorsTest, BiasesWalkWithTheRootOfTime) {
 }
 
 TEST(ImuErrorsTest, RefusesNegativeDeviations) {
-  EXPECT_TRUE(Throws<ParameterError>([] { ImuErrors errors({.misalignment = -0.1}); },
-                                     "misalignment = -0.1 is a standard deviation"));
+  EXPECT_TRUE(Refuses<ImuErrors>({.misalignment = -0.1}, "misalignment"));
 }
 
 }  // namespace

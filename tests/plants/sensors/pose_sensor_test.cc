@@ -50,8 +50,8 @@ TEST(PoseSensorTest, OffsetsStay) {
 }
 
 TEST(PoseSensorTest, RefusesOffsetsThatAreNoDeviations) {
-  EXPECT_TRUE(Throws<ParameterError>([] { PoseSensor sensor({.position_offset = -1}); }, "position_offset"));
-  EXPECT_TRUE(Throws<ParameterError>([] { PoseSensor sensor({.attitude_offset = NAN}); }, "attitude_offset"));
+  EXPECT_TRUE(Refuses<PoseSensor>({.position_offset = -1}, "position_offset"));
+  EXPECT_TRUE(Refuses<PoseSensor>({.attitude_offset = NAN}, "attitude_offset"));
 }
 
 TEST(PoseSensorTest, NoiseHasTheGivenDeviationsAndNoMean) {

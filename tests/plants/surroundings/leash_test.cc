@@ -103,13 +103,10 @@ TEST(LeashTest, IsReadFromYaml) {
 }
 
 TEST(LeashTest, RefusesNonsense) {
-  const auto refuses = [](LeashParams params, const char* a, const char* b) {
-    return Throws<ParameterError>([&] { Leash leash(params); }, a, b);
-  };
-  EXPECT_TRUE(refuses({.nominal_length = 0}, "nominal_length = 0 m", "positive"));
-  EXPECT_TRUE(refuses({.stiffness = -1}, "stiffness = -1 N/m", "positive"));
-  EXPECT_TRUE(refuses({.dissipation = NAN}, "dissipation = nan s/m", "not be negative"));
-  EXPECT_TRUE(refuses({.attachment_B = {INFINITY, 0, 0}}, "attachment", "give metres"));
+  EXPECT_TRUE(Refuses<Leash>({.nominal_length = 0}, "nominal_length"));
+  EXPECT_TRUE(Refuses<Leash>({.stiffness = -1}, "stiffness"));
+  EXPECT_TRUE(Refuses<Leash>({.dissipation = NAN}, "dissipation"));
+  EXPECT_TRUE(Refuses<Leash>({.attachment_B = {INFINITY, 0, 0}}, "attachment", "give metres"));
 }
 
 TEST(LeashTest, LengthStiffnessAndDissipationAreSetInARun) {

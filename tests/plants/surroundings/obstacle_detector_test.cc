@@ -65,13 +65,11 @@ TEST(ObstacleDetectorTest, DrawsThePillars) {
 }
 
 TEST(ObstacleDetectorTest, RefusesNonsense) {
-  const auto refuses = [](const ObstacleDetectorParams& params, const char* a, const char* b) {
-    return Throws<ParameterError>([&] { ObstacleDetector detector(params); }, a, b);
-  };
-  EXPECT_TRUE(refuses({.obstacles = {}, .range = 0}, "range = 0 m", "positive"));
-  EXPECT_TRUE(refuses({.obstacles = {}, .half_width = -1}, "half_width = -1 m", "negative"));
-  EXPECT_TRUE(refuses({.obstacles = {{{1, 2}, 1}, {{1, 2}, 0}}}, "obstacles.1", "positive radius"));
-  EXPECT_TRUE(refuses({.obstacles = {{{NAN, 2}, 1}}}, "obstacles.0", "finite place"));
+  EXPECT_TRUE(Refuses<ObstacleDetector>({.obstacles = {}, .range = 0}, "range"));
+  EXPECT_TRUE(Refuses<ObstacleDetector>({.obstacles = {}, .half_width = -1}, "half_width"));
+  EXPECT_TRUE(
+      Refuses<ObstacleDetector>({.obstacles = {{{1, 2}, 1}, {{1, 2}, 0}}}, "obstacles.1", "positive radius"));
+  EXPECT_TRUE(Refuses<ObstacleDetector>({.obstacles = {{{NAN, 2}, 1}}}, "obstacles.0", "finite place"));
 }
 
 TEST(ObstacleDetectorTest, LooksFartherInARun) {

@@ -96,16 +96,13 @@ TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
 }
 
 TEST(NonlinearDisturbanceObserverTest, RefusesWhatMakesNoSense) {
-  const auto refuses = [](const NonlinearDisturbanceObserverParams& params, const auto&... parts) {
-    return Throws<ParameterError>([&] { NonlinearDisturbanceObserver observer(params); }, parts...);
-  };
-  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({}, "robot"));
   NonlinearDisturbanceObserverParams params = Params(NdoReading::kM);
   params.gain = -1;
-  EXPECT_TRUE(refuses(params, "gain = -1 must be positive"));
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>(params, "gain"));
   params = Params(NdoReading::kM);
   params.min_singular_value = 0;
-  EXPECT_TRUE(refuses(params, "min_singular_value = 0 must be positive"));
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>(params, "min_singular_value"));
 }
 
 TEST(NonlinearDisturbanceObserverTest, GainsAreSetInARun) {

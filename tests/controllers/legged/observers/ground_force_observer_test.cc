@@ -75,12 +75,10 @@ TEST(GroundForceObserverTest, RefusesWhatMakesNoSense) {
   const auto check = [](const ContactThresholds& thresholds) {
     GroundForceObserverParams{.robot = test::DogBot(), .thresholds = thresholds}.Validate();
   };
-  EXPECT_TRUE(Throws<ParameterError>([&] { check({.touch = 0.1, .leave = 0.2}); },
-                                     "leave = 0.2 must be positive and below touch = 0.1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { check({.touch = 0.1, .leave = 0.2}); }, "leave", "touch"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { check({.touch = 0.1, .leave = 0}); }, "leave"));
   EXPECT_TRUE(
-      Throws<ParameterError>([&] { check({.touch = 0.1, .leave = 0}); }, "leave = 0 must be positive"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { GroundForceObserverParams().Validate(); }, "the robot has no mass"));
+      Throws<ParameterError>([] { GroundForceObserverParams().Validate(); }, "robot"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { GroundForceObserverParams{.robot = test::DogBot(), .min_singular_value = 0}.Validate(); },
       "min_singular_value = 0 m"));

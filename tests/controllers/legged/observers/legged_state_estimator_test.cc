@@ -309,20 +309,17 @@ TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
     };
   };
   using P = LeggedStateEstimatorParams;
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.robot.contact.stiffness = 0; }),
-                                     "robot.contact.stiffness = 0 N/m", "LoadQuadruped"));
   EXPECT_TRUE(
-      Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot = -1", "must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.start.attitude = 0; }), "start.attitude = 0",
-                                     "say how much it may be off"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.outlier = NAN; }), "outlier = nan"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.settle_time = -0.1; }), "settle_time = -0.1 s",
-                                     "0 trusts a foot"));
+      Throws<ParameterError>(with([](P& p) { p.robot.contact.stiffness = 0; }), "robot.contact.stiffness"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.start.attitude = 0; }), "start.attitude"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.outlier = NAN; }), "outlier"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.settle_time = -0.1; }), "settle_time"));
   EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.initial.q_WB.setZero(); }),
                                      "initial.q_WB is no rotation", "unit quaternion"));
   EXPECT_TRUE(
       Throws<ParameterError>(with([](P& p) { p.initial.v_W[0] = INFINITY; }), "where the robot starts"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.gravity = NAN; }), "gravity = nan"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.gravity = NAN; }), "gravity"));
 }
 
 TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {

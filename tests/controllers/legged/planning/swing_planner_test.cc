@@ -512,24 +512,24 @@ TEST(SwingPlannerTest, RefusesNonsense) {
     params.step = step;
     return Throws<ParameterError>([&] { SwingPlanner block(params); }, a, "must");
   };
-  EXPECT_TRUE(refuses({.height = 0}, "height_m = 0"));
-  EXPECT_TRUE(refuses({.touchdown_speed = 0}, "touchdown_speed_m_per_s = 0"));
-  EXPECT_TRUE(refuses({.search_depth = -1}, "search_depth_m = -1"));
-  EXPECT_TRUE(refuses({.velocity_feedback = -1}, "velocity_feedback_s = -1"));
-  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget_phase = 1"));
-  EXPECT_TRUE(refuses({.shift_bandwidth = 0}, "shift_bandwidth_rad_per_s = 0"));
-  EXPECT_TRUE(refuses({.free_shift = -1}, "free_shift_m = -1"));
-  EXPECT_TRUE(refuses({.free_offset = -1}, "free_offset_m = -1"));
-  EXPECT_TRUE(refuses({.free_turn = -1}, "free_turn_rad = -1"));
-  EXPECT_TRUE(refuses({.largest_shift = -1}, "largest_shift_m = -1"));
-  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "lag_m is 0 m"));
-  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "force_mg is -1"));
-  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "retreat_m is -1 m"));
-  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "height_m is 0 m"));
-  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "rise_phase is 0.6"));
+  EXPECT_TRUE(refuses({.height = 0}, "height_m"));
+  EXPECT_TRUE(refuses({.touchdown_speed = 0}, "touchdown_speed_m_per_s"));
+  EXPECT_TRUE(refuses({.search_depth = -1}, "search_depth_m"));
+  EXPECT_TRUE(refuses({.velocity_feedback = -1}, "velocity_feedback_s"));
+  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget_phase"));
+  EXPECT_TRUE(refuses({.shift_bandwidth = 0}, "shift_bandwidth_rad_per_s"));
+  EXPECT_TRUE(refuses({.free_shift = -1}, "free_shift_m"));
+  EXPECT_TRUE(refuses({.free_offset = -1}, "free_offset_m"));
+  EXPECT_TRUE(refuses({.free_turn = -1}, "free_turn_rad"));
+  EXPECT_TRUE(refuses({.largest_shift = -1}, "largest_shift_m"));
+  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "lag_m"));
+  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "force_mg"));
+  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "retreat_m"));
+  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "height_m"));
+  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "rise_phase"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
-  EXPECT_TRUE(Throws<ParameterError>([&] { SwingPlanner block(params); }, "gravity is -9.81", "positive"));
+  EXPECT_TRUE(Refuses<SwingPlanner>(params, "gravity"));
 }
 
 TEST(SwingPlannerTest, TheStepIsSetInARun) {

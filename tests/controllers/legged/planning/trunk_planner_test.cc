@@ -188,10 +188,8 @@ TEST(TrunkPlannerTest, FiltersThePush) {
 }
 
 TEST(TrunkPlannerTest, RefusesWhatMakesNoSense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .sway_limit = -1}); },
-                                     "sway_limit = -1 rad/s^2", "0 keeps the trunk level"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TrunkPlanner planner({.robot = DogBot(), .bandwidth = 0}); },
-                                     "bandwidth = 0 rad/s must be finite and positive"));
+  EXPECT_TRUE(Refuses<TrunkPlanner>({.robot = DogBot(), .sway_limit = -1}, "sway_limit"));
+  EXPECT_TRUE(Refuses<TrunkPlanner>({.robot = DogBot(), .bandwidth = 0}, "bandwidth"));
 }
 
 TEST(TrunkPlannerTest, BandwidthAndLimitAreSetInARun) {

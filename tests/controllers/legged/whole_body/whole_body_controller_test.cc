@@ -468,30 +468,26 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
       WholeBodyController block(params);
     };
   };
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_stiffness = 0; }),
-                                     "com_stiffness = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }),
-                                     "swing_damping = -1", "negative"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_limit = 0; }), "com_limit = 0",
-                                     "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.grip_limit = 0; }),
-                                     "grip_limit = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.turn_limit = 0; }),
-                                     "turn_limit = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }),
-                                     "swing_limit = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
-                                     "stance_damping = -1", "negative"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_limit = 1.1; }),
-                                     "stretch_limit = 1.1", "at most 1"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_stiffness = -1; }),
-                                     "stretch_stiffness = -1", "stretch legs"));
   EXPECT_TRUE(
-      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction = 0"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }),
-                                     "tilt_weight = -1", "negative"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.free_tilt = -0.1; }),
-                                     "free_tilt = -0.1", "negative"));
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_stiffness = 0; }), "com_stiffness"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_damping = -1; }), "swing_damping"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.com_limit = 0; }), "com_limit"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.grip_limit = 0; }), "grip_limit"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.turn_limit = 0; }), "turn_limit"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.swing_limit = 0; }), "swing_limit"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stance_damping = -1; }),
+                                     "stance_damping"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_limit = 1.1; }), "stretch_limit"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.stretch_stiffness = -1; }),
+                                     "stretch_stiffness"));
+  EXPECT_TRUE(Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.friction = 0; }), "friction"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.tilt_weight = -1; }), "tilt_weight"));
+  EXPECT_TRUE(
+      Throws<ParameterError>(with([](WholeBodyParams& p) { p.gains.qp.free_tilt = -0.1; }), "free_tilt"));
 }
 
 TEST(WholeBodyController, GainsAreSetInARun) {
