@@ -26,7 +26,7 @@ TEST(PlatformPullTest, PullsAtItsPointBesideOthers) {
 }
 
 TEST(PlatformPullTest, RefusesNonsense) {
-  EXPECT_TRUE(Refuses<PlatformPull>({.stiffness = -1}, "stiffness"));
+  EXPECT_TRUE(Refuses<PlatformPull>({.stiffness = -1}, "-1 N/m"));
 }
 
 }  // namespace

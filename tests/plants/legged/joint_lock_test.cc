@@ -51,10 +51,7 @@ struct Falling {
   explicit Falling(double torque, const JointLockParams& params, bool lossless = false) {
     QuadrupedDescription robot = DogBot();
     if (lossless) robot.drive.damping = robot.drive.friction = 0;
-    QuadrupedPlantParams plant_params;
-    plant_params.robot = robot;
-    plant_params.initial = Standing(robot);
-    plant_params.gravity = 0;
+    QuadrupedPlantParams plant_params{.robot = robot, .initial = Standing(robot), .gravity = 0};
     plant_params.initial.p_WB[2] = 100;
     DiagramBuilder builder;
     plant = &builder.Add<QuadrupedPlant>("plant", plant_params);

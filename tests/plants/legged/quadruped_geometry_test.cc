@@ -27,10 +27,7 @@ const Shape& Named(const Geometry& geometry, const std::string& name) {
 }
 
 QuadrupedPlantParams Params(const QuadrupedDescription& robot) {
-  QuadrupedPlantParams params;
-  params.robot = robot;
-  params.initial = test::Standing(robot);
-  return params;
+  return {.robot = robot, .initial = test::Standing(robot)};
 }
 
 /// The end of a capsule's axis: +1 or -1.
@@ -43,7 +40,7 @@ TEST(QuadrupedGeometryTest, LinksAndFeetAreWhereSimbodyHasThem) {
     TestRig<QuadrupedPlant> rig(Params(robot));
     auto& plant = rig.system();
     RandomStream random(3);
-    for (int k = 0; k < 20; ++k) {
+    for (int k = 0; k < 5; ++k) {
       rig.Set(plant.motion, RandomState(random));
       const Geometry& geometry = rig[plant.geometry];
       const QuadrupedBody& body = rig[plant.body];
@@ -161,7 +158,7 @@ TEST(QuadrupedGeometryTest, ForcesActAtTheirPoints) {
   EXPECT_EQ(ground.vector_W, rig[plant.foot_forces][kRearLeft]);
 }
 
-// What is drawn is what a foot meets: the corners of every box lie on the surface that the terrain reports.
+// The corners of every drawn box lie on the surface that the terrain reports.
 TEST(QuadrupedGeometryTest, TerrainIsDrawnWhereFeetTouchIt) {
   TerrainParams params;
   params.grade = {0.3, -0.1};

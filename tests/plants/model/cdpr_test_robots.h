@@ -80,7 +80,8 @@ inline CdprDescription TwoRingRobot(int cables) {
   return robot;
 }
 
-/// A robot with any number of cables, even from nine on: the first cables of the smallest robot that has them.
+/// A robot with any number of cables, even from nine on: the first cables of the smallest robot that has
+/// them.
 inline CdprDescription RobotWithCables(int cables) {
   CdprDescription robot = cables <= 4   ? FourCableRobot()
                           : cables == 5 ? FiveCableRobot()

@@ -48,7 +48,7 @@ TEST(QuadrupedModelMuJoCoTest, SameDynamics) {
     const QuadrupedModel model(robot);
     RandomStream random(21);
     QuadrupedDynamics dynamics;
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 20; ++i) {
       const LeggedState x = test::RandomState(random);
       const Vec<12> tau = test::RandomVector<12>(random, 30);
       mujoco.Calc(x, tau);

@@ -13,8 +13,9 @@ namespace {
 
 using test::RandomState;
 using test::RandomVector;
+using test::Velocities;
 
-/// Joint torques and forces on the feet that stay as they are.
+/// Constant joint torques and forces on the feet.
 struct Loads {
   Vec<12> tau = Vec<12>::Zero();
   FootForces force;
@@ -27,12 +28,6 @@ Loads RandomLoads(RandomStream& random) {
   return loads;
 }
 
-Vec<18> Velocities(const LeggedState& x) {
-  Vec<18> nu;
-  nu << x.v_W, x.w_W, x.qd;
-  return nu;
-}
-
 Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Loads& loads) {
   Vec<18> force = -dynamics.bias();
   force.tail<12>() += loads.tau;
@@ -40,7 +35,7 @@ Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Loads& loads) {
   return test::Solve(dynamics.M, force);
 }
 
-/// x moved by dt with velocities and accelerations that are given.
+/// x after dt with constant rates.
 LeggedState Moved(const LeggedState& x, double dt, const LeggedState& rate) {
   LeggedState out = x;
   out.p_WB += dt * rate.p_WB;
@@ -69,7 +64,7 @@ LeggedState Step(const QuadrupedModel& model, const Loads& loads, const LeggedSt
   return Moved(Moved(Moved(Moved(x, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
 }
 
-/// d/dt of what `of` makes of the dynamics, along the motion from x under the loads, to fourth order.
+/// d/dt of `of`(state, dynamics) along the motion from x under the loads, to fourth order.
 template <class F>
 auto RateAlongMotion(const QuadrupedModel& model, const Loads& loads, const LeggedState& x, const F& of) {
   const double h = 1e-4;
@@ -92,16 +87,8 @@ class QuadrupedModelTest : public ::testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(Robots, QuadrupedModelTest, ::testing::Values("dogbot", "a1"));
 
-TEST_P(QuadrupedModelTest, MassMatrixIsSymmetricAndPositiveDefinite) {
-  for (int i = 0; i < 100; ++i) {
-    model_.Calc(RandomState(random_), &dynamics_);
-    EXPECT_THAT(dynamics_.M, IsNear(dynamics_.M.transpose(), 1e-14));
-    EXPECT_GT(test::SymmetricModes(dynamics_.M).eigenvalues[0], 0);
-  }
-}
-
 TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const LeggedState x = RandomState(random_);
     model_.Calc(x, &dynamics_);
     const Vec<18> nu = Velocities(x), momentum = dynamics_.M * nu;
@@ -111,15 +98,6 @@ TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
     for (int leg = 0; leg < kNumLegs; ++leg)
       EXPECT_THAT(dynamics_.FootJacobian(leg) * nu,
                   IsNear(dynamics_.feet[static_cast<std::size_t>(leg)].v_W, 1e-12));
-  }
-}
-
-TEST_P(QuadrupedModelTest, ALockedRobotTurnsWithItsCentroidalInertia) {
-  for (int i = 0; i < 20; ++i) {
-    LeggedState x = RandomState(random_);
-    x.qd.setZero();
-    model_.Calc(x, &dynamics_);
-    EXPECT_THAT(dynamics_.centroidal_inertia_W * x.w_W, IsNear(dynamics_.angular_momentum_W, 1e-12));
   }
 }
 
@@ -134,23 +112,7 @@ TEST_P(QuadrupedModelTest, FeetAndHipsAreWhereTheDescriptionSays) {
   }
 }
 
-TEST_P(QuadrupedModelTest, VelocitiesAreRatesOfPositions) {
-  for (int i = 0; i < 5; ++i) {
-    const LeggedState x = RandomState(random_);
-    const Loads loads = RandomLoads(random_);
-    model_.Calc(x, &dynamics_);
-    EXPECT_THAT(
-        dynamics_.com_velocity_W,
-        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.com_W; }), 1e-7));
-    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-      EXPECT_THAT(
-          dynamics_.feet[leg].v_W,
-          IsNear(RateAlongMotion(model_, loads, x, [leg](auto&, const auto& d) { return d.feet[leg].p_W; }),
-                 1e-7));
-  }
-}
-
-// A foot on a plane touches it always at the same distance from its centre, with other points of its sphere.
+// The material point of the shank that touches a plane at a constant offset from the foot's centre.
 TEST_P(QuadrupedModelTest, ThePointInContactIsTheShanks) {
   const Vec<3> arm(0.005, -0.01, -0.02);
   for (int leg = 0; leg < kNumLegs; ++leg) {
@@ -161,10 +123,8 @@ TEST_P(QuadrupedModelTest, ThePointInContactIsTheShanks) {
     const Vec<18> a = ForwardDynamics(dynamics_, loads);
     const QuadrupedDynamics::Foot contact = dynamics_.Contact(leg, arm);
     EXPECT_THAT(contact.p_W, IsNear(dynamics_.feet[i].p_W + arm, 1e-15));
-    Vec<18> nu;
-    nu << x.v_W, x.w_W, x.qd;
     dynamics_.feet[i] = contact;
-    EXPECT_THAT(contact.v_W, IsNear(dynamics_.FootJacobian(leg) * nu, 1e-12));
+    EXPECT_THAT(contact.v_W, IsNear(dynamics_.FootJacobian(leg) * Velocities(x), 1e-12));
     EXPECT_THAT(
         dynamics_.FootJacobian(leg) * a + contact.bias,
         IsNear(RateAlongMotion(model_, loads, x,
