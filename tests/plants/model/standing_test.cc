@@ -35,7 +35,7 @@ TEST(StandingTest, FeetTouchASlopeAndTheCoMIsOverThem) {
   }
 }
 
-TEST(StandingTest, SaysWhichLegDoesNotReach) {
+TEST(StandingTest, NamesTheLegThatDoesNotReach) {
   QuadrupedDescription robot = test::DogBot();
   JointDescription& hip = robot.legs[kRearLeft].joints[1];
   hip.lower = robot.stance[7] - 0.1;
@@ -45,7 +45,7 @@ TEST(StandingTest, SaysWhichLegDoesNotReach) {
       [&] {
         StandingOn(robot, {.p_W = {0, 0, 0}, .slope = {0.4, 0}});
       },
-      "the rear_left leg of 'dogbot' does not reach ground of slope (0.4, 0)"));
+      "rear_left", "dogbot"));
 }
 
 }  // namespace

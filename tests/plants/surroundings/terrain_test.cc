@@ -99,7 +99,7 @@ TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
   EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
 }
 
-// A high box on a steep slope: whoever stands below its edge stands beside its foot.
+// A high box on a steep slope overhangs the ground beside its lower edge.
 TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
   TerrainParams params;
   params.grade = {0.5, -0.3};
@@ -113,13 +113,6 @@ TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
       EXPECT_NEAR(terrain.At(top[0], top[1]).height, top[2], 1e-12) << along << ", " << across;
     }
   }
-}
-
-TEST(TerrainTest, HeightsAreBounded) {
-  TerrainParams params;
-  params.grade = {0.01, 0};
-  params.boxes = {{{1, 0}, {0.2, 0.2}, 1e12, 0.4}};
-  EXPECT_TRUE(Throws<ParameterError>([&] { Terrain terrain(params); }, "height_m"));
 }
 
 TerrainParams Field(std::uint64_t seed) {
@@ -157,7 +150,7 @@ TEST(TerrainTest, FieldsOfBoxesComeFromTheirSeed) {
   }
 }
 
-// Wherever the grid lies, no further row or column of boxes would fit: each has a pitch of 0.4 m.
+// With a pitch of 0.4 m no further row or column of boxes would fit into the area.
 TEST(TerrainTest, FieldsReachTheEdgesOfTheirArea) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TerrainParams params = Field(seed);
@@ -177,7 +170,7 @@ TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
   const Terrain terrain(Field(3));
   RandomStream random(4);
   int on = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     const Vec<3> p(random.Uniform(0, 7), random.Uniform(-3, 3), random.Uniform(0, 0.08));
     double height = 0;
     int touching = p[2] < kRadius ? 1 : 0;
@@ -191,7 +184,7 @@ TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
     EXPECT_EQ(terrain.Touch(p, kRadius).count, std::min(touching, Terrain::kMaxContacts));
     on += height > 0;
   }
-  EXPECT_GT(on, 1000);
+  EXPECT_GT(on, 200);
 }
 
 TEST(TerrainTest, ReadsAndWritesYaml) {
@@ -199,7 +192,7 @@ TEST(TerrainTest, ReadsAndWritesYaml) {
   EXPECT_EQ(Terrain(again).boxes().size(), Terrain(Field(7)).boxes().size());
 }
 
-TEST(TerrainTest, RefusesWhatCannotBe) {
+TEST(TerrainTest, RefusesNonsense) {
   const auto refuses = [](const auto& change, const auto&... parts) {
     TerrainParams params = Field(1);
     params.boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}};
@@ -210,18 +203,19 @@ TEST(TerrainTest, RefusesWhatCannotBe) {
   EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = 1e155; }, "grade"));
   EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 1e12; }, "height_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = 10.1; }, "friction"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "has no area", "upper_m"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 9e4; }, "places for boxes", "smaller area"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "upper_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 9e4; }, "places for boxes"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper = {9e4, -2 + 1e-9}; }, "places for boxes"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e17; }, "upper_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->size[0] = 1e-4; }, "size_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].centre[0] = 1e13; }, "centre_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "no kinds", "under kinds"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "kinds"));
 }
 
 }  // namespace
