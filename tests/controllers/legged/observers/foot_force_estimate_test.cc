@@ -12,8 +12,8 @@ FootForces SomeForces() {
   return forces;
 }
 
-/// What a sensor measures along the shank, from the knee to the foot, is so in the world.
-TEST(FootForceEstimateTest, TurnsWhatSensorsInTheShanksMeasure) {
+/// A measured force along the shank points from the knee to the foot in the world.
+TEST(FootForceEstimateTest, TurnsMeasuredForcesIntoTheWorld) {
   RandomStream random(4);
   const QuadrupedDescription robot = test::DogBot();
   const LeggedState x = test::RandomState(random);
@@ -31,7 +31,7 @@ TEST(FootForceEstimateTest, TurnsWhatSensorsInTheShanksMeasure) {
   }
 }
 
-TEST(FootForceEstimateTest, GoesByTheAttitudeOfTheTickBefore) {
+TEST(FootForceEstimateTest, UsesTheAttitudeOfTheTickBefore) {
   const QuadrupedDescription robot = test::DogBot();
   LeggedState x = test::Standing(robot);
   TestRig<FootForceEstimate> rig(FootForceEstimateParams{.robot = robot});

@@ -44,7 +44,7 @@ LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<
   return params;
 }
 
-/// Of a step through a Butterworth filter, by partial fractions.
+/// The step response of a Butterworth filter, by partial fractions.
 double StepResponse(int order, double bandwidth, double t) {
   using Complex = std::complex<double>;
   std::vector<Complex> poles;
@@ -156,7 +156,7 @@ TEST(LegMomentumObserverTest, StartsOnAMovingRobotWithoutTransient) {
   }
 }
 
-// A straight leg carries a force along itself without torques: that part of the force cannot be known.
+// A straight leg carries a force along itself without torques, so this part of the force is not observable.
 TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
   const QuadrupedDescription robot = DogBot();
   LeggedState x;
@@ -228,16 +228,13 @@ TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "min_singular_value_m"));
   params = Params(DogBot());
   params.gains.butterworth = ButterworthDesign{3, 100};
-  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "gains_per_s and butterworth are both given",
-                                           "leave one away", "gains_per_s to []"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "gains_per_s", "butterworth"));
   params = Params(DogBot(), {});
   params.gains.butterworth = ButterworthDesign{0, 100};
-  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "an estimator of order 0: give 1 to 12"));
-  // As the thesis prints its gains.
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "order 0"));
+  // The order in which the thesis prints its gains.
   params = Params(DogBot(), {17.5, 6.28, 2.25});
-  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "with the gains 17.5, 6.28, 2.25 the estimate diverges",
-                                           "2.01 ± 5.95i, -6.28",
-                                           "in reverse order, K_1 first, have: -6.23, -5.63 ± 2.82i"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "17.5, 6.28, 2.25", "-6.23, -5.63 ± 2.82i"));
 }
 
 TEST(LegMomentumObserverTest, GainsAreSetInARun) {
@@ -255,10 +252,10 @@ TEST(LegMomentumObserverTest, GainsAreSetInARun) {
   LegObserverGains wrong = changed.gains;
   wrong.butterworth = {};
   wrong.gains = {100, -1};
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "the estimate diverges"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "100, -1"));
 }
 
-// A disturbance that stays is estimated on, whatever order and dynamics before and after.
+// A constant disturbance stays estimated when order and dynamics change.
 TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
   const Vec<12> torque = Vec<12>::Constant(2);
   QuadrupedBench bench = Flying(DogBot());
