@@ -57,10 +57,10 @@ TEST(SupportPolygon, WidensALine) {
   }
 }
 
-// Feet that are nearly in line make a thin triangle or a line, and never more edges than there is room for.
+// Feet that are nearly in line make a thin triangle or a line, with at most four edges.
 TEST(SupportPolygon, OfFeetNearlyInLineHasFourEdgesAtMost) {
   RandomStream random(7);
-  for (int n = 0; n < 20000; ++n) {
+  for (int n = 0; n < 1000; ++n) {
     Feet feet(static_cast<std::size_t>(3 + n % 2));
     for (Eigen::Vector2d& foot : feet) foot << random.Uniform(), 2e-6 * random.Uniform();
     const SupportPolygon polygon(feet, 0.03, 0);
@@ -93,7 +93,7 @@ TEST(SupportPolygon, IsTheUnionOfTheTriangles) {
     return a[0] * b[1] - a[1] * b[0];
   };
   int inside = 0;
-  for (int n = 0; n < 300; ++n) {
+  for (int n = 0; n < 100; ++n) {
     Feet feet;
     for (int i = 0; i < 3 + n % 2; ++i) feet.push_back(point());
     const SupportPolygon polygon(feet, 0.01, 0);
@@ -114,7 +114,7 @@ TEST(SupportPolygon, IsTheUnionOfTheTriangles) {
       inside += expected;
     }
   }
-  EXPECT_GT(inside, 1000);
+  EXPECT_GT(inside, 300);
 }
 
 TEST(SupportPolygon, WithoutEdgesIsThePlane) {
@@ -129,8 +129,8 @@ TEST(SupportPolygon, DoesNotAllocate) {
 }
 
 TEST(SupportPolygon, RefusesNoFeetAndFive) {
-  EXPECT_TRUE(Throws<Error>([] { SupportPolygon(Feet{}, 0.1, 0); }, "of 0 feet", "one to 4"));
-  EXPECT_TRUE(Throws<Error>([] { SupportPolygon(Feet(5, {0, 0}), 0.1, 0); }, "of 5 feet", "one to 4"));
+  EXPECT_TRUE(Throws<Error>([] { SupportPolygon(Feet{}, 0.1, 0); }, "0 feet"));
+  EXPECT_TRUE(Throws<Error>([] { SupportPolygon(Feet(5, {0, 0}), 0.1, 0); }, "5 feet"));
 }
 
 }  // namespace

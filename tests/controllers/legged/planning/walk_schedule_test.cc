@@ -2,9 +2,6 @@
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <functional>
-#include <string>
-
 namespace tenon::walk_schedule_test {
 namespace {
 
@@ -94,25 +91,23 @@ TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
 }
 
 TEST(WalkScheduleTest, RefusesNonsense) {
-  const auto refuses = [](const std::function<void(WalkScheduleParams&)>& change, const std::string& a,
-                          const std::string& b) {
+  const auto refuses = [](const auto& change, const auto&... keys) {
     WalkScheduleParams params = Example();
     change(params);
-    return Throws<ParameterError>([&] { WalkSchedule block(params); }, a, b);
+    return Refuses<WalkSchedule>(params, keys...);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments is empty", "give one"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments"));
   EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration_m_per_s2"));
   EXPECT_TRUE(refuses([](auto& p) { p.yaw_acceleration = 0; }, "yaw_acceleration_rad_per_s2"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segments.1", "not both"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segments.0", "not neither"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[2].length = -1; }, "segments.2", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].forward = 1; }, "segments.0", "another gait"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].forward = 0; }, "segments.1", "give its duration_s"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].length = 0.01; }, "segments.1", "too short"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segments.1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segments.0"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[2].length = -1; }, "segments.2"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].forward = 1; }, "segments.0"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].forward = 0; }, "segments.1"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[1].length = 0.01; }, "segments.1"));
   EXPECT_TRUE(
       refuses([](auto& p) { p.segments[0].squat_frequency = 0; }, "segments.0", "squat_frequency_hz"));
-  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].squat_amplitude = 0.1; }, "segments.0",
-                      "too short for its squats"));
+  EXPECT_TRUE(refuses([](auto& p) { p.segments[0].squat_amplitude = 0.1; }, "segments.0"));
 }
 
 }  // namespace

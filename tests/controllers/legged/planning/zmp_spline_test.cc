@@ -122,8 +122,8 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   EXPECT_LT(Cost(spline_, problem, params_), 1e-20);
 }
 
-/// Coefficients of all segments are the variables, junctions and ends are equalities: another way to the
-/// same minimum, by one linear solve, as long as no polygon matters.
+/// Without active polygons the minimum also follows from one linear solve for the coefficients of all
+/// segments, with junctions and ends as equalities.
 TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   Pace pace;
   for (SupportPhase& phase : pace.phases) phase.polygon = SupportPolygon();
@@ -320,14 +320,12 @@ TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
 }
 
 TEST(ZmpSpline, RefusesNonsense) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { ZmpSplineParams{.path_weight = -1}.Validate(); }, "path_weight is -1"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { ZmpSplineParams{.end_weight = -2}.Validate(); }, "end_weight is -2"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSplineParams{.path_weight = -1}.Validate(); }, "path_weight"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSplineParams{.end_weight = -2}.Validate(); }, "end_weight"));
   ZmpSpline optimizer;
   PlanarSpline spline;
   const std::vector<SupportPhase> many(10, {0.1, SupportPolygon()});
-  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, {}, &spline); }, "0 support phases", "one to 9"));
+  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, {}, &spline); }, "0 support phases"));
   EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({.phases = many}, {}, &spline); }, "10 support phases"));
 }
 

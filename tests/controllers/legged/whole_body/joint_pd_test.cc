@@ -36,7 +36,7 @@ TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
     double work = 0;
     for (int leg = 0; leg < kNumLegs; ++leg) work += torque.segment<2>(3 * leg + 1).dot(Vec<2>(1, -2));
     const double h = 1e-5;
-    // The feet also move forth and back, which costs nothing: the forces are vertical.
+    // The feet also move horizontally, which takes no work because the forces are vertical.
     EXPECT_NEAR(work, (potential(h) - potential(-h)) / (2 * h), 1e-6 * std::abs(work)) << robot.name;
     EXPECT_GT(std::abs(work), 1);
   }
@@ -48,8 +48,7 @@ TEST(StandingTorqueTest, RefusesFeetInALine) {
     for (JointDescription& joint : leg.joints) joint.p_PJ[1] = 0;
     leg.foot_J[1] = 0;
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); },
-                                     "the feet of 'dogbot' are in a line", "spread them"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); }, "dogbot"));
 }
 
 TEST(JointPdTest, IsTheEquationWithinTheLimits) {
@@ -76,7 +75,7 @@ TEST(JointPdTest, FollowsItsReferenceWithoutGravityCompensation) {
 }
 
 TEST(JointPdTest, RefusesParametersThatMakeNoSense) {
-  EXPECT_TRUE(Refuses<JointPd>(JointPdParams{}, "robot"));
+  EXPECT_TRUE(Refuses<JointPd>({}, "robot"));
   JointPdParams params = Params(DogBot());
   params.stiffness = 0;
   EXPECT_TRUE(Refuses<JointPd>(params, "stiffness"));
@@ -101,8 +100,8 @@ TEST(JointPdTest, GainsAreSetInARun) {
   EXPECT_NE(rig[rig->torque], built[built->torque]);
   rig.Set(rig->stiffness, 55).Set(rig->damping, 3).Tick();
   EXPECT_EQ(rig[rig->torque], built[built->torque]);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using test::RandomVector;
 constexpr std::array<bool, kNumLegs> kAll{true, true, true, true}, kDiagonal{true, false, false, true},
     kThree{false, true, true, true}, kNone{};
 
-/// Near the nominal stance, in motion as in a walk.
+/// A random state near the nominal stance, with velocities of a walk.
 LeggedState RandomWalking(const QuadrupedDescription& robot, RandomStream& random) {
   LeggedState x = test::Standing(robot);
   x.q_WB = QuaternionFromRotationVector(RandomVector<3>(random, 0.2));
@@ -142,7 +142,6 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
   }
 }
 
-// On two feet a force from the side rolls the trunk. The more it is tilted, the more the torque counts.
 // On a slope the cone stands along its normal: the weight alone takes tan of it in friction, and what exceeds
 // mu is projected.
 TEST_F(WholeBodyQpTest, TheConeStandsAlongTheNormal) {
@@ -167,6 +166,7 @@ TEST_F(WholeBodyQpTest, TheConeStandsAlongTheNormal) {
   }
 }
 
+// On two feet a lateral force rolls the trunk. The more it is tilted, the larger is the weight of the torque.
 TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   const WholeBodyQpParams params{.moment_weight = 30, .tilt_weight = 500, .free_tilt = 0.3};
   EXPECT_EQ(params.MomentWeight(0), 30);
@@ -195,7 +195,7 @@ TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
   }
 }
 
-// On slippery ground a wrench is asked for that takes more friction than there is.
+// On slippery ground the required wrench exceeds friction.
 TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
   model_.Calc(test::Standing(robot_), &dynamics_);
   WholeBodyTask task;
@@ -216,7 +216,7 @@ TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
 TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
   RandomStream random(1);
   int limited = 0, on_the_pyramid = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     const WholeBodyTask task = RandomTask(model_, GetParam(), random);
     const double limit = i % 2 == 0 ? 60 : 22;
@@ -258,7 +258,7 @@ TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
 TEST_P(WholeBodyQpTest, TwelveAndThirtyVariablesGiveTheSame) {
   RandomStream random(2);
   int compared = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     const WholeBodyTask task = RandomTask(model_, GetParam(), random);
     WholeBodyQp reduced(Limits()), full(Limits());
@@ -275,7 +275,7 @@ TEST_P(WholeBodyQpTest, TwelveAndThirtyVariablesGiveTheSame) {
     EXPECT_THAT(JointTorque(dynamics_, a, task.joint_disturbance),
                 IsNear(JointTorque(dynamics_, b, task.joint_disturbance), 1e-8 * 60));
   }
-  EXPECT_GT(compared, 45);
+  EXPECT_GT(compared, 20);
 }
 
 TEST_F(WholeBodyQpTest, SwingFeetGetTheAccelerationsThatAreAskedFor) {
@@ -354,7 +354,7 @@ TEST_F(WholeBodyQpTest, TheLastSolutionStartsTheNextAndAFailureLeavesIt) {
   EXPECT_EQ(qp.Solve(dynamics_, task, {}, &solution).iterations, 0);
 
   const WholeBodySolution before = solution;
-  task.joint_disturbance.setConstant(1e4);  // needs torques that nobody has
+  task.joint_disturbance.setConstant(1e4);  // far beyond the torque limits
   const QpReport report = qp.Solve(dynamics_, task, {}, &solution);
   EXPECT_EQ(report.status, QpStatus::kInfeasible);
   EXPECT_EQ(solution.acceleration, before.acceleration);
@@ -404,9 +404,9 @@ TEST_P(WholeBodyQpTest, SwingFootAccelerationIsThatOfTheProjector) {
 }
 
 TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.slack_weight = 0}.Validate(); },
-                                     "slack_weight = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.friction = -1}.Validate(); }, "friction = -1"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { WholeBodyQpParams{.slack_weight = 0}.Validate(); }, "slack_weight"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.friction = -1}.Validate(); }, "friction"));
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp{Vec<12>::Zero()}; }, "torque limits"));
 }
 
