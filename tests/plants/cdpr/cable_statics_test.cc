@@ -149,11 +149,11 @@ TEST(CableStaticsTest, RefusesImpossibleSpansAndLengths) {
     Vec<3> span_W;
     double rest_length;
   };
-  for (const auto& [mass_per_length, pulley_radius, span_W, rest_length] :
-       {Case{0, 0, {0, 0, 0}, 1}, Case{0, 0, {1, 0, 0}, 0}, Case{0, 0.5, {0.3, 0, 0.1}, 1},
-        Case{0, 0.04, {0, 0, 3}, 1}, Case{0.05, 0.5, {3, 0, 2}, 0.1}}) {
-    const CdprDescription robot = FourCableRobot(mass_per_length, pulley_radius);
-    EXPECT_TRUE(Throws<RunError>([&] { At(robot, span_W, rest_length); }, "cable 0")) << span_W.transpose();
+  for (const Case& c : {Case{0, 0, {0, 0, 0}, 1}, Case{0, 0, {1, 0, 0}, 0}, Case{0, 0.5, {0.3, 0, 0.1}, 1},
+                        Case{0, 0.04, {0, 0, 3}, 1}, Case{0.05, 0.5, {3, 0, 2}, 0.1}}) {
+    const CdprDescription robot = FourCableRobot(c.mass_per_length, c.pulley_radius);
+    EXPECT_TRUE(Throws<RunError>([&] { At(robot, c.span_W, c.rest_length); }, "cable 0"))
+        << c.span_W.transpose();
   }
   EXPECT_TRUE(Throws<RunError>(
       [] {
