@@ -36,9 +36,8 @@ TEST(Euler, IsYawThenPitchThenRoll) {
 }
 
 TEST(Euler, ComesBackFromTheRotation) {
-  for (const Vector3d& euler : {kEuler, Vector3d(-3, 1.5, 2), Vector3d(1, -1.2, -3), Vector3d(0, 0, 0)}) {
+  for (const Vector3d& euler : {kEuler, Vector3d(-3, 1.5, 2), Vector3d(1, -1.2, -3), Vector3d(0, 0, 0)})
     EXPECT_LT((EulerFromRotation(RotationFromEuler(euler)) - euler).norm(), 1e-14);
-  }
 }
 
 TEST(Euler, RateMatrixGivesTheAngularVelocity) {
@@ -139,9 +138,8 @@ TEST(CdprKinematics, CableAtItsRestLengthAndTensionHasItsLength) {
   tension << 0, 100, 270, 800;
   const CableVector rest = CalcRestLengths(robot.cable, length, tension);
   EXPECT_DOUBLE_EQ(rest[0], 5);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4; ++i)
     EXPECT_NEAR(robot.cable.axial_stiffness * (length[i] - rest[i]) / rest[i], tension[i], 1e-9);
-  }
 }
 
 // Four vertical cables of length l leave three motions: sideways, with stiffness m g / l, and the turn of a

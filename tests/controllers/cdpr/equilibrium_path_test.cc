@@ -58,9 +58,8 @@ TEST(Path, CircleStartsAtRestAndKeepsItsPeriod) {
 
 TEST(Path, CircleKnowsWhenItPasses) {
   const Path path = TestCircle();
-  for (const double t : {0.3, 1.7, 2.0, 5.5, 20.0}) {
+  for (const double t : {0.3, 1.7, 2.0, 5.5, 20.0})
     EXPECT_NEAR(path.TimeOf(path.ParameterAt(t).value), t, 1e-9);
-  }
 }
 
 TEST(Path, LineIsTheQuintic) {

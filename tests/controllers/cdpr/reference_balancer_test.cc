@@ -184,9 +184,7 @@ TEST(BalancedReferenceTest, AllocatesNothing) {
   BalancedReference balanced(robot);
   ReferenceShift shift;
   balanced.Calc(reference, load, {}, shift);
-  const AllocationGuard guard;
-  balanced.Calc(reference, load, {}, shift);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { balanced.Calc(reference, load, {}, shift); }), 0);
 }
 
 }  // namespace

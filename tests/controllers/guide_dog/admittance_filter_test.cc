@@ -207,9 +207,7 @@ TEST(AdmittanceFilterTest, StandsAtOnceAndStartsFromRest) {
 TEST(AdmittanceFilterTest, DoesNotAllocate) {
   Filter filter;
   filter.Run(2);
-  AllocationGuard guard;
-  filter.Run(100);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { filter.Run(100); }), 0);
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {

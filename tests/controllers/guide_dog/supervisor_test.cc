@@ -299,9 +299,7 @@ TEST(SupervisorTest, DoesNotAllocate) {
   dog.Run(2);
   dog.Pull(60, 1);
   dog.Tick();
-  AllocationGuard guard;
-  dog.Run(2);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { dog.Run(2); }), 0);
 }
 
 TEST(SupervisorTest, RefusesNonsense) {

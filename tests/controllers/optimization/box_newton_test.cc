@@ -45,7 +45,7 @@ TEST(BoxNewton, SolvesRandomProblemsToTheOptimalityConditions) {
   std::mt19937 generator(1);
   int held = 0;
   BoxNewton<5> box;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const auto problem = RandomProblem<5>(generator, 5);
     Eigen::Matrix<double, 5, 1> x;
     x.setZero();
@@ -53,7 +53,7 @@ TEST(BoxNewton, SolvesRandomProblemsToTheOptimalityConditions) {
     ExpectOptimal(problem, x);
     held += 5 - static_cast<int>(box.free().sum());
   }
-  EXPECT_GT(held, 500);
+  EXPECT_GT(held, 100);
 }
 
 TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
@@ -61,9 +61,8 @@ TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
   BoxNewton<Eigen::Dynamic> box(7);
   auto problem = RandomProblem<Eigen::Dynamic>(generator, 7);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
-  const AllocationGuard guard;
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(
+      Allocations([&] { ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x)); }), 0);
   ExpectOptimal(problem, x);
 }
 
@@ -115,7 +114,7 @@ TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
   ExpectOptimal(problem, x);
 }
 
-// What is not convex may be so where it counts: with the entries at their bounds held.
+// H need not be convex along entries that are at their bounds.
 TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0.2, 1), lower(-1, -1), upper(1, 1), g(0.1, -3);

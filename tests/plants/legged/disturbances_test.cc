@@ -165,9 +165,8 @@ TEST(DisturbancesTest, RefuseParametersThatMakeNoSense) {
 TEST(DisturbancesTest, ForcesAreSetInARun) {
   TestRig<SineForce> sine, built_sine(SineForceParams{OnKnee(), 2.0, 0.5, 4.0});
   sine.Set(sine->amplitude, OnKnee()).Set(sine->angular_frequency, 2).Set(sine->start, 0.5).Set(sine->end, 4);
-  for (const double time : {0.2, 1.0, 5.0}) {
+  for (const double time : {0.2, 1.0, 5.0})
     EXPECT_EQ(sine.RunTo(time)[sine->force].force_W, built_sine.RunTo(time)[built_sine->force].force_W);
-  }
   EXPECT_TRUE(Throws<ParameterError>([&] { sine.Set(sine->end, 0); }, "0 s", "0.5 s"));
 
   TestRig<PulseForce> pulse;

@@ -123,9 +123,7 @@ TEST_F(QuadrupedClearanceTest, FindsKneesInTheGround) {
 
 TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
   const LeggedState x = Standing();
-  const AllocationGuard guard;
-  clearance.At(x);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { clearance.At(x); }), 0);
 }
 
 }  // namespace

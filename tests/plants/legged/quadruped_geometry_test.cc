@@ -186,9 +186,7 @@ TEST(QuadrupedGeometryTest, MovingItDoesNotAllocate) {
   Geometry geometry = MakeQuadrupedGeometry(robot, {}, {});
   RandomStream random(1);
   const LeggedState x = RandomState(random);
-  AllocationGuard guard;
-  MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry); }), 0);
 }
 
 }  // namespace

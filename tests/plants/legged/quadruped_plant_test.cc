@@ -31,9 +31,7 @@ QuadrupedPlantParams Params(const QuadrupedDescription& robot) {
 QuadrupedDescription Lossless(QuadrupedDescription robot) {
   robot.drive.damping = robot.drive.friction = 0;
   for (LegDescription& leg : robot.legs)
-    for (JointDescription& joint : leg.joints) {
-      joint.lower = -INFINITY, joint.upper = INFINITY;
-    }
+    for (JointDescription& joint : leg.joints) joint.lower = -INFINITY, joint.upper = INFINITY;
   return robot;
 }
 
@@ -254,21 +252,6 @@ TEST(QuadrupedPlantTest, EndStopsPushBack) {
   EXPECT_NEAR(qdd(0.01, -5), 0, 1e-9);  // it does not pull
 }
 
-struct JointPdParams {
-  Vec<12> q = Vec<12>::Zero();
-  double kp = 500;  ///< [N m/rad]
-  double kd = 10;   ///< [N m s/rad]
-};
-class JointPd final : public LeafSystem<JointPdParams> {
- public:
-  using LeafSystem::LeafSystem;
-  InputPort<LeggedState> state{this, {"state"}};
-  OutputPort<Vec<12>> torque{this, {"torque", "N m"}, Sampled{Hz(1000)}, Uses(state), &JointPd::CalcTorque};
-
- private:
-  Vec<12> CalcTorque(const LeggedState& x) const { return params.kp * (params.q - x.q) - params.kd * x.qd; }
-};
-
 /// The tolerances that QuadrupedPlant recommends.
 SimulatorOptions Options() {
   return {.order = 2,
@@ -285,14 +268,16 @@ struct Stand {
   explicit Stand(const QuadrupedPlantParams& params, const Vec<3>& push = Vec<3>::Zero(), double from = 0,
                  const SimulatorOptions& options = Options()) {
     plant = &builder.Add<QuadrupedPlant>("plant", params);
-    auto& pd = builder.Add<JointPd>("pd", JointPdParams{.q = params.robot.stance});
+    auto& pd = builder.AddFunction("pd", Sampled{Hz(1000)}, Uses(plant->state),
+                                   [stance = params.robot.stance](const LeggedState& x) -> Vec<12> {
+                                     return 500 * (stance - x.q) - 10 * x.qd;
+                                   });
     auto& force = builder.AddFunction("push", Sampled{Hz(1000)}, Uses(builder.time), [=](double t) {
       ExternalForces forces;
       if (t >= from) forces[0] = {0, Vec<3>::Zero(), push};
       return forces;
     });
-    builder.Connect(plant->state, pd.state);
-    builder.Connect(pd.torque, plant->torque);
+    builder.Connect(pd, plant->torque);
     builder.Connect(force, plant->external);
     diagram = builder.Build();
     simulator.emplace(*diagram, options);

@@ -15,9 +15,8 @@ inline CdprDescription FourCableRobot(double mass_per_length = 0, double pulley_
   robot.mass = 15;
   robot.inertia_B = Eigen::Vector3d(0.213, 0.133, 0.215).asDiagonal();
   for (const double x : {1, -1}) {
-    for (const double y : {1, -1}) {
+    for (const double y : {1, -1})
       robot.cables.push_back({{3.5 * x, 4.5 * y, 4}, {0.075 * x, 0.075 * y, 0.093}});
-    }
   }
   robot.cable = {.axial_stiffness = 27e3, .axial_damping = 135, .tension_min = 0, .tension_max = 800};
   robot.cable.mass_per_length = mass_per_length;
@@ -56,9 +55,8 @@ inline CdprDescription EightCableRobot() {
   robot.cables.clear();
   for (const double z : {1, -1}) {
     for (const double x : {1, -1}) {
-      for (const double y : {1, -1}) {
+      for (const double y : {1, -1})
         robot.cables.push_back({{3.5 * x, 4.5 * y, 2 + 2 * z}, {0.3 * x, 0.2 * y, -0.15 * z}});
-      }
     }
   }
   return robot;

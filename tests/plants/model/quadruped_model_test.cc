@@ -39,7 +39,7 @@ Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Loads& loads) {
 LeggedState Moved(const LeggedState& x, double dt, const LeggedState& rate) {
   LeggedState out = x;
   out.p_WB += dt * rate.p_WB;
-  out.q_WB += dt * rate.q_WB;
+  out.q_WB = (x.q_WB + dt * rate.q_WB).normalized();
   out.q += dt * rate.q;
   out.v_W += dt * rate.v_W;
   out.w_W += dt * rate.w_W;
@@ -55,22 +55,15 @@ LeggedState Rate(const QuadrupedModel& model, const Loads& loads, const LeggedSt
   return {x.v_W, QuaternionProduct(half, x.q_WB), x.qd, a.head<3>(), a.segment<3>(3), a.tail<12>()};
 }
 
-/// One classical Runge-Kutta step of the model under the loads.
-LeggedState Step(const QuadrupedModel& model, const Loads& loads, const LeggedState& x, double h) {
-  const LeggedState k1 = Rate(model, loads, x);
-  const LeggedState k2 = Rate(model, loads, Moved(x, h / 2, k1));
-  const LeggedState k3 = Rate(model, loads, Moved(x, h / 2, k2));
-  const LeggedState k4 = Rate(model, loads, Moved(x, h, k3));
-  return Moved(Moved(Moved(Moved(x, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
-}
-
-/// d/dt of `of`(state, dynamics) along the motion from x under the loads, to fourth order.
+/// d/dt of `of`(state, dynamics) along the motion from x under the loads, by central differences to fourth
+/// order.
 template <class F>
 auto RateAlongMotion(const QuadrupedModel& model, const Loads& loads, const LeggedState& x, const F& of) {
   const double h = 1e-4;
+  const LeggedState rate = Rate(model, loads, x);
   const auto at = [&](double t) {
     QuadrupedDynamics dynamics;
-    const LeggedState moved = Step(model, loads, x, t);
+    const LeggedState moved = Moved(x, t, rate);
     model.Calc(moved, &dynamics);
     return of(moved, dynamics);
   };

@@ -82,9 +82,7 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
 TEST(PoseSensorTest, DoesNotAllocate) {
   Rig rig;
   rig.Fix(rig->platform, Somewhere()).RunTo(0.1);
-  AllocationGuard guard;
-  rig.RunTo(0.2);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(PoseSensorTest, RefusesImpossibleDeviations) {

@@ -90,19 +90,14 @@ TEST(NonlinearDisturbanceObserverTest, TellsTheForceOnAFoot) {
 TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
   Observed run(Flying(), Params(NdoReading::kM));
   run.Tick();
-  const AllocationGuard guard;
-  run.rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { run.rig.Tick(); }), 0);
 }
 
-TEST(NonlinearDisturbanceObserverTest, RefusesWhatMakesNoSense) {
+TEST(NonlinearDisturbanceObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({}, "robot"));
-  NonlinearDisturbanceObserverParams params = Params(NdoReading::kM);
-  params.gain = -1;
-  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>(params, "gain"));
-  params = Params(NdoReading::kM);
-  params.min_singular_value = 0;
-  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>(params, "min_singular_value"));
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({.robot = DogBot(), .gain = -1}, "gain"));
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({.robot = DogBot(), .min_singular_value = 0},
+                                                    "min_singular_value"));
 }
 
 TEST(NonlinearDisturbanceObserverTest, GainsAreSetInARun) {

@@ -42,9 +42,8 @@ Filter::Error Difference(const ContactAidedMean& other, const ContactAidedMean& 
   error.segment<3>(Filter::kAttitude) = turn.angle() * turn.axis();
   error.segment<3>(Filter::kForceBias) = other.specific_force_bias_B - mean.specific_force_bias_B;
   error.segment<3>(Filter::kRateBias) = other.angular_velocity_bias_B - mean.angular_velocity_bias_B;
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     error.segment<3>(Filter::kFeet + 3 * static_cast<int>(leg)) = other.feet_W[leg] - turn * mean.feet_W[leg];
-  }
   return error;
 }
 

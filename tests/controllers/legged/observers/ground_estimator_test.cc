@@ -96,9 +96,7 @@ TEST(GroundEstimatorTest, DoesNotAllocate) {
   Walk walk;
   walk.Stand({});
   walk.rig().Fix(walk.rig()->state, test::Standing(walk.robot()));
-  AllocationGuard guard;
-  walk.rig().Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { walk.rig().Tick(); }), 0);
 }
 
 TEST(GroundEstimatorTest, RefusesNonsense) {

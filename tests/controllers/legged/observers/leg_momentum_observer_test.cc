@@ -205,9 +205,7 @@ TEST(LegMomentumObserverTest, DoesNotAllocate) {
     params.gains.dynamics = form;
     Observed run(Flying(params.robot), params);
     run.Tick();
-    const AllocationGuard guard;
-    run.rig.Tick();
-    EXPECT_EQ(guard.count(), 0);
+    EXPECT_EQ(Allocations([&] { run.rig.Tick(); }), 0);
   }
 }
 

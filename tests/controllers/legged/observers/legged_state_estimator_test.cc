@@ -294,9 +294,7 @@ TEST(LeggedStateEstimatorTest, DoesNotAllocate) {
   SwayingRobot robot(DogBot());
   Rig rig(Params(robot, DogBot()));
   Feed(rig, robot.Imu(), robot.State(), AllStand());
-  AllocationGuard guard;
-  rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { rig.Tick(); }), 0);
 }
 
 TEST(LeggedStateEstimatorTest, RefusesNonsense) {

@@ -263,9 +263,7 @@ TEST(ComPlannerTest, DoesNotAllocate) {
   walk.Tick();
   walk.Change(Gait::kTrot, kTrot);
   walk.Tick();
-  AllocationGuard guard;
-  walk.Run(1);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { walk.Run(1); }), 0);
 }
 
 TEST(ComPlannerTest, RefusesNonsense) {

@@ -42,9 +42,8 @@ class Walk {
   }
   /// Ticks until it holds; the number of ticks, or -1 after 3 s.
   int Until(const std::function<bool(const ContactSchedule&)>& condition) {
-    for (int n = 1; n <= 3000; ++n) {
+    for (int n = 1; n <= 3000; ++n)
       if (condition(Tick())) return n;
-    }
     return -1;
   }
   const ContactSchedule& schedule() const { return schedule_; }
@@ -60,9 +59,8 @@ class Walk {
 
 std::set<int> LegsIn(const ContactSchedule& schedule, ContactState state) {
   std::set<int> legs;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (std::size_t i = 0; i < kNumLegs; ++i)
     if (schedule.legs[i].state == state) legs.insert(static_cast<int>(i));
-  }
   return legs;
 }
 
@@ -111,9 +109,8 @@ TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
     const auto steps = static_cast<int>(expected.size());
     ASSERT_EQ(swings.size(), 2 * expected.size()) << EnumName(gait);
     for (std::size_t k = 0; k < swings.size(); ++k) EXPECT_EQ(swings[k], expected[k % expected.size()]);
-    for (const int count : stance_ticks) {
+    for (const int count : stance_ticks)
       EXPECT_NEAR(count, ticks * walk.schedule().timing.duty(), 2.0) << EnumName(gait);
-    }
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps - 1);
     walk.Tick();
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps);

@@ -80,9 +80,8 @@ TEST(SupportPolygon, OfOneFootIsASquareAboutIt) {
 
 TEST(SupportPolygon, IsEmptyIfTheMarginIsTooLarge) {
   const SupportPolygon polygon(Feet{{0, 0}, {1, 0}, {0, 1}}, 0.03, 0.4);
-  for (double x = -1; x < 2; x += 0.05) {
+  for (double x = -1; x < 2; x += 0.05)
     for (double y = -1; y < 2; y += 0.05) EXPECT_LT(polygon.Depth({x, y}), 0);
-  }
 }
 
 /// A point is in the hull of up to four points if and only if it is in one of their triangles.
@@ -104,9 +103,7 @@ TEST(SupportPolygon, IsTheUnionOfTheTriangles) {
         Feet corner = feet;
         if (feet.size() == 4) corner.erase(corner.begin() + static_cast<long>(out));
         std::array<double, 3> side;
-        for (std::size_t i = 0; i < 3; ++i) {
-          side[i] = cross(corner[(i + 1) % 3] - corner[i], p - corner[i]);
-        }
+        for (std::size_t i = 0; i < 3; ++i) side[i] = cross(corner[(i + 1) % 3] - corner[i], p - corner[i]);
         expected = expected || std::all_of(side.begin(), side.end(), [](double s) { return s > 0; }) ||
                    std::all_of(side.begin(), side.end(), [](double s) { return s < 0; });
       }
@@ -123,9 +120,7 @@ TEST(SupportPolygon, WithoutEdgesIsThePlane) {
 
 TEST(SupportPolygon, DoesNotAllocate) {
   const Feet feet{{2, 1}, {2, -1}, {-2, -1}, {-2, 1}};
-  const AllocationGuard guard;
-  SupportPolygon(feet, 0.1, 0.02).Depth({0, 0});
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { SupportPolygon(feet, 0.1, 0.02).Depth({0, 0}); }), 0);
 }
 
 TEST(SupportPolygon, RefusesNoFeetAndFive) {

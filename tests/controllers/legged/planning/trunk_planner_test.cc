@@ -169,9 +169,7 @@ TEST(TrunkPlannerTest, DoesNotAllocate) {
   Walk walk;
   walk.wrench.force_W = {0, 30, 0};
   walk.Tick();
-  const AllocationGuard guard;
-  walk.rig().Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { walk.rig().Tick(); }), 0);
 }
 
 TEST(TrunkPlannerTest, FiltersThePush) {

@@ -105,9 +105,8 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   EXPECT_FALSE(optimizer_.solver().active().empty());
   double begin = 0, least = 1;
   for (const SupportPhase& phase : pace.phases) {
-    for (double t = 1e-6; t < phase.duration; t += 1e-3) {
+    for (double t = 1e-6; t < phase.duration; t += 1e-3)
       least = std::min(least, phase.polygon.Depth(Zmp(spline_.At(begin + t))));
-    }
     begin += phase.duration;
   }
   EXPECT_GT(least, -1e-3);
@@ -208,9 +207,8 @@ TEST(ZmpSpline, OfSmoothnessAloneIsTheSplineThatBeamsMake) {
     problem.begin.acceleration = 6 / (T * T) * way;
     problem.end.position = way;
     ASSERT_TRUE(optimizer.Solve(problem, {.order = order, .path_weight = 0, .end_weight = 0}, &spline).ok());
-    for (double s = 0; s <= 1; s += 0.1) {
+    for (double s = 0; s <= 1; s += 0.1)
       EXPECT_THAT(spline.At(s * T).position, IsNear(s * s * (3 - 2 * s) * way, 1e-12)) << s;
-    }
   }
 }
 
@@ -270,16 +268,14 @@ TEST_P(ZmpSplineTest, FarFromTheOriginNothingChanges) {
   const Eigen::Vector2d far(2e3, -1e3);
   const Feet all{kFrontLeftFoot + far, kFrontRightFoot + far, kRearLeftFoot + far, kRearRightFoot + far};
   const std::array<Feet, 2> pairs{Feet{all[0], all[2]}, Feet{all[1], all[3]}};
-  for (std::size_t k = 0; k < there.phases.size(); ++k) {
+  for (std::size_t k = 0; k < there.phases.size(); ++k)
     there.phases[k].polygon = SupportPolygon(k % 2 == 0 ? all : pairs[k / 2], 0.03, 0.01);
-  }
   there.begin.position = there.end.position = there.path.position_W = far;
   PlanarSpline moved;
   ASSERT_TRUE(optimizer_.Solve(here.problem(), params_, &spline_).ok());
   ASSERT_TRUE(optimizer_.Solve(there.problem(), params_, &moved).ok());
-  for (double t = 0; t < spline_.duration; t += 0.01) {
+  for (double t = 0; t < spline_.duration; t += 0.01)
     EXPECT_THAT(moved.At(t).position - far, IsNear(spline_.At(t).position, 1e-9)) << t;
-  }
 }
 
 TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
@@ -294,9 +290,7 @@ TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
 TEST_P(ZmpSplineTest, DoesNotAllocate) {
   const Pace pace;
   const ZmpSplineProblem problem = pace.problem();
-  const AllocationGuard guard;
-  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok()); }), 0);
 }
 
 TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {

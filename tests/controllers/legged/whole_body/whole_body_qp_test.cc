@@ -67,22 +67,6 @@ class WholeBodyQpTest : public ::testing::TestWithParam<std::array<bool, kNumLeg
 };
 INSTANTIATE_TEST_SUITE_P(Stance, WholeBodyQpTest, ::testing::Values(kAll, kDiagonal, kThree, kNone));
 
-TEST_F(WholeBodyQpTest, StandsOnItsFeet) {
-  model_.Calc(test::Standing(robot_), &dynamics_);
-  WholeBodyQp qp(Limits());
-  WholeBodyTask task;
-  task.wrench[2] = model_.mass() * model_.gravity();
-  WholeBodySolution solution;
-  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
-  EXPECT_TRUE(qp.eliminated());
-  // The weights of forces and accelerations cost 1e-5 of the wrench.
-  EXPECT_THAT(WrenchOf(dynamics_, solution.force), IsNear(task.wrench, 5e-3));
-  EXPECT_THAT(solution.acceleration, IsNear(Vec<18>::Zero(), 5e-3));
-  const Vec<12> torque = JointTorque(dynamics_, solution, Vec<12>::Zero());
-  EXPECT_THAT(ForwardDynamics(dynamics_, torque, solution.force, Vec<18>::Zero()),
-              IsNear(solution.acceleration, 1e-9));
-}
-
 // At rest the forces balance weight and moments: three conditions on f_z, of which four feet take the
 // solution of least norm and three feet the only one. The torques are then those of statics.
 TEST_F(WholeBodyQpTest, StandsOnFourAndOnThreeFeetAsStaticsSays) {
