@@ -1,6 +1,5 @@
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
@@ -183,19 +182,6 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
   EXPECT_TRUE(status.ended);
   EXPECT_NEAR(status.time, 0.04, 1e-9);
   EXPECT_THAT(status.reason, ::testing::HasSubstr("4 of 5 solves failed"));
-}
-
-// The state that a solve leaves for the next is reproducible to the last bit.
-TEST(CdprMpc, CarriesOnTheSameInEveryRun) {
-  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
-  params.num_steps = 3;
-  TestRig<CdprMpc> rig(params);
-  rig.Fix(rig->estimate, At(params, 0, {0.1, 0, 0})).Tick();
-  const DiscreteLinearModel first = LinearizeDiscrete(rig.context(), {}, {});
-  const DiscreteLinearModel again = LinearizeDiscrete(rig.context(), {}, {});
-  ASSERT_GT(first.A.size(), 0);
-  EXPECT_EQ(first.A, again.A);
-  EXPECT_EQ(first.x1, again.x1);
 }
 
 TEST(CdprMpc, DoesNotAllocate) {

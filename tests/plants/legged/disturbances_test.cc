@@ -135,11 +135,10 @@ TEST(ExternalForceTest, TorqueOnTheTrunkTurnsTheRobot) {
   params.initial = test::Standing(params.robot);
   params.initial.p_WB[2] = 2;
   TestRig<QuadrupedPlant> rig(params);
-  auto& plant = rig.system();
   ExternalForces forces;
   forces[0].torque_W = {3, -2, 5};
-  rig.Fix(plant.torque, Vec<12>::Zero()).Fix(plant.external, forces);
-  const LeggedAcceleration& acceleration = rig[plant.acceleration];
+  rig.Fix(rig->torque, Vec<12>::Zero()).Fix(rig->external, forces);
+  const LeggedAcceleration& acceleration = rig[rig->acceleration];
   QuadrupedDynamics dynamics;
   QuadrupedModel(params.robot, 0).Calc(params.initial, &dynamics);
   const Vec<18> rates = test::Stacked(acceleration);

@@ -75,27 +75,26 @@ Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const ExternalF
 // External forces add (force, torque about B, torques of the joints) to M nu'.
 TEST(QuadrupedPlantTest, OutputsTheGeneralisedExternalForces) {
   Rig rig(Params(Lossless(DogBot())));
-  const QuadrupedPlant& plant = rig.system();
   RandomStream random(5);
   LeggedState x = RandomState(random);
   x.p_WB[2] = 5;
-  rig.Set(plant.motion, x).Fix(plant.torque, Vec<12>::Zero());
+  rig.Set(rig->motion, x).Fix(rig->torque, Vec<12>::Zero());
   const auto acceleration = [&](const ExternalForces& external) {
-    rig.Fix(plant.external, external);
-    return Stacked(rig[plant.acceleration]);
+    rig.Fix(rig->external, external);
+    return Stacked(rig[rig->acceleration]);
   };
   QuadrupedDynamics dynamics;
-  QuadrupedModel(plant.params.robot).Calc(rig[plant.state], &dynamics);
+  QuadrupedModel(rig->params.robot).Calc(rig[rig->state], &dynamics);
   for (const int body : {0, 1, 5, 12}) {
     const Vec<18> without = acceleration({});
     const ExternalForces external{ExternalForce{body, RandomVector<3>(random, 0.3),
                                                 RandomVector<3>(random, 50), RandomVector<3>(random, 5)}};
     const Vec<18> added = dynamics.M * (acceleration(external) - without);
-    const WrenchEstimate& wrench = rig[plant.external_wrench];
+    const WrenchEstimate& wrench = rig[rig->external_wrench];
     EXPECT_THAT(added.head<3>(), IsNear(wrench.force_W, 1e-8));
     EXPECT_THAT(added.segment<3>(3),
                 IsNear(wrench.torque_W + (dynamics.com_W - x.p_WB).cross(wrench.force_W), 1e-8));
-    EXPECT_THAT(added.tail<12>(), IsNear(rig[plant.external_torque], 1e-8)) << body;
+    EXPECT_THAT(added.tail<12>(), IsNear(rig[rig->external_torque], 1e-8)) << body;
   }
 }
 
@@ -158,14 +157,13 @@ TEST(QuadrupedPlantTest, TheLengthOfTheQuaternionMeansNothingAndReturnsToOne) {
   RandomStream random(33);
   LeggedState x = High(RandomState(random));
   Rig rig(Params(DogBot()));
-  const QuadrupedPlant& plant = rig.system();
-  rig.Fix(plant.torque, Vec<12>::Zero()).Set(plant.motion, x);
-  const LeggedAcceleration before = rig[plant.acceleration];
+  rig.Fix(rig->torque, Vec<12>::Zero()).Set(rig->motion, x);
+  const LeggedAcceleration before = rig[rig->acceleration];
   x.q_WB *= 1.3;
-  rig.Set(plant.motion, x);
-  EXPECT_THAT(rig[plant.state].q_WB, IsNear(x.q_WB / 1.3, 1e-15));
-  EXPECT_THAT(rig[plant.acceleration].qdd, IsNear(before.qdd, 1e-9));
-  EXPECT_LT(rig[plant.motion_rate].q_WB.dot(x.q_WB), 0);
+  rig.Set(rig->motion, x);
+  EXPECT_THAT(rig[rig->state].q_WB, IsNear(x.q_WB / 1.3, 1e-15));
+  EXPECT_THAT(rig[rig->acceleration].qdd, IsNear(before.qdd, 1e-9));
+  EXPECT_LT(rig[rig->motion_rate].q_WB.dot(x.q_WB), 0);
 }
 
 TEST(QuadrupedPlantTest, InTheAirMomentumAndEnergyStay) {
@@ -175,22 +173,21 @@ TEST(QuadrupedPlantTest, InTheAirMomentumAndEnergyStay) {
     params.initial = High(RandomState(random));
     params.limit_speed = false;  // above its largest speed a drive brakes
     Rig rig(params);
-    const QuadrupedPlant& plant = rig.system();
-    rig.Fix(plant.torque, Vec<12>::Zero());
+    rig.Fix(rig->torque, Vec<12>::Zero());
     const QuadrupedModel model(robot);
     QuadrupedDynamics before, after;
-    model.Calc(rig[plant.state], &before);
-    const double energy = rig[plant.energy].total();
+    model.Calc(rig[rig->state], &before);
+    const double energy = rig[rig->energy].total();
     const double T = 0.5;
     rig.RunTo(T);
-    model.Calc(rig[plant.state], &after);
+    model.Calc(rig[rig->state], &after);
     const Eigen::Vector3d g(0, 0, -kGravity);
     EXPECT_THAT(after.com_W, IsNear(before.com_W + T * before.com_velocity_W + T * T / 2 * g, 1e-7));
     EXPECT_THAT(after.com_velocity_W, IsNear(before.com_velocity_W + T * g, 1e-7));
     EXPECT_THAT(after.angular_momentum_W, IsNear(before.angular_momentum_W, 1e-7));
-    EXPECT_NEAR(rig[plant.energy].total(), energy, 1e-6 * energy);
-    EXPECT_NEAR(rig[plant.motion].q_WB.norm(), 1, 1e-7);
-    EXPECT_GT((rig[plant.state].q - params.initial.q).norm(), 0.5);  // the legs did move
+    EXPECT_NEAR(rig[rig->energy].total(), energy, 1e-6 * energy);
+    EXPECT_NEAR(rig[rig->motion].q_WB.norm(), 1, 1e-7);
+    EXPECT_GT((rig[rig->state].q - params.initial.q).norm(), 0.5);  // the legs did move
   }
 }
 

@@ -126,29 +126,6 @@ TEST_P(QuadrupedModelTest, ThePointInContactIsTheShanks) {
   }
 }
 
-TEST_P(QuadrupedModelTest, BiasesCompleteTheAccelerations) {
-  for (int i = 0; i < 5; ++i) {
-    const LeggedState x = RandomState(random_);
-    const Loads loads = RandomLoads(random_);
-    model_.Calc(x, &dynamics_);
-    const Vec<18> a = ForwardDynamics(dynamics_, loads);
-    const double size = 1 + a.norm();
-    EXPECT_THAT(
-        dynamics_.M.topRows<3>() * a / model_.mass() + dynamics_.com_bias_W,
-        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.com_velocity_W; }),
-               1e-8 * size));
-    EXPECT_THAT(
-        dynamics_.angular_map * a + dynamics_.angular_momentum_bias_W,
-        IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.angular_momentum_W; }),
-               1e-8 * size));
-    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-      EXPECT_THAT(
-          dynamics_.FootJacobian(static_cast<int>(leg)) * a + dynamics_.feet[leg].bias,
-          IsNear(RateAlongMotion(model_, loads, x, [leg](auto&, const auto& d) { return d.feet[leg].v_W; }),
-                 1e-8 * size));
-  }
-}
-
 TEST_P(QuadrupedModelTest, ForcesChangeTheCentroidalMomentum) {
   // Newton and Euler for the whole robot: only gravity and the feet's forces act from outside.
   for (int i = 0; i < 20; ++i) {
@@ -213,17 +190,6 @@ TEST_P(QuadrupedModelTest, LegJacobiansOfOtherPoints) {
     EXPECT_THAT(dynamics_.LegJacobian(leg, dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 2)]).col(2),
                 IsNear(Eigen::Vector3d::Zero(), 0));
   }
-}
-
-TEST_P(QuadrupedModelTest, ItsMassesAreItsOwn) {
-  QuadrupedDescription heavy = robot_;
-  heavy.trunk.mass *= 1.3;
-  const QuadrupedModel wrong(heavy);
-  QuadrupedDynamics dynamics;
-  const LeggedState x = test::Standing(robot_);
-  wrong.Calc(x, &dynamics);
-  EXPECT_NEAR(dynamics.gravity[2], 9.81 * (robot_.mass() + 0.3 * robot_.trunk.mass), 1e-10);
-  EXPECT_NEAR(wrong.mass(), robot_.mass() + 0.3 * robot_.trunk.mass, 1e-12);
 }
 
 TEST_P(QuadrupedModelTest, DoesNotAllocate) {

@@ -78,14 +78,6 @@ TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
   statistics.Expect(Vec<6>::Zero(), deviation);
 }
 
-TEST(ImuTest, SamplesAtItsRate) {
-  ImuParams params;
-  params.rate = Hz(400);
-  Rig rig(params);
-  rig.Fix(rig->body, PlatformState{}).Fix(rig->acceleration, PlatformAcceleration{}).Tick();
-  EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 400);
-}
-
 TEST(ImuTest, DoesNotAllocate) {
   Rig rig;
   rig.Fix(rig->body, Tilted()).Fix(rig->acceleration, PlatformAcceleration{}).RunTo(0.1);

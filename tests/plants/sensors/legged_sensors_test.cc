@@ -126,42 +126,6 @@ TEST(FootForceSensorTest, EveryComponentHasItsOwnNoise) {
   error.Expect(Vec<12>::Zero(), 0.1 * values);
 }
 
-TEST(LeggedSensorsTest, HoldTheirSamplesBetweenTicks) {
-  TestRig<JointEncoders> encoders(JointEncodersParams{.rate = Hz(100)});
-  encoders.Fix(encoders->state, Standing(DogBot())).Tick();
-  LeggedState moved = Standing(DogBot());
-  moved.q.array() += 0.1;
-  encoders.Fix(encoders->state, moved).RunTo(0.0099);
-  EXPECT_EQ(encoders[encoders->joints].q, DogBot().stance);
-  EXPECT_EQ(encoders.RunTo(0.01)[encoders->joints].q, moved.q);
-
-  TestRig<JointTorqueSensor> torque(ForceSensorParams{.rate = Hz(200), .error = {.relative = 0.1}});
-  torque.Fix(torque->torque, Vec<12>::Constant(10)).Tick();
-  const Vec<12> first = torque[torque->measured];
-  EXPECT_EQ(torque.RunTo(0.0049)[torque->measured], first);
-  EXPECT_NE(torque.RunTo(0.005)[torque->measured], first);
-}
-
-TEST(LeggedSensorsTest, BlocksHaveStreamsOfTheirOwnAndRunsRepeat) {
-  const auto run = [](std::uint64_t seed) {
-    DiagramBuilder builder;
-    auto& torque = builder.AddFunction("torque", Sampled{Hz(1000)}, Uses(builder.time),
-                                       [](double) -> Vec<12> { return Vec<12>::Ones(); });
-    auto& a = builder.Add<JointTorqueSensor>("a", ForceSensorParams{.error = {.relative = 0.1}});
-    auto& b = builder.Add<JointTorqueSensor>("b", ForceSensorParams{.error = {.relative = 0.1}});
-    builder.Connect(torque, a.torque);
-    builder.Connect(torque, b.torque);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.seed = seed});
-    simulator.RunTo(0.01);
-    return std::pair{Vec<12>(simulator.context().Eval(a.measured)),
-                     Vec<12>(simulator.context().Eval(b.measured))};
-  };
-  EXPECT_NE(run(1).first, run(1).second);
-  EXPECT_EQ(run(1), run(1));
-  EXPECT_NE(run(1).first, run(2).first);
-}
-
 TEST(LeggedSensorsTest, DoNotAllocate) {
   TestRig<JointEncoders> encoders(JointEncodersParams{.angle = {.absolute = 1e-4}});
   TestRig<FootForceSensor> feet(FootForceSensorParams{.error = {.relative = 0.1}});

@@ -79,9 +79,8 @@ TEST(LeashTest, EndsInOnePlaceDoNotPull) {
 
 TEST(LeashTest, IsDrawnFromTheHandToTheTrunkColouredByTension) {
   TestRig<Leash> rig(kParams);
-  auto& leash = rig.system();
-  rig.Fix(leash.robot, Robot({2.3, -0.1, 0.4})).Fix(leash.person, HandAt({0.25, 0, 0.6}));
-  const Shape& rod = rig[leash.geometry].at(0);
+  rig.Fix(rig->robot, Robot({2.3, -0.1, 0.4})).Fix(rig->person, HandAt({0.25, 0, 0.6}));
+  const Shape& rod = rig[rig->geometry].at(0);
   EXPECT_EQ(rod.kind, ShapeKind::kSegment);
   EXPECT_EQ(rod.unit, "N");
   EXPECT_THAT(rod.p_W, IsNear(Vec<3>(0.25, 0, 0.6), 1e-12));

@@ -94,10 +94,9 @@ TEST(PersonTest, DoesOneThingAfterTheOtherThenStands) {
                                .angular_frequency = 20,
                                .direction = 1},
                               {.activity = Activity::kPull, .duration = 0.3, .direction = -1, .force = 60}}));
-  auto& person = rig.system();
-  rig.Fix(person.leash, Pull(0, {1, 0, 0}));
+  rig.Fix(rig->leash, Pull(0, {1, 0, 0}));
   for (int n = 0; n < 80; ++n) {
-    const PersonIntent& intent = rig.Tick()[person.intent];
+    const PersonIntent& intent = rig.Tick()[rig->intent];
     if (n < 10) {
       EXPECT_EQ(intent.activity, Activity::kFollow) << n;
       EXPECT_EQ(intent.speed, 0.07) << n;

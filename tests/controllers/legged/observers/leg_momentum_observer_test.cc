@@ -81,23 +81,6 @@ TEST(LegMomentumObserverTest, StepGivesTheTransferFunctionOfEveryOrder) {
   }
 }
 
-TEST(LegMomentumObserverTest, LinearCombinationsSuperpose) {
-  RandomStream random(5);
-  const Vec<12> a = test::RandomVector<12>(random, 4), b = test::RandomVector<12>(random, 4);
-  const auto run = [&](double of_a, double of_b) {
-    QuadrupedBench bench = Flying(A1());
-    bench.external = [=](const LeggedState&, const QuadrupedDynamics&, double t) {
-      Vec<18> force = Vec<18>::Zero();
-      force.tail<12>() = of_a * std::sin(30 * t) * a + of_b * std::cos(20 * t) * b;
-      return force;
-    };
-    return Observed(bench, Params(A1(), ButterworthGains(3, 40))).RunTo(0.15).joint_torque;
-  };
-  const Vec<12> of_a = run(1, 0), of_b = run(0, 1);
-  EXPECT_THAT(run(2, -0.5), IsNear(2 * of_a - 0.5 * of_b, 1e-3 * of_a.norm()));
-  EXPECT_GT(of_a.norm(), 1);
-}
-
 TEST(LegMomentumObserverTest, ForceOnTheTrunkDoesNotReachTheLegs) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot());

@@ -31,12 +31,11 @@ TEST(WalkScheduleTest, KnowsHowFarItLeads) {
 
 TEST(WalkScheduleTest, GoesTheLengthsOnRamps) {
   TestRig<WalkSchedule> rig(Example());
-  const WalkSchedule& block = rig.system();
   double way = 0, last_speed = 0, last_yaw_rate = 0, turn = 0;
   double straight_ends = 0, arc_ends = 0;
-  for (int n = 0; rig.time() < block.end_time() - 4.02; ++n) {
+  for (int n = 0; rig.time() < rig->end_time() - 4.02; ++n) {
     rig.Tick();
-    const WalkCommand& command = rig[block.command];
+    const WalkCommand& command = rig[rig->command];
     EXPECT_EQ(command.gait, n < 50 ? Gait::kStand : Gait::kTrot) << n;
     EXPECT_LE(std::abs(command.forward - last_speed), 0.3 * 0.01 + 1e-12) << n;
     EXPECT_LE(std::abs(command.yaw_rate - last_yaw_rate), 0.01 + 1e-12) << n;

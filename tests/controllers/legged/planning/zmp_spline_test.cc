@@ -193,25 +193,6 @@ TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   }
 }
 
-/// x'' integrated twice against x'''' = 0: the cubic is the minimum of the smoothness alone.
-TEST(ZmpSpline, OfSmoothnessAloneIsTheSplineThatBeamsMake) {
-  // Begin and end at rest with no acceleration demanded at the end: with the acceleration at the beginning
-  // that the cubic between the ends has, that cubic is the solution.
-  const double T = 0.6;
-  const Eigen::Vector2d way(0.3, -0.1);
-  const std::vector<SupportPhase> phases(3, {T / 3, SupportPolygon()});
-  for (const SplineOrder order : {SplineOrder::kCubic, SplineOrder::kQuintic}) {
-    ZmpSpline optimizer;
-    PlanarSpline spline;
-    ZmpSplineProblem problem{.phases = phases, .height = {.rest = kHeight}};
-    problem.begin.acceleration = 6 / (T * T) * way;
-    problem.end.position = way;
-    ASSERT_TRUE(optimizer.Solve(problem, {.order = order, .path_weight = 0, .end_weight = 0}, &spline).ok());
-    for (double s = 0; s <= 1; s += 0.1)
-      EXPECT_THAT(spline.At(s * T).position, IsNear(s * s * (3 - 2 * s) * way, 1e-12)) << s;
-  }
-}
-
 /// Near the optimum, in any feasible direction, the cost rises; measured from the splines alone.
 TEST_P(ZmpSplineTest, CostIsWhatTheProgrammeMinimises) {
   Pace pace;

@@ -1,5 +1,4 @@
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-#include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
@@ -405,17 +404,6 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
     const Vec<12> expected = computed ? JointTorque(inputs.dynamics, after, Vec<12>::Zero()) : torque;
     EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-12)) << times[i];
   }
-}
-
-// The map of one period is reproducible to the last bit.
-TEST(WholeBodyController, CarriesOnTheSameInEveryRun) {
-  Inputs inputs(Params().robot);
-  Ticked rig(inputs);
-  const DiscreteLinearModel first = LinearizeDiscrete(rig.context(), {}, {});
-  const DiscreteLinearModel again = LinearizeDiscrete(rig.context(), {}, {});
-  ASSERT_GT(first.A.size(), 0);
-  EXPECT_EQ(first.A, again.A);
-  EXPECT_EQ(first.x1, again.x1);
 }
 
 TEST(WholeBodyController, DoesNotAllocate) {
