@@ -195,9 +195,7 @@ TEST(CdprEstimator, NoiseIsSetInARun) {
     EXPECT_EQ(set[set->estimate].platform.v_W, built[built->estimate].platform.v_W) << k;
   }
   EXPECT_NE(plain[plain->estimate].platform.v_W, built[built->estimate].platform.v_W);
-  CdprNoise wrong = noise;
-  wrong.attitude = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, wrong); }, "noise.attitude"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, {.attitude = 0}); }, "noise.attitude"));
 }
 
 }  // namespace

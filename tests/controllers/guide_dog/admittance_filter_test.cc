@@ -244,9 +244,7 @@ TEST(AdmittanceFilterTest, GainsAreSetInARun) {
   set.Run(1000);
   EXPECT_NEAR(set.Tick().velocity[0], plain.Run(2000).velocity[0], 1e-9);
 
-  AdmittanceGains wrong = gains;
-  wrong.mass = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "mass"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, {.mass = 0}); }, "mass"));
 }
 
 }  // namespace

@@ -360,9 +360,7 @@ TEST(SupervisorTest, GainsAreSetInARun) {
   const std::vector<double> expected = run(built);
   EXPECT_EQ(run(set), expected);
   EXPECT_NE(run(plain), expected);
-  SupervisorGains wrong = gains;
-  wrong.release = 81;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "release"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, {.release = 81}); }, "release"));
 }
 
 }  // namespace

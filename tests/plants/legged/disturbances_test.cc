@@ -139,8 +139,7 @@ TEST(ExternalForceTest, TorqueOnTheTrunkTurnsTheRobot) {
   forces[0].torque_W = {3, -2, 5};
   rig.Fix(rig->torque, Vec<12>::Zero()).Fix(rig->external, forces);
   const LeggedAcceleration& acceleration = rig[rig->acceleration];
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(params.robot, 0).Calc(params.initial, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(params.robot, 0), params.initial);
   const Vec<18> rates = test::Stacked(acceleration);
   EXPECT_THAT(Vec<3>(dynamics.angular_map * rates), IsNear(Vec<3>(3, -2, 5), 1e-9));
   EXPECT_THAT(Vec<3>(dynamics.M.topRows<3>() * rates), IsNear(Vec<3>(0, 0, 0), 1e-9));

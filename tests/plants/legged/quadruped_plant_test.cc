@@ -42,8 +42,7 @@ LeggedState High(LeggedState x) {
 
 /// Accelerations of the controllers' model under the plant's torques and forces.
 Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const ExternalForces& external) {
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(plant.params.robot).Calc(rig[plant.state], &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(plant.params.robot), rig[plant.state]);
   Vec<18> force = -dynamics.bias();
   force.tail<12>() += rig[plant.joint_torque];
   const LeggedState& x = rig[plant.state];
@@ -83,8 +82,7 @@ TEST(QuadrupedPlantTest, OutputsTheGeneralisedExternalForces) {
     rig.Fix(rig->external, external);
     return Stacked(rig[rig->acceleration]);
   };
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(rig->params.robot).Calc(rig[rig->state], &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(rig->params.robot), rig[rig->state]);
   for (const int body : {0, 1, 5, 12}) {
     const Vec<18> without = acceleration({});
     const ExternalForces external{ExternalForce{body, RandomVector<3>(random, 0.3),
@@ -239,8 +237,7 @@ TEST(QuadrupedPlantTest, EndStopsPushBack) {
     Rig rig(params);
     rig.Fix(rig->torque, Vec<12>::Zero());
     const Vec<18> a = Stacked(rig[rig->acceleration]);
-    QuadrupedDynamics dynamics;
-    QuadrupedModel(params.robot, 0).Calc(rig[rig->state], &dynamics);
+    const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(params.robot, 0), rig[rig->state]);
     return (dynamics.M * a + dynamics.coriolis)[8];  // the torque of the stop
   };
   EXPECT_NEAR(qdd(-0.01, 3), 0, 1e-9);

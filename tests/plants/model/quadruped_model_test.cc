@@ -48,8 +48,7 @@ LeggedState Moved(const LeggedState& x, double dt, const LeggedState& rate) {
 }
 
 LeggedState Rate(const QuadrupedModel& model, const Loads& loads, const LeggedState& x) {
-  QuadrupedDynamics dynamics;
-  model.Calc(x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(model, x);
   const Vec<18> a = ForwardDynamics(dynamics, loads);
   const Vec<4> half(0, x.w_W[0] / 2, x.w_W[1] / 2, x.w_W[2] / 2);
   return {x.v_W, QuaternionProduct(half, x.q_WB), x.qd, a.head<3>(), a.segment<3>(3), a.tail<12>()};

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/random_stream.h>
@@ -54,6 +54,12 @@ inline Vec<18> Stacked(const LeggedAcceleration& a) {
   Vec<18> rates;
   rates << a.a_W, a.alpha_W, a.qdd;
   return rates;
+}
+
+inline QuadrupedDynamics DynamicsOf(const QuadrupedModel& model, const LeggedState& x) {
+  QuadrupedDynamics dynamics;
+  model.Calc(x, &dynamics);
+  return dynamics;
 }
 
 /// At rest in the nominal stance, with the feet just touching the plane z = 0.

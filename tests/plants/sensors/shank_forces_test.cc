@@ -12,8 +12,7 @@ TEST(ShankForcesTest, AForceAlongTheShankIsAlongItInItsAxes) {
   RandomStream random(3);
   const QuadrupedDescription robot = test::DogBot();
   const LeggedState x = test::RandomState(random);
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(robot).Calc(x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
   FootForces forces;
   for (int leg = 0; leg < kNumLegs; ++leg)
     forces[leg] = dynamics.feet[static_cast<std::size_t>(leg)].p_W -

@@ -75,8 +75,7 @@ TEST(ComObserverTest, WrenchOfAForceOffTheCentreOfMass) {
   bench.external = OnTrunk(p_B, force, Vec<3>::Zero());
   Observed run(bench, Params(A1()));
   const WrenchEstimate& estimate = run.RunTo(0.6);
-  QuadrupedDynamics dynamics;
-  run.bench.model.Calc(run.bench.x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(run.bench.model, run.bench.x);
   const Vec<3> arm = run.bench.x.p_WB + run.bench.x.R_WB() * p_B - dynamics.com_W;
   EXPECT_THAT(estimate.force_W, IsNear(force, 0.1));
   EXPECT_THAT(estimate.torque_W, IsNear(arm.cross(force), 0.05));
@@ -156,8 +155,7 @@ TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
   Vec<6> gain, momentum, start, rate, given = Vec<6>::Zero(), published = Vec<6>::Zero();
   gain << 25, 25, 25, 10, 10, 10;
   const auto look = [&] {
-    QuadrupedDynamics dynamics;
-    run.bench.model.Calc(run.bench.x, &dynamics);
+    const QuadrupedDynamics dynamics = test::DynamicsOf(run.bench.model, run.bench.x);
     const FootForces feet = run.bench.ground(run.bench.x, dynamics, run.bench.t);
     momentum << DogBot().mass() * dynamics.com_velocity_W, dynamics.angular_momentum_W;
     rate << 0, 0, -9.81 * DogBot().mass(), 0, 0, 0;
@@ -210,10 +208,8 @@ TEST(ComObserverTest, GainsAreSetInARun) {
   EXPECT_EQ(found.force_W, expected.force_W);
   EXPECT_EQ(found.torque_W, expected.torque_W);
   EXPECT_NE(plain.RunTo(0.05).torque_W, expected.torque_W);
-  ComObserverGains wrong = changed.gains;
-  wrong.torque_bandwidth = 0;
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "torque_bandwidth_rad_per_s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, {.torque_bandwidth = 0}); },
+                                     "torque_bandwidth_rad_per_s"));
 }
 
 // The momenta of the two sources differ by the trunk's velocity, but the force is the same.

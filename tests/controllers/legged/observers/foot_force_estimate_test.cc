@@ -17,8 +17,7 @@ TEST(FootForceEstimateTest, TurnsMeasuredForcesIntoTheWorld) {
   RandomStream random(4);
   const QuadrupedDescription robot = test::DogBot();
   const LeggedState x = test::RandomState(random);
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(robot).Calc(x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
   FootForces shank;
   for (int leg = 0; leg < kNumLegs; ++leg) shank[leg] = robot.legs[static_cast<std::size_t>(leg)].foot_J;
   TestRig<FootForceEstimate> rig(FootForceEstimateParams{.robot = robot});

@@ -70,8 +70,7 @@ class SwayingRobot {
   Vec<12> Speeds(double t, const Vec<12>& q) const {
     LeggedState x = Trunk(t);
     x.q = q;
-    QuadrupedDynamics dynamics;
-    model_.Calc(x, &dynamics);
+    const QuadrupedDynamics dynamics = test::DynamicsOf(model_, x);
     Vec<12> speeds;
     for (int leg = 0; leg < kNumLegs; ++leg) {
       Vec<3> contact = dynamics.feet[static_cast<std::size_t>(leg)].p_W;
@@ -335,9 +334,7 @@ TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
   }
   EXPECT_EQ(set[set->state].v_W, built[built->state].v_W);
   EXPECT_NE(plain[plain->state].v_W, built[built->state].v_W);
-  ContactAidedNoise wrong = changed.noise;
-  wrong.encoder = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, wrong); }, "noise.encoder"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, {.encoder = 0}); }, "noise.encoder"));
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->outlier, 0); }, "outlier"));
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time"));
 }

@@ -252,9 +252,8 @@ TEST(ComPlannerSpline, ThePlanIsSetInARun) {
   EXPECT_EQ(found.com_W, expected.com_W);
   EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
   EXPECT_NE(walk_off(plain).com_acceleration_W, expected.com_acceleration_W);
-  ZmpPlanParams wrong = changed.zmp;
-  wrong.horizon = 5;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, wrong); }, "horizon_steps"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, {.horizon = 5}); }, "horizon_steps"));
 }
 
 }  // namespace

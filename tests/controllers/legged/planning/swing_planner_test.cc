@@ -362,8 +362,7 @@ TEST(SwingPlannerTest, FeetStayBelowARobotThatIsPushedOffItsPath) {
     SwingPlannerParams params = Params();
     params.step.velocity_feedback = 0;
     Trot trot(params);
-    QuadrupedDynamics dynamics;
-    QuadrupedModel(params.robot).Calc(trot.state, &dynamics);
+    const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(params.robot), trot.state);
     trot.body.com_W = dynamics.com_W;
     const Eigen::AngleAxisd turned(turn, Vec<3>::UnitZ());  // about the CoM
     trot.state.q_WB = QuaternionFromRotation(turned.toRotationMatrix());
@@ -549,9 +548,8 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
   const std::vector<double> expected = swing(built);
   EXPECT_EQ(swing(set), expected);
   EXPECT_NE(swing(plain), expected);
-  StepProperties wrong = changed.step;
-  wrong.retarget_phase = 1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->step, wrong); }, "retarget_phase"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->step, {.retarget_phase = 1}); },
+                                     "retarget_phase"));
 }
 
 }  // namespace

@@ -27,8 +27,7 @@ TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
       for (int leg = 0; leg < kNumLegs; ++leg) x.q.segment<2>(3 * leg + 1) += s * Vec<2>(1, -2);
       double depth = 0;
       for (int leg = 0; leg < kNumLegs; ++leg) depth -= robot.FootPosition(leg, x.q)[2] / kNumLegs;
-      QuadrupedDynamics dynamics;
-      QuadrupedModel(robot).Calc(x, &dynamics);
+      const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
       return robot.mass() * 9.81 * (dynamics.com_W[2] + depth);
     };
     // Legs alike in front and rear, so that the trunk stays level.

@@ -461,12 +461,9 @@ TEST(WholeBodyController, GainsAreSetInARun) {
   EXPECT_EQ(set[set->torque], built[built->torque]);
   EXPECT_EQ(set[set->plan].solution.acceleration, built[built->plan].solution.acceleration);
 
-  WholeBodyGains wrong = changed.gains;
-  wrong.qp.friction = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, wrong); }, "block.gains", "friction"));
-  wrong = changed.gains;
-  wrong.stretch_limit = 1.1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, wrong); }, "stretch_limit"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, {.qp = {.friction = 0}}); }, "block.gains",
+                                     "friction"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, {.stretch_limit = 1.1}); }, "stretch_limit"));
   EXPECT_TRUE(
       Throws<ParameterError>([&] { set.Set(set->max_failures_in_a_row, -1); }, "max_failures_in_a_row"));
 }

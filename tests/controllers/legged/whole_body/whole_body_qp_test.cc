@@ -60,6 +60,11 @@ Vec<18> ForwardDynamics(const QuadrupedDynamics& dynamics, const Vec<12>& torque
 class WholeBodyQpTest : public ::testing::TestWithParam<std::array<bool, kNumLegs>> {
  protected:
   static Vec<12> Limits() { return Vec<12>::Constant(60); }
+  /// The solution of a task that has one.
+  WholeBodySolution Solve(const WholeBodyTask& task, const WholeBodyQpParams& params = {}) const {
+    const WholeBodySolution solution = Solve(task, params);
+    return solution;
+  }
 
   const QuadrupedDescription robot_ = test::DogBot();
   const QuadrupedModel model_{robot_};
@@ -89,9 +94,7 @@ TEST_F(WholeBodyQpTest, StandsOnFourAndOnThreeFeetAsStaticsSays) {
     WholeBodyTask task;
     task.stance = stance;
     task.wrench[2] = weight;
-    WholeBodyQp qp(Limits());
-    WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
+    const WholeBodySolution solution = Solve(task);
     Vec<12> torque = dynamics_.gravity.tail<12>();
     for (int leg = 0, k = 0; leg < kNumLegs; ++leg) {
       const Vec<3> force(0, 0, stance[leg] ? expected[k++] : 0);
@@ -111,9 +114,7 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
   WholeBodyTask task;
   task.wrench << pull, 0, weight, 0, 0, 0;
   for (const bool eliminate : {true, false}) {
-    WholeBodyQp qp(Limits());
-    WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu, .eliminate = eliminate}, &solution).ok());
+    const WholeBodySolution solution = Solve(task, {.friction = mu, .eliminate = eliminate});
     const Vec<6> wrench = WrenchOf(dynamics_, solution.force);
     const double normal = (weight + mu * pull) / (1 + mu * mu);
     Vec<6> expected;
@@ -136,9 +137,7 @@ TEST_F(WholeBodyQpTest, TheConeStandsAlongTheNormal) {
     task.wrench << 0, 0, weight, 0, 0, 0;
     task.normal_W = Vec<3>(-slope, 0, 1).normalized();
     for (const bool eliminate : {true, false}) {
-      WholeBodyQp qp(Limits());
-      WholeBodySolution solution;
-      ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu, .eliminate = eliminate}, &solution).ok());
+      const WholeBodySolution solution = Solve(task, {.friction = mu, .eliminate = eliminate});
       const Vec<3> force = WrenchOf(dynamics_, solution.force).head<3>();
       if (slope < mu) {
         EXPECT_THAT(force, IsNear(Vec<3>(0, 0, weight), 0.02));
@@ -186,9 +185,7 @@ TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
   task.wrench << 30, 20, model_.mass() * model_.gravity(), 10, 0, 30;
   const auto error = [&](double yaw_weight) {
     const WholeBodyQpParams params{.moment_weight = 30, .yaw_weight = yaw_weight, .friction = 0.3};
-    WholeBodyQp qp(Limits());
-    WholeBodySolution solution;
-    EXPECT_TRUE(qp.Solve(dynamics_, task, params, &solution).ok());
+    const WholeBodySolution solution = Solve(task, params);
     return Vec<6>(WrenchOf(dynamics_, solution.force) - task.wrench);
   };
   const Vec<6> heavy = error(30), light = error(0.3);
@@ -267,9 +264,7 @@ TEST_F(WholeBodyQpTest, SwingFeetGetTheAccelerationsThatAreAskedFor) {
   for (const auto& stance : {kDiagonal, kThree}) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     WholeBodyTask task = RandomTask(model_, stance, random);
-    WholeBodyQp qp(Limits());
-    WholeBodySolution solution;
-    ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
+    const WholeBodySolution solution = Solve(task);
     for (int leg = 0; leg < kNumLegs; ++leg) {
       if (stance[leg]) continue;
       const Vec<3> a = dynamics_.FootJacobian(leg) * solution.acceleration + dynamics_.feet[leg].bias;
@@ -283,9 +278,7 @@ TEST_F(WholeBodyQpTest, AFeasibleWrenchIsRealised) {
   model_.Calc(test::Standing(robot_), &dynamics_);
   WholeBodyTask task;
   task.wrench << 20, -15, model_.mass() * model_.gravity() + 30, 4, -5, 3;
-  WholeBodyQp qp(Limits());
-  WholeBodySolution solution;
-  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
+  const WholeBodySolution solution = Solve(task);
   EXPECT_THAT(WrenchOf(dynamics_, solution.force), IsNear(task.wrench, 0.02));
   // Newton and Euler about the CoM, from the model's own centroidal quantities.
   const Vec<3> a = dynamics_.M.topRows<3>() * solution.acceleration / model_.mass() + dynamics_.com_bias_W;
