@@ -47,16 +47,6 @@ TEST(CableInterferenceTest, CablesLeaveFromTheirPulleys) {
   EXPECT_NEAR(At(robot, {0, 0, 2}).cables, 0.3, 1e-12);
 }
 
-// A cable from a corner may go past any of the three faces there, but not below all of them.
-TEST(CableInterferenceTest, CablesLeaveThePlatformOnTheOutside) {
-  const CdprDescription robot = Cube();
-  EXPECT_GT(At(robot, {0, 0, 2}).platform, 0.3);
-  // Turned over about a diagonal, the corner of the first cable points away from its anchor.
-  const Matrix3d R = Eigen::AngleAxisd(M_PI, Vector3d(1, -1, 0).normalized()).toRotationMatrix();
-  const Vector3d direction = Vector3d(3.2, 3.2, 2.2).normalized();
-  EXPECT_NEAR(At(robot, {0, 0, 2}, R).platform, -direction.z(), 1e-12);
-}
-
 // The sine at a corner of the cube is the largest of the components of the direction along its three normals.
 TEST(CableInterferenceTest, SineIsThatOfTheCubesFaces) {
   const CdprDescription robot = Cube();

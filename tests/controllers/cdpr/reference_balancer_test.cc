@@ -176,16 +176,5 @@ TEST(ReferenceBalancerTest, RefusesSignalsOfAnotherRobot) {
   EXPECT_TRUE(refuses(Hold(test::EightCableRobot(), {0, 0.5, 2}), 4));
 }
 
-TEST(BalancedReferenceTest, AllocatesNothing) {
-  const CdprDescription robot = test::FourCableRobot();
-  const CdprReference reference = Hold(robot, {0, 0.5, 2});
-  LoadEstimate load;
-  load.payload = {5, {0, 0.4, 0}};
-  BalancedReference balanced(robot);
-  ReferenceShift shift;
-  balanced.Calc(reference, load, {}, shift);
-  EXPECT_EQ(Allocations([&] { balanced.Calc(reference, load, {}, shift); }), 0);
-}
-
 }  // namespace
 }  // namespace tenon::reference_balancer_test

@@ -39,22 +39,6 @@ MatrixXd Directions(const std::vector<Vector2d>& anchors, const Vector2d& p) {
   return W;
 }
 
-// The tensions of two cables are unique; the margin is their distance from the bounds.
-TEST(WrenchFeasibilityTest, TwoCablesInAPlane) {
-  WrenchFeasibility feasibility(2, 2);
-  int feasible = 0;
-  for (int k = 0; k < 100; ++k) {
-    const MatrixXd W = Directions({{-3, 4}, {3, 4}}, {Uniform(-4, 4), Uniform(0, 3.9)});
-    const Vector2d weight(0, 100), u = test::Solve(W, weight);
-    feasibility.SetStructure(W);
-    const WrenchMargins margins = feasibility.Margins(Point(weight), 10, 200);
-    EXPECT_NEAR(margins.tension, std::min({u[0] - 10, u[1] - 10, 200 - u[0], 200 - u[1]}), 1e-9 * u.norm());
-    feasible += margins.feasible() ? 1 : 0;
-  }
-  EXPECT_GT(feasible, 20);
-  EXPECT_LT(feasible, 80);
-}
-
 double Cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
@@ -208,18 +192,6 @@ TEST(WrenchFeasibilityTest, NothingIsProducedOutOfThePlaneOfAllCables) {
   EXPECT_NEAR(feasibility.Margins(Point(Vector3d(0, 0, 1)), 0, 10).capacity, -1, 1e-12);
   feasibility.SetStructure(MatrixXd::Ones(3, 4));
   EXPECT_FALSE(feasibility.Margins(Point(Vector3d(1, 1, 1)), 0, 10).feasible());
-}
-
-TEST(WrenchFeasibilityTest, AllocatesInTheConstructorAlone) {
-  const CdprDescription robot = test::EightCableRobot();
-  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 1.7}, Eigen::Matrix3d::Identity());
-  WrenchFeasibility feasibility(6, 8);
-  const WrenchBox weight = Point(-GravityWrench(robot));
-  const AllocationGuard guard;
-  feasibility.SetStructure(cables.structure);
-  const double margin = feasibility.Margins(weight, 10, 800).tension;
-  EXPECT_EQ(guard.count(), 0);
-  EXPECT_GT(margin, 0);
 }
 
 TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {

@@ -190,15 +190,6 @@ TEST(SupervisorTest, PullsDoNotCountBeforeTheDwellIsOver) {
   EXPECT_EQ(dog.Run(0.05), kTurn);
 }
 
-TEST(SupervisorTest, WaitsAtAnObstacleForAPull) {
-  Dog dog;
-  dog.Run(2);
-  dog.Obstacle(true);
-  EXPECT_EQ(dog.Tick(), kStop);
-  dog.Obstacle(false);
-  EXPECT_EQ(dog.Run(30), kStop) << "it does not go on by itself";
-}
-
 TEST(SupervisorTest, TurnsAwayFromTheObstacleThatStoppedIt) {
   Dog dog;
   dog.Obstacle(true);

@@ -104,28 +104,6 @@ TEST(DualActiveSet, MeetsTheOptimalityConditionsWhereHIsInBlocks) {
   }
 }
 
-// Twelve variables have specialised code, unlike the same problem with a thirteenth, independent one.
-TEST(DualActiveSet, TwelveVariablesAreSolvedLikeAnyOtherNumber) {
-  std::mt19937 generator(10);
-  DualActiveSet solver(13, 40);
-  for (int i = 0; i < 50; ++i) {
-    const OwnedQp twelve = RandomFeasible(generator, 12, i % 4, 35);
-    OwnedQp more(13, i % 4, 35);
-    more.H.topLeftCorner(12, 12) = twelve.H;
-    more.g.head(12) = twelve.g;
-    more.A_eq.leftCols(12) = twelve.A_eq;
-    more.b_eq = twelve.b_eq;
-    more.A_in.leftCols(12) = twelve.A_in;
-    more.b_in = twelve.b_in;
-    ASSERT_TRUE(solver.Solve(more.view()).ok());
-    const Eigen::VectorXd x = solver.x().head(12), multipliers = solver.multipliers();
-    EXPECT_EQ(solver.x()[12], 0);
-    ASSERT_TRUE(solver.Solve(twelve.view()).ok());
-    EXPECT_THAT(solver.x(), IsNear(x, 1e-9));
-    EXPECT_THAT(solver.multipliers(), IsNear(multipliers, 1e-7 * (1 + multipliers.norm())));
-  }
-}
-
 TEST(DualActiveSet, SolvesWeightsThatDifferByTenOrdersOfMagnitude) {
   std::mt19937 generator(2);
   DualActiveSet solver(30, 60);
@@ -280,33 +258,6 @@ TEST(DualActiveSet, SolvesDuplicateAndRedundantConstraints) {
       EXPECT_THAT(solver.x(), IsNear(x, 1e-8));
     }
   }
-}
-
-// All constraints meet in one point, the apex of friction pyramids, and the cost pulls into it.
-TEST(DualActiveSet, SolvesTheApexOfManyPyramids) {
-  DualActiveSet solver(12, 16);
-  OwnedQp qp(12, 0, 16);
-  for (int leg = 0; leg < 4; ++leg) {
-    qp.A_in.block<4, 3>(4 * leg, 3 * leg) << 1, 0, 0.7, -1, 0, 0.7, 0, 1, 0.7, 0, -1, 0.7;
-    qp.g.segment<3>(3 * leg) << 0.1, -0.2, 1;  // downwards
-  }
-  ASSERT_TRUE(solver.Solve(qp.view()).ok());
-  EXPECT_THAT(solver.x(), IsNear(Eigen::VectorXd::Zero(12), 1e-14));
-}
-
-TEST(DualActiveSet, DoesNotAllocate) {
-  std::mt19937 generator(6);
-  DualActiveSet solver(30, 100);
-  std::vector<OwnedQp> problems;
-  for (int i = 0; i < 20; ++i) problems.push_back(RandomFeasible(generator, 5 + i, i / 2, 3 * i));
-  std::vector<int> guess;
-  guess.reserve(30);
-  const AllocationGuard guard;
-  for (const OwnedQp& qp : problems) {
-    ASSERT_TRUE(solver.Solve(qp.view(), guess).ok());
-    guess.assign(solver.active().begin(), solver.active().end());
-  }
-  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST(DualActiveSet, BlocksOfLargerMatricesServeWithoutCopies) {

@@ -303,16 +303,6 @@ TEST(Slq, AllIterationsInOneCall) {
   EXPECT_THAT(InputsOf(all), IsNear(InputsOf(one), 1e-6));
 }
 
-TEST(Slq, PolicyCorrectsDisturbancesOfTheStart) {
-  // The policy of a linear problem is optimal for every start.
-  const auto problem = SomeLinearProblem();
-  Slq<LinearProblem<3, 2>> slq(problem, kUneven), other = slq;
-  slq.Solve(Eigen::Vector3d(1, -2, 0.5));
-  const Eigen::Vector3d x0(0.7, 0.3, 0);
-  other.Solve(x0);
-  EXPECT_THAT(slq.Evaluate(0, x0), IsNear(other.policy()[0].u, 1e-9));
-}
-
 TEST(Slq, EvaluateInterpolatesAndClamps) {
   auto problem = SomeLinearProblem();
   problem.upper = Eigen::Vector2d(2, 2);
@@ -402,18 +392,6 @@ TEST(Slq, AcceptsStepsByArmijosRule) {
       unfair({SomeLinearProblem(), 0.99e-4}, kUneven);
   EXPECT_EQ(fair.Solve({1, -2, 0.5}).step_length, 1);
   EXPECT_GT(unfair.Solve({1, -2, 0.5}).regularisation, 0) << "no step was good";
-}
-
-TEST(Slq, SolvesWithoutAllocating) {
-  const auto problem = CdprProblem(50);
-  Slq<CdprTrackingProblem<4>> slq(problem, std::vector<double>(50, 0.02));
-  slq.SetPolicy(problem.targets[0].x, problem.targets[0].u);
-  CentroidalState x0 = problem.targets[0].x;
-  x0[7] -= 0.2;
-  const AllocationGuard guard;
-  slq.Solve(x0);
-  slq.Shift(0.02);
-  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST(Slq, RefusesStepsThatMakeNoSense) {

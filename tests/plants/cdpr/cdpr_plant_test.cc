@@ -282,15 +282,6 @@ TEST(CdprPlantTest, InTensionModeDrumAndCableAgree) {
   EXPECT_GT(slack, 20);
 }
 
-TEST(CdprPlantTest, InTensionModeATautCableReachesTheCommand) {
-  CdprPlantParams params = Hanging();
-  Rig rig(params);
-  const CableVector command = Same(params.initial_tension[0] * 1.01);
-  rig.Fix(rig->command, command).RunTo(0.3);
-  EXPECT_THAT(rig[rig->cables].tension, IsNear(command, 0.02 * command[0]));
-  EXPECT_GT(rig[rig->platform].v_W[2], 0.01);
-}
-
 TEST(CdprPlantTest, InTorqueModeTheDrumIsAMass) {
   CdprPlantParams params = Hanging();
   params.robot.winch = {

@@ -201,17 +201,6 @@ TEST(QuadrupedPlantTest, FrictionTakesEnergy) {
   EXPECT_NEAR((rig[rig->energy].total() - before) / h, -12 * (0.05 + 0.2 * std::tanh(10)), 0.02);
 }
 
-TEST(QuadrupedPlantTest, DrivesSaturate) {
-  Rig rig(Params(DogBot()));
-  Vec<12> command = Vec<12>::Constant(100);
-  command[1] = -100;
-  command[2] = 42;
-  rig.Fix(rig->torque, command);
-  EXPECT_EQ(rig[rig->joint_torque][0], 60);
-  EXPECT_EQ(rig[rig->joint_torque][1], -60);
-  EXPECT_EQ(rig[rig->joint_torque][2], 42);
-}
-
 TEST(QuadrupedPlantTest, TorqueFallsWithSpeedIfAsked) {
   for (const bool limited : {false, true}) {
     QuadrupedPlantParams params = Params(DogBot());  // 60 N m, 6 rad/s, full torque up to 3 rad/s

@@ -191,14 +191,5 @@ TEST_P(QuadrupedModelTest, LegJacobiansOfOtherPoints) {
   }
 }
 
-TEST_P(QuadrupedModelTest, DoesNotAllocate) {
-  const LeggedState x = RandomState(random_);
-  DecoupledDynamics decoupled;
-  const AllocationGuard guard;
-  model_.Calc(x, &dynamics_);
-  model_.CalcDecoupled(x, dynamics_, &decoupled);
-  EXPECT_EQ(guard.count(), 0);
-}
-
 }  // namespace
 }  // namespace tenon::quadruped_model_test

@@ -11,32 +11,23 @@ namespace {
 
 constexpr double kRadius = 0.03;
 
-TEST(TerrainTest, FlatGround) {
-  TerrainParams params;
-  params.friction = 0.7;
-  const Terrain terrain(params);
-  const Terrain::Surface surface = terrain.At(3, -5);
-  EXPECT_EQ(surface.height, 0);
-  EXPECT_EQ(surface.normal_W, Vec<3>(0, 0, 1));
-  EXPECT_EQ(surface.friction, 0.7);
-  const Terrain::Contacts contacts = terrain.Touch({3, -5, 0.02}, kRadius);
-  ASSERT_EQ(contacts.count, 1);
-  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-15);
-  EXPECT_EQ(terrain.Touch({3, -5, 0.031}, kRadius).count, 0);
-}
-
-TEST(TerrainTest, Slope) {
-  TerrainParams params;
-  params.grade = {0.3, -0.1};
-  const Terrain terrain(params);
-  EXPECT_NEAR(terrain.At(2, 5).height, 0.3 * 2 - 0.1 * 5, 1e-14);
-  const Vec<3> normal = Vec<3>(-0.3, 0.1, 1).normalized();
-  EXPECT_THAT(terrain.At(2, 5).normal_W, IsNear(normal, 1e-15));
-  const Vec<3> on(2, 5, 0.1);
-  const Terrain::Contacts contacts = terrain.Touch(on + 0.02 * normal, kRadius);
-  ASSERT_EQ(contacts.count, 1);
-  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
-  EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-15));
+TEST(TerrainTest, IsAPlane) {
+  for (const Vec<2>& grade : {Vec<2>(0, 0), Vec<2>(0.3, -0.1)}) {
+    TerrainParams params;
+    params.grade = grade;
+    params.friction = 0.7;
+    const Terrain terrain(params);
+    const Vec<3> normal = Vec<3>(-grade[0], -grade[1], 1).normalized(), on(2, 5, 2 * grade[0] + 5 * grade[1]);
+    const Terrain::Surface surface = terrain.At(2, 5);
+    EXPECT_NEAR(surface.height, on[2], 1e-14);
+    EXPECT_THAT(surface.normal_W, IsNear(normal, 1e-15));
+    EXPECT_EQ(surface.friction, 0.7);
+    const Terrain::Contacts contacts = terrain.Touch(on + 0.02 * normal, kRadius);
+    ASSERT_EQ(contacts.count, 1);
+    EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
+    EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-15));
+    EXPECT_EQ(terrain.Touch(on + 0.031 * normal, kRadius).count, 0);
+  }
 }
 
 Terrain OneBox() {

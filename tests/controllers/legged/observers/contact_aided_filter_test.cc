@@ -264,19 +264,6 @@ TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
   EXPECT_GT((filter.covariance.block<3, 3>(Filter::kFeet + 6, 0).norm()), 0);
 }
 
-TEST(ContactAidedFilterTest, DoesNotAllocate) {
-  RandomStream random(4);
-  Filter filter;
-  filter.covariance = RandomCovariance(random, 0.01);
-  std::array<FootMeasurement, kNumLegs> feet;
-  for (FootMeasurement& foot : feet) foot = {Normal(random, 0.3), Eigen::Matrix3d::Identity()};
-  AllocationGuard guard;
-  for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, feet[static_cast<std::size_t>(leg)]);
-  filter.Predict(RandomInput(random), {}, kPeriod, kRadius, kGravity);
-  filter.Correct(feet, 1e9);
-  EXPECT_EQ(guard.count(), 0);
-}
-
 TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
   EXPECT_TRUE(
       Throws<ParameterError>([] { ContactAidedNoise{.foot_walk = 0}.Validate(); }, "noise.foot_walk"));

@@ -268,12 +268,6 @@ TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
   EXPECT_EQ(spline_.At(0.2).position, before);
 }
 
-TEST_P(ZmpSplineTest, DoesNotAllocate) {
-  const Pace pace;
-  const ZmpSplineProblem problem = pace.problem();
-  EXPECT_EQ(Allocations([&] { ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok()); }), 0);
-}
-
 TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
   RandomStream random(1);
   PlanarSpline spline;
