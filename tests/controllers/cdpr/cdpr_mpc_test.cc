@@ -32,7 +32,7 @@ PlatformEstimate At(const CdprMpcParams& params, double time, const Eigen::Vecto
   return estimate;
 }
 
-TEST(CdprMpcSteps, AreUniformIfTheHorizonSaysSo) {
+TEST(CdprMpcSteps, AreUniformOverAShortHorizon) {
   CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   params.horizon = 0.25;
   EXPECT_THAT(CdprMpcSolver::Steps(params), ::testing::Each(1));

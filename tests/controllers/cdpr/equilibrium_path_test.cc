@@ -56,7 +56,7 @@ TEST(Path, CircleStartsAtRestAndKeepsItsPeriod) {
   EXPECT_EQ(path.end_time(), kInfinity);
 }
 
-TEST(Path, CircleKnowsWhenItPasses) {
+TEST(Path, TimeOfInvertsTheParameterOfACircle) {
   const Path path = TestCircle();
   for (const double t : {0.3, 1.7, 2.0, 5.5, 20.0})
     EXPECT_NEAR(path.TimeOf(path.ParameterAt(t).value), t, 1e-9);

@@ -73,7 +73,7 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
 }
 
 // With pulleys the model is exact at the pose of SetPose.
-TYPED_TEST(KinoCentroidalModelTest, KnowsPulleys) {
+TYPED_TEST(KinoCentroidalModelTest, ModelsPulleys) {
   const CentroidalState x = SomeState();
   const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
   CdprDescription robot = this->robot;
@@ -170,7 +170,7 @@ TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
 }
 
 // Beyond the range of the sine and cosine of lanes.h.
-TEST(KinoCentroidalModel, IsNotFiniteWhereItSaysNothing) {
+TEST(KinoCentroidalModel, IsNotFiniteOutsideItsRange) {
   const KinoCentroidalModel<4> model(RobotWith(4));
   const Eigen::Vector4d u(50, 60, 70, 80);
   CentroidalState x = SomeState(), next;

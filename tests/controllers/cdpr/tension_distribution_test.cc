@@ -186,7 +186,7 @@ TEST(TensionDistribution, DoesNotDependOnTheOrderOfTheCables) {
   EXPECT_LT(feasible, 50);
 }
 
-TEST(TensionDistribution, SaysWhyThereIsNone) {
+TEST(TensionDistribution, GivesTheReasonIfThereIsNone) {
   struct Case {
     CdprDescription robot;
     Vector3d p_WB, euler;

@@ -306,7 +306,7 @@ TEST(SupervisorTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<Supervisor>({{.align_time = 0}}, "align_time"));
 }
 
-TEST(SupervisorTest, ASquatGoesOnWhateverItDoes) {
+TEST(SupervisorTest, ASquatGoesOnInAllModes) {
   Dog dog;
   WalkCommand squat = kTrot;
   squat.height = {0.05, 0.1, -0.2};

@@ -112,7 +112,7 @@ TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   EXPECT_THAT(x, IsNear(Eigen::Vector2d(-0.1, 1), 1e-12));
 }
 
-TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
+TEST(BoxNewton, RefusesProblemsThatAreNotConvexOrNotFinite) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0, 0), lower(-1, -1), upper(1, 1), g(0.1, 0.1);
   Eigen::Matrix2d H = Eigen::Vector2d(1, -1).asDiagonal();

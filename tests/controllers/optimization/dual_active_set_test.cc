@@ -203,7 +203,7 @@ TEST(DualActiveSet, NamesTheConstraintThatContradictsTheOthers) {
 }
 
 // Farkas: a combination of the rows with weights w >= 0 is zero, but that of the bounds is positive.
-TEST(DualActiveSet, DetectsRandomInfeasibleProblemsWhateverTheGuess) {
+TEST(DualActiveSet, DetectsRandomInfeasibleProblemsFromAnyGuess) {
   std::mt19937 generator(4);
   DualActiveSet solver(12, 60);
   for (int i = 0; i < 100; ++i) {
@@ -290,7 +290,7 @@ TEST(DualActiveSet, StopsAfterTheIterationsThatItMayTake) {
   EXPECT_EQ(report.iterations, 5);
 }
 
-TEST(DualActiveSet, RefusesWhatIsNotConvexOrNotFinite) {
+TEST(DualActiveSet, RefusesProblemsThatAreNotConvexOrNotFinite) {
   DualActiveSet solver(2, 3);
   OwnedQp qp = Triangle();
   qp.H << 1, 2, 2, 1;

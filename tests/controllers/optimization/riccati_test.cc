@@ -29,7 +29,7 @@ TEST(DiscreteRiccati, SolvesTheEquationAndStabilises) {
   EXPECT_LT(test::Eigenvalues(A - B * K).cwiseAbs().maxCoeff(), 1);
 }
 
-TEST(DiscreteRiccati, RefusesWhatCannotBeStabilised) {
+TEST(DiscreteRiccati, RefusesUnstabilisableSystems) {
   const Eigen::Matrix2d A = Eigen::Vector2d(1.2, 0.5).asDiagonal();
   EXPECT_TRUE(Throws<ParameterError>(
       [&] {

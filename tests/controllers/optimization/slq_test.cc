@@ -315,7 +315,7 @@ TEST(Slq, EvaluateInterpolatesAndClamps) {
   EXPECT_EQ(slq.Evaluate(0, Eigen::Vector3d(-100, -100, -100)).maxCoeff(), 2);
 }
 
-TEST(Slq, ShiftedPolicyIsWhatItWasAtThatTime) {
+TEST(Slq, ShiftMovesThePolicyInTime) {
   Slq<LinearProblem<3, 2>> slq(SomeLinearProblem(), kUneven);
   slq.Solve(Eigen::Vector3d(1, -2, 0.5));
   const auto before = slq.policy();

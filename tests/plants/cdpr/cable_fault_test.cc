@@ -13,7 +13,7 @@ using test::FourCableRobot;
 using test::Hanging;
 using Kind = CableFaultKind;
 
-TEST(CableFaultTest, SaysWhichAndWhen) {
+TEST(CableFaultTest, OutputsTheFaultsOfItsSchedule) {
   TestRig<CableFault> rig({.num_cables = 3, .cables = {1}, .schedule = {.start = 0.001, .duration = 0.001}});
   EXPECT_TRUE(rig.Tick()[rig->faults].stuck.isZero(0));
   EXPECT_THAT(rig.Tick()[rig->faults].stuck, IsNear(Eigen::Vector3d(0, 1, 0), 0));

@@ -59,7 +59,7 @@ TEST_P(CdprCablesOfKinds, DampingTakesEnergy) {
   EXPECT_LT(before, start - 0.1);
 }
 
-TEST_P(CdprCablesOfKinds, StartsWithItsTensionsAndTellsTheIdealLengths) {
+TEST_P(CdprCablesOfKinds, StartsWithItsTensionsAndOutputsIdealLengths) {
   CdprPlantParams params = Hanging(FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius));
   params.p_WB = {0.3, -0.4, 1.2};
   params.euler = {0.1, -0.2, 0.7};
@@ -88,7 +88,7 @@ CdprPlantParams Layered(double second, WinchMode mode = WinchMode::kTension) {
   return params;
 }
 
-TEST(CdprCablesTest, ADrumTellsItsTurnsAsLengthOfTheFirstRadius) {
+TEST(CdprCablesTest, OutputsTheTurnsOfADrumAsLengthOfTheFirstRadius) {
   Rig rig(Layered(0.1));
   const double length = rig[rig->cables].length[0], rest = rig[rig->rest_length][0];
   for (const double more : {-0.2, 0.05, 0.1, 0.3, 1.0}) {
@@ -135,7 +135,7 @@ TEST(CdprCablesTest, ADrumPaysOutByTheRadiusOfItsLayer) {
   }
 }
 
-TEST(CdprCablesTest, TheRateThatADrumTellsIsThatOfItsLength) {
+TEST(CdprCablesTest, TheLengthRateOfADrumIsTheDerivativeOfItsLength) {
   Rig rig(Layered(0.0005));
   rig.Fix(rig->command, CableVector::Constant(4, 30));  // it sinks
   rig.RunTo(0.2);

@@ -12,7 +12,7 @@ CableSignals Moving(const Eigen::Vector4d& rate) {
   return cables;
 }
 
-TEST(WinchErrorsTest, WithoutErrorsTheyPassWhatComes) {
+TEST(WinchErrorsTest, WithoutErrorsTheyPassTheCommand) {
   TestRig<WinchErrors> rig;
   rig.Fix(rig->command, kCommand).Fix(rig->cables, Moving({1, -1, 0.1, 0})).Tick();
   EXPECT_EQ(rig[rig->tension], kCommand);

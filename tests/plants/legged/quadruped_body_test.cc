@@ -58,7 +58,7 @@ TEST(QuadrupedBodyTest, FeetCentreOfMassAndEnergyAgreeWithSimbodys) {
   }
 }
 
-TEST(QuadrupedBodyTest, CopiesAreOfTheSameStateAndGoTheirOwnWays) {
+TEST(QuadrupedBodyTest, CopiesHaveTheSameStateAndAreIndependent) {
   const QuadrupedDescription robot = test::DogBot();
   RandomStream random(55);
   const LeggedState x = test::RandomState(random), y = test::RandomState(random);
@@ -87,7 +87,7 @@ TEST(QuadrupedBodyTest, CopiesAreOfTheSameStateAndGoTheirOwnWays) {
 TEST(QuadrupedBodyTest, RotorsAddToTheMassMatrix) {
   QuadrupedDescription robot = test::A1();
   robot.drive.rotor_inertia = 0.02;
-  test::QuadrupedSimbody simbody(robot);  // knows no rotors
+  test::QuadrupedSimbody simbody(robot);  // without rotors
   QuadrupedBody body(robot);
   RandomStream random(53);
   for (int i = 0; i < 20; ++i) {
@@ -104,7 +104,7 @@ TEST(QuadrupedBodyTest, RotorsAddToTheMassMatrix) {
   }
 }
 
-/// A force moves the CoM by Newton's law and does its work, wherever it acts.
+/// A force on any body accelerates the CoM by Newton's law and does the work of its point.
 TEST(QuadrupedBodyTest, ForcesActAtTheirPoints) {
   const QuadrupedDescription robot = test::A1();
   test::QuadrupedSimbody simbody(robot);
@@ -119,7 +119,7 @@ TEST(QuadrupedBodyTest, ForcesActAtTheirPoints) {
     const PointForce at{on, body.Position(on, p_B), force, torque};
     const Vec<18> change = Stacked(body.Acceleration(Vec<12>::Zero(), {&at, 1}, 9.81)) -
                            Stacked(body.Acceleration(Vec<12>::Zero(), {}, 9.81));
-    // Its power, by finite differences of where two points of the body are.
+    // The power, from finite differences of four points of the body.
     const auto moved = [&](double dt) {
       LeggedState y = x;
       y.p_WB += dt * x.v_W;

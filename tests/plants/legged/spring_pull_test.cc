@@ -19,7 +19,7 @@ LeggedState After(const LeggedState& x, double dt) {
 }
 
 // Positions from Simbody, velocities from their differences in time.
-TEST(SpringPullTest, KnowsWherePointsAreAndHowTheyMove) {
+TEST(SpringPullTest, ComputesPositionsAndVelocitiesOfPoints) {
   const QuadrupedDescription robot = test::SkewDogBot();
   RandomStream random(1);
   for (int body = 0; body <= kNumJoints; ++body) {

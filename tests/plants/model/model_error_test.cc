@@ -55,7 +55,7 @@ TEST(WithModelErrorTest, TheTrunksCoMIsOffByARatioOfTheDistanceBetweenItsHips) {
   EXPECT_GT(most, 0.095 * length);
 }
 
-TEST(WithModelErrorTest, RefusesWhatIsNoRatio) {
+TEST(WithModelErrorTest, RefusesImpossibleRatios) {
   EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.mass_ratio = 1}); }, "mass_ratio"));
   EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.com_ratio = -0.1}); }, "com_ratio"));
   EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.inertia_ratio = NAN}); }, "inertia_ratio"));

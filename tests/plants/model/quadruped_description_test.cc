@@ -303,7 +303,7 @@ TEST(QuadrupedDescriptionTest, ReadsThePositionOfTheImu) {
   EXPECT_EQ(moved.Load().imu_B, Eigen::Vector3d(0.1, -0.2, 0.3));
 }
 
-TEST(QuadrupedDescriptionTest, SaysOnceWhichMeshesAreMissing) {
+TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   RobotFiles files("a1");
   EXPECT_EQ(files.Load().meshes[0], nullptr);
   for (const char* link : {"trunk", "FL_calf"}) {

@@ -93,7 +93,7 @@ TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
   }
 }
 
-TEST_P(QuadrupedModelTest, FeetAndHipsAreWhereTheDescriptionSays) {
+TEST_P(QuadrupedModelTest, FeetAndHipsAgreeWithTheDescription) {
   const LeggedState x = RandomState(random_);
   model_.Calc(x, &dynamics_);
   for (int leg = 0; leg < kNumLegs; ++leg) {

@@ -11,7 +11,7 @@ CableSignals Cables() {
           Eigen::Vector4d(100, 50, 0, 700), Eigen::Vector4d(5, 5.9, 7.1, 7.8)};
 }
 
-TEST(CableSensorsTest, WithoutErrorsTellTheTruth) {
+TEST(CableSensorsTest, WithoutErrorsPassTheTruth) {
   TestRig<CableSensors> rig;
   rig.Fix(rig->cables, Cables()).Tick();
   const CableSignals& measured = rig[rig->measured];

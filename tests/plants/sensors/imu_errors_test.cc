@@ -6,7 +6,7 @@ namespace {
 
 const ImuMeasurement kMeasurement{{0.1, -0.2, 0.3}, {0.5, 0, 9.81}};
 
-TEST(ImuErrorsTest, WithoutErrorsItPassesWhatComes) {
+TEST(ImuErrorsTest, WithoutErrorsItPassesItsInput) {
   TestRig<ImuErrors> rig;
   rig.Fix(rig->measurement, kMeasurement).Tick();
   EXPECT_EQ(rig[rig->measured].angular_velocity_B, kMeasurement.angular_velocity_B);

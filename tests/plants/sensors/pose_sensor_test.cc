@@ -22,7 +22,7 @@ Vec<3> SmallRotation(const Eigen::Matrix3d& R) {
   return Vec<3>(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)) / 2;
 }
 
-TEST(PoseSensorTest, WithoutNoiseTellsTheTruth) {
+TEST(PoseSensorTest, WithoutNoisePassesTheTruth) {
   Rig rig(PoseSensorParams{.position_noise = {0, 0, 0}, .attitude_noise = {0, 0, 0}});
   rig.Fix(rig->platform, Somewhere()).Tick();
   EXPECT_EQ(rig[rig->pose].p_WB, Somewhere().p_WB);

@@ -16,7 +16,7 @@ bool Sees(double x, double y, double yaw) {
   return rig[rig->obstacle];
 }
 
-TEST(ObstacleDetectorTest, SeesWhatIsAheadInRange) {
+TEST(ObstacleDetectorTest, SeesObstaclesAheadInRange) {
   EXPECT_FALSE(Sees(1.79, 0, 0));
   EXPECT_TRUE(Sees(1.81, 0, 0)) << "the surface of the pillar is at 2.8 m";
   EXPECT_TRUE(Sees(2.9, 0, 0));

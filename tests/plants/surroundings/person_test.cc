@@ -84,7 +84,7 @@ TEST(PersonTest, PullsAsTheEquation) {
   EXPECT_THAT(rig[person.person].v_W, IsNear(Vec<3>(0, 0, 0), 1e-4));
 }
 
-TEST(PersonTest, DoesOneThingAfterTheOtherThenStands) {
+TEST(PersonTest, GoesThroughItsPhasesThenStands) {
   // 0.1 + 0.2 + 0.3 is more than 0.6 in binary; each phase still ends at its tick.
   TestRig<Person> rig(Params({{.activity = Activity::kFollow, .duration = 0.1, .speed = 0.07},
                               {.activity = Activity::kWalk,

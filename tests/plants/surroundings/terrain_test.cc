@@ -157,7 +157,7 @@ TEST(TerrainTest, FieldsReachTheEdgesOfTheirArea) {
   }
 }
 
-TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
+TEST(TerrainTest, TheGridAgreesWithASearchOfAllBoxes) {
   const Terrain terrain(Field(3));
   RandomStream random(4);
   int on = 0;

@@ -74,7 +74,7 @@ TEST(NonlinearDisturbanceObserverTest, StartsOnAMovingRobotWithoutTransient) {
   for (int n = 0; n < 100; ++n) ASSERT_LT(run.Tick().joint_torque.norm(), 0.1) << n;
 }
 
-TEST(NonlinearDisturbanceObserverTest, TellsTheForceOnAFoot) {
+TEST(NonlinearDisturbanceObserverTest, EstimatesTheForceOnAFoot) {
   const Vec<3> force(15, -10, 5);
   QuadrupedBench bench = Flying();
   bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {

@@ -47,7 +47,7 @@ GroundPlane Ramp(double x, double y) {
   return {.p_W = {0, 0, 0.1}, .slope = {x, y}};
 }
 
-TEST(GroundEstimatorTest, FeelsTheSlopeOnWhichItStands) {
+TEST(GroundEstimatorTest, EstimatesTheSlopeOnWhichItStands) {
   Walk walk;
   const GroundPlane& felt = walk.Stand(Ramp(0.3, -0.2));
   EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 0.05));

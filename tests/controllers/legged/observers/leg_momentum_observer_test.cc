@@ -202,7 +202,7 @@ TEST(LegMomentumObserverTest, TakesGainsADesignOrItsDefault) {
   EXPECT_EQ(gains.Gains(), std::vector<double>{7});
 }
 
-TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
+TEST(LegMomentumObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<LegMomentumObserver>({}, "robot"));
   LegMomentumObserverParams params = Params(DogBot());
   params.gains.min_singular_value = 0;

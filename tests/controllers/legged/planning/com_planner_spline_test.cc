@@ -32,7 +32,7 @@ class ScheduledWalk {
   void Command(Gait gait, double forward, double left = 0, double yaw_rate = 0) {
     command_ = {gait, forward, left, yaw_rate};
   }
-  /// Whether the foot is kept off the ground from now on.
+  /// Keeps the foot off the ground from now on, or lets it land.
   void HoldUp(int leg, bool up) { up_[static_cast<std::size_t>(leg)] = up; }
   void Tick() {
     FootForces forces;

@@ -35,7 +35,7 @@ class Walk {
     command_.yaw_rate = yaw_rate;
   }
   GroundPlane& ground() { return ground_; }
-  /// Whether the clock waits from now on.
+  /// Stops or continues the gait clock.
   void Wait(bool waits) { waits_ = waits; }
 
   const BodyReference& Tick() {

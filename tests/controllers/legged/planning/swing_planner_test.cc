@@ -428,7 +428,7 @@ TEST(SwingPlannerTest, AFootThatMeetsABlockGoesBackAndLands) {
   ExpectConsistent({turned, swing.end()});
 }
 
-TEST(SwingPlannerTest, OnlyWhatPushesAFootBackIsABlock) {
+TEST(SwingPlannerTest, OnlyAForceAgainstTheStepIsABlock) {
   const double threshold = 0.05 * Params().robot.mass() * 9.81;
   AgainstABlock held({-1.1 * threshold, 0, 0}), touched({-0.9 * threshold, 0, 0}), ground({0, 0, 200}),
       aside({0, 200, 0}), along({200, 0, 0});

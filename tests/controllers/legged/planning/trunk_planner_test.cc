@@ -72,7 +72,7 @@ TEST(TrunkPlannerTest, IsLevelWithoutAPush) {
 }
 
 // The ground exerts no torque about the line of the two feet: push and sway are balanced.
-TEST(TrunkPlannerTest, InSwingAccelerationIsWhatTwoFeetLeaveOver) {
+TEST(TrunkPlannerTest, InSwingTheTrunkTurnsAboutTheLineOfTheFeet) {
   Walk walk;
   walk.wrench.force_W = {10, 40, -80};
   walk.wrench.torque_W = {3, -2, 5};
@@ -185,7 +185,7 @@ TEST(TrunkPlannerTest, FiltersThePush) {
   EXPECT_NEAR(later / last, 1 - std::exp(-1.02), 1e-9);
 }
 
-TEST(TrunkPlannerTest, RefusesWhatMakesNoSense) {
+TEST(TrunkPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<TrunkPlanner>({.robot = DogBot(), .sway_limit = -1}, "sway_limit"));
   EXPECT_TRUE(Refuses<TrunkPlanner>({.robot = DogBot(), .bandwidth = 0}, "bandwidth"));
 }

@@ -21,7 +21,8 @@ TEST(WalkDriveTest, FollowsOrdersFromWhereThePlanWasWithinTheAccelerations) {
   TestRig<WalkDrive> rig(WalkDriveParams{});
   rig.Fix(rig->planned, Planned()).Tick();
   rig.Set(rig->active, true).Set(rig->velocity, Vec<3>(0.5, 0.35, -0.4)).Set(rig->gait, Gait::kPace);
-  // By 0.5 m/s along a straight line at 0.5 m/s^2: 1 s; by 0.5 rad/s at 1 rad/s^2: 0.5 s.
+  // The velocity changes by 0.5 m/s at 0.5 m/s^2 within 1 s, the yaw rate by 0.5 rad/s at 1 rad/s^2 within
+  // 0.5 s.
   const Vec<3> from(0.2, -0.05, 0.1);
   for (int n = 1; n <= 150; ++n) {
     rig.Tick();

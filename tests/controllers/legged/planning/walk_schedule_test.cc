@@ -20,7 +20,7 @@ acceleration_m_per_s2: 0.3
 
 // 2 m and 3.5 m, and 4 s of pacing: from 0.12 m/s forwards to 0.1 m/s to the left on a ramp of 0.52 s. The
 // arc turns at 0.05 rad/s for as long as 3.5 m take, less half of its ramp, and half of the next.
-TEST(WalkScheduleTest, KnowsHowFarItLeads) {
+TEST(WalkScheduleTest, ComputesLengthAndTurn) {
   const WalkSchedule::Extent extent = WalkSchedule(Example()).extent();
   const double ramp = std::hypot(0.12, 0.1) / 0.3;
   const auto speed = [](double s) { return std::hypot(0.12 * (1 - s), 0.1 * s); };

@@ -194,7 +194,7 @@ TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
 }
 
 /// Near the optimum, in any feasible direction, the cost rises; measured from the splines alone.
-TEST_P(ZmpSplineTest, CostIsWhatTheProgrammeMinimises) {
+TEST_P(ZmpSplineTest, MinimisesTheCost) {
   Pace pace;
   pace.begin = {{0.02, 0.01}, {0.1, 0.1}, {0.2, -0.1}};
   pace.path.velocity << 0.2, 0;
@@ -259,7 +259,7 @@ TEST_P(ZmpSplineTest, FarFromTheOriginNothingChanges) {
     EXPECT_THAT(moved.At(t).position - far, IsNear(spline_.At(t).position, 1e-9)) << t;
 }
 
-TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
+TEST_P(ZmpSplineTest, AnInfeasibleProblemKeepsTheSpline) {
   Pace pace;
   ASSERT_TRUE(optimizer_.Solve(pace.problem(), params_, &spline_).ok());
   const Eigen::Vector2d before = spline_.At(0.2).position;

@@ -172,7 +172,7 @@ TEST(WholeBodyController, ErrorsOfTheCoMAndOfTheHeadingSaturate) {
 }
 
 // A robot turned by 2 rad and tilted by 0.1 rad rotates back about the axis of the tilt.
-TEST(WholeBodyController, ATurnedRobotKnowsWhichWayIsUp) {
+TEST(WholeBodyController, ATurnedRobotCorrectsItsTilt) {
   Inputs inputs(Params().robot);
   const Eigen::AngleAxisd turn(2, Vec<3>::UnitZ()), tilt(0.1, Vec<3>(0.6, 0.8, 0));
   inputs.state.q_WB = QuaternionFromRotation((tilt * turn).toRotationMatrix());
@@ -390,7 +390,7 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
   const std::array<double, 12> times{1, 2, 2.5, 3, 4, 5, 6, 7, 7.5, 8, 9, 10};
   const std::array<long, 12> solves{1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4, 5};
   for (std::size_t i = 0; i < times.size(); ++i) {
-    inputs.body.com_W[2] += 0.001;  // so that every solve asks for something else
+    inputs.body.com_W[2] += 0.001;  // so that every solve has another solution
     const Vec<12> torque = rig[rig->torque];
     const WholeBodySolution before = rig[rig->plan].solution;
     inputs.Give(rig);
