@@ -256,11 +256,8 @@ TEST(EquilibriumPath, TurnsOnItsWay) {
       EXPECT_LT((equilibria.At(t).euler - attitude.At(t).position).norm(), 1e-6) << t;
       EXPECT_LT((equilibria.At(t).euler_rate - attitude.At(t).velocity).norm(), 1e-4) << t;
     }
-    EXPECT_TRUE(Throws<ParameterError>(
-        [&] {
-          EquilibriumPath(robot, Path::Circle({0, 0, 2}, 0.1, 6, 1), {}, attitude);
-        },
-        "circle"));
+    const Path circle = Path::Circle({0, 0, 2}, 0.1, 6, 1);
+    EXPECT_TRUE(Throws<ParameterError>([&] { EquilibriumPath(robot, circle, {}, attitude); }, "circle"));
   }
 }
 
@@ -326,11 +323,9 @@ TEST(EquilibriumPath, EndOfTheBranchIsRefused) {
   const EquilibriumPath turned(robot, Path::Line({0, 0.14, 2}, {0, 0.14, 2.1}, 2), options);
   EXPECT_NEAR(turned.At(1).euler[2], std::numbers::pi, 0.1);
 
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        EquilibriumPath(robot, Path::Line({0, 0.14, 2}, {0, 0.14, 3.2}, 10), options);
-      },
-      "'four'", "(0, 0.14, ", "180 deg"));
+  const Path beyond = Path::Line({0, 0.14, 2}, {0, 0.14, 3.2}, 10);
+  EXPECT_TRUE(Throws<ParameterError>([&] { EquilibriumPath(robot, beyond, options); }, "'four'", "(0, 0.14, ",
+                                     "180 deg"));
 }
 
 }  // namespace

@@ -221,11 +221,9 @@ TEST(TensionDistribution, DoesNotAllocate) {
 
 TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
   const CdprDescription robot = test::SixCableRobot();
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        TensionDistributor(4).Solve(Structure(robot, {0, 0, 2}), -GravityWrench(robot), 0, 800);
-      },
-      "6", "4"));
+  const CableMatrix6 W = Structure(robot, {0, 0, 2});
+  EXPECT_TRUE(Throws<ParameterError>([&] { TensionDistributor(4).Solve(W, -GravityWrench(robot), 0, 800); },
+                                     "6", "4"));
 }
 
 }  // namespace

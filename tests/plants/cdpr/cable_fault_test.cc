@@ -29,11 +29,8 @@ TEST(CableFaultTest, OutputsTheFaultsOfItsSchedule) {
 TEST(CableFaultTest, RefusesOthersOfAnotherRobot) {
   TestRig<CableFault> rig({.num_cables = 4});
   const CableVector none = CableVector::Zero(3);
-  EXPECT_TRUE(Throws<RunError>(
-      [&] {
-        rig.Fix(rig->others, CableFaults{none, none}).Tick();
-      },
-      "`others`", "num_cables"));
+  rig.Fix(rig->others, {none, none});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "`others`", "num_cables"));
 }
 
 TEST(CableFaultTest, ABrokenCableStaysBroken) {

@@ -149,10 +149,7 @@ TEST(CableStaticsTest, RefusesImpossibleSpansAndLengths) {
         << c.span_W.transpose();
   }
   EXPECT_TRUE(Throws<RunError>(
-      [] {
-        CalcRestLength(FourCableRobot(1, 0), 0, {5, 0, 0}, 10, kGravity);
-      },
-      "cable 0", "10 N"));
+      [] { CalcRestLength(FourCableRobot(1, 0), 0, 5 * Vec<3>::UnitX(), 10, kGravity); }, "cable 0", "10 N"));
 }
 
 }  // namespace

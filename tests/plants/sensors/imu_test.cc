@@ -93,11 +93,10 @@ TEST(ImuTest, RefusesParametersThatMakeNoSense) {
 }
 
 TEST(ImuTest, NoiseAndBiasesAreSetInARun) {
-  ImuParams params;
-  params.angular_velocity_noise = {0.1, 0.2, 0.3};
-  params.specific_force_noise = {1, 2, 3};
-  params.angular_velocity_bias = {0.01, 0, 0};
-  params.specific_force_bias = {0, 0.5, 0};
+  const ImuParams params{.angular_velocity_noise = {0.1, 0.2, 0.3},
+                         .specific_force_noise = {1, 2, 3},
+                         .angular_velocity_bias = {0.01, 0, 0},
+                         .specific_force_bias = {0, 0.5, 0}};
   Rig rig(Noiseless()), built(params);
   rig.Set(rig->angular_velocity_noise, params.angular_velocity_noise)
       .Set(rig->specific_force_noise, params.specific_force_noise)
@@ -109,11 +108,8 @@ TEST(ImuTest, NoiseAndBiasesAreSetInARun) {
   EXPECT_EQ(rig[rig->measurement].specific_force_B, built[built->measurement].specific_force_B);
   rig.Set(rig->specific_force_bias, {0, 0, 100}).Tick();
   EXPECT_GT(rig[rig->measurement].specific_force_B[2], 80);
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        rig.Set(rig->specific_force_noise, {0, -1, 0});
-      },
-      "specific_force_noise"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->specific_force_noise, Vec<3>(0, -1, 0)); },
+                                     "specific_force_noise"));
 }
 
 }  // namespace

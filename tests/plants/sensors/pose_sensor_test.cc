@@ -101,7 +101,8 @@ TEST(PoseSensorTest, NoiseIsSetInARun) {
   EXPECT_EQ(rig[rig->pose].p_WB, built[built->pose].p_WB);
   EXPECT_EQ(rig[rig->pose].q_WB, built[built->pose].q_WB);
   EXPECT_NE(rig[rig->pose].p_WB, Somewhere().p_WB);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->attitude_noise, {0, 0, -1}); }, "attitude_noise"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { rig.Set(rig->attitude_noise, Vec<3>(0, 0, -1)); }, "attitude_noise"));
 }
 
 }  // namespace
