@@ -56,7 +56,7 @@ TEST(CableInterferenceTest, SineIsThatOfTheCubesFaces) {
   double least = 1;
   for (int i = 0; i < 8; ++i) {
     const Vector3d direction = R.transpose() * cables.direction.col(i);
-    const Vector3d corner = robot.cables[static_cast<std::size_t>(i)].attachment_B / 0.2;
+    const Vector3d corner = robot.cables[i].attachment_B / 0.2;
     least = std::min(least, direction.cwiseProduct(corner).maxCoeff());
   }
   EXPECT_NEAR(At(robot, p, R).platform, least, 1e-12);

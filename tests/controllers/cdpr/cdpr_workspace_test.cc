@@ -93,7 +93,7 @@ TEST(CdprWorkspaceTest, EveryPointOfAFeasibleCellIsFeasible) {
     for (int k = 0; k < 3; ++k) {
       // Every other point on a face.
       const double share = i % 6 == 2 * k ? 0.5 : uniform(random);
-      p[k] += share * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+      p[k] += share * cell.size[k] * grid.cell()[k];
     }
     const CableMatrix6 W = CalcCableKinematics(robot, p, Matrix3d::Identity()).structure;
     const bool feasible =
@@ -123,8 +123,7 @@ TEST(CdprWorkspaceTest, EveryAttitudeOfAFeasibleCellIsFeasible) {
     const WorkspaceCell& cell = cells[random() % cells.size()];
     if (cell.wrench == PoseVerdict::kUndecided) continue;
     Vector3d rotation = cell.centre(grid);
-    for (int k = 0; k < 3; ++k)
-      rotation[k] += uniform(random) * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+    for (int k = 0; k < 3; ++k) rotation[k] += uniform(random) * cell.size[k] * grid.cell()[k];
     const Matrix3d R = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
     const CableMatrix6 W = CalcCableKinematics(robot, options.p_WB, R).structure;
     EXPECT_EQ(

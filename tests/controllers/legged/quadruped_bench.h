@@ -108,8 +108,7 @@ struct QuadrupedBench {
   }
   /// The Jacobian of the lowest point of a foot, carried by the shank.
   static DynamicsMatrix<3, 18> ContactJacobian(const QuadrupedDynamics& dynamics, int leg, double radius) {
-    return PointJacobian(dynamics, leg,
-                         dynamics.feet[static_cast<std::size_t>(leg)].p_W - Vec<3>(0, 0, radius));
+    return PointJacobian(dynamics, leg, dynamics.feet[leg].p_W - Vec<3>(0, 0, radius));
   }
   /// The Jacobian of a point that the shank carries.
   static DynamicsMatrix<3, 18> PointJacobian(const QuadrupedDynamics& dynamics, int leg, const Vec<3>& p_W) {

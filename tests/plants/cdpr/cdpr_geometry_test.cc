@@ -28,7 +28,7 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
     EXPECT_THAT(Named(geometry, "platform").p_W, IsNear(x.p_WB, 1e-14));
     EXPECT_THAT(RotationFromQuaternion(Named(geometry, "platform").q_W), IsNear(x.R_WB(), 1e-14));
     for (int i = 0; i < 4; ++i) {
-      const CableDescription& cable = rig->params.robot.cables[static_cast<std::size_t>(i)];
+      const CableDescription& cable = rig->params.robot.cables[i];
       const Shape& shape = Named(geometry, "cable " + std::to_string(i));
       EXPECT_THAT(shape.p_W, IsNear(x.p_WB + x.R_WB() * cable.attachment_B, 1e-14));
       EXPECT_THAT(Vec<3>(shape.p_W + shape.vector_W), IsNear(cable.anchor_W, 1e-14));
@@ -46,7 +46,7 @@ TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
   TestRig<CdprPlant> rig(params);
   const Geometry& geometry = rig[rig->geometry];
   for (int i = 0; i < 4; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Shape& pulley = Named(geometry, "pulley " + std::to_string(i));
     EXPECT_NEAR((pulley.p_W - cable.anchor_W).norm(), 0.1, 1e-15);
     Vec<3> end = params.p_WB + cable.attachment_B;
@@ -96,7 +96,7 @@ TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
   const CableVector tension = CableVector::Constant(4, 100);
   std::vector<CableStatics> cables;
   for (int i = 0; i < 4; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Vec<3> span = cable.anchor_W - x.p_WB - x.R_WB() * cable.attachment_B;
     cables.push_back(CalcCableStatics(robot, i, span, span.norm(), 9.81));
   }

@@ -58,7 +58,7 @@ PlatformAcceleration UnderItsCables(const CdprDescription& robot, const Platform
                                     const CableVector& tension, const Payload& payload,
                                     PlatformWrench wrench) {
   for (int i = 0; i < robot.num_cables(); ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Vec<3> arm = x.R_WB() * cable.attachment_B;
     const Vec<3> pull = tension[i] * (cable.anchor_W - x.p_WB - arm).normalized();
     wrench.force_W += pull;

@@ -53,7 +53,7 @@ Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const ExternalF
       force.segment(6 + 3 * leg, joints) += dynamics.LegJacobian(leg, p_W).leftCols(joints).transpose() * f;
   };
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const FootContact& foot = rig[plant.contacts].feet[static_cast<std::size_t>(leg)];
+    const FootContact& foot = rig[plant.contacts].feet[leg];
     add(leg, 3, foot.p_W, foot.force_W);
   }
   for (const ExternalForce& at : external) {
@@ -139,8 +139,8 @@ TEST(QuadrupedPlantTest, AgreesWithTheModel) {
       x.v_W *= 0.1, x.w_W *= 0.1, x.qd *= 0.1;
       ExternalForces external;
       for (int k = 0; k < 4; ++k)
-        external[static_cast<std::size_t>(k)] = {static_cast<int>(random.Uniform(0, 13)),
-                                                 RandomVector<3>(random, 0.3), RandomVector<3>(random, 80)};
+        external[k] = {static_cast<int>(random.Uniform(0, 13)), RandomVector<3>(random, 0.3),
+                       RandomVector<3>(random, 80)};
       rig.Set(plant.motion, x).Set(plant.bristles, FootBristles{RandomVector<8>(random, 1e-3)});
       rig.Fix(plant.torque, RandomVector<12>(random, 80)).Fix(plant.external, external);
       const Vec<18> expected = ModelAcceleration(plant, rig, external);

@@ -88,8 +88,7 @@ TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
     EXPECT_THAT(dynamics_.angular_map * nu, IsNear(dynamics_.angular_momentum_W, 1e-12));
     EXPECT_THAT(momentum.tail<12>(), IsNear(dynamics_.leg_momentum, 1e-12));
     for (int leg = 0; leg < kNumLegs; ++leg)
-      EXPECT_THAT(dynamics_.FootJacobian(leg) * nu,
-                  IsNear(dynamics_.feet[static_cast<std::size_t>(leg)].v_W, 1e-12));
+      EXPECT_THAT(dynamics_.FootJacobian(leg) * nu, IsNear(dynamics_.feet[leg].v_W, 1e-12));
   }
 }
 
@@ -98,9 +97,9 @@ TEST_P(QuadrupedModelTest, FeetAndHipsAgreeWithTheDescription) {
   model_.Calc(x, &dynamics_);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const Eigen::Vector3d p = x.p_WB + x.R_WB() * robot_.FootPosition(leg, x.q);
-    EXPECT_THAT(dynamics_.feet[static_cast<std::size_t>(leg)].p_W, IsNear(p, 1e-14));
+    EXPECT_THAT(dynamics_.feet[leg].p_W, IsNear(p, 1e-14));
     const Eigen::Vector3d hip = x.p_WB + x.R_WB() * robot_.HipPosition(leg, x.q);
-    EXPECT_THAT(dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 1)], IsNear(hip, 1e-14));
+    EXPECT_THAT(dynamics_.origin_W[3 * leg + 1], IsNear(hip, 1e-14));
   }
 }
 
@@ -134,7 +133,7 @@ TEST_P(QuadrupedModelTest, ForcesChangeTheCentroidalMomentum) {
     Eigen::Vector3d force(0, 0, -9.81 * model_.mass()), torque = Eigen::Vector3d::Zero();
     for (int leg = 0; leg < kNumLegs; ++leg) {
       force += loads.force[leg];
-      torque += (dynamics_.feet[static_cast<std::size_t>(leg)].p_W - dynamics_.com_W).cross(loads.force[leg]);
+      torque += (dynamics_.feet[leg].p_W - dynamics_.com_W).cross(loads.force[leg]);
     }
     EXPECT_THAT(dynamics_.M.topRows<3>() * a + model_.mass() * dynamics_.com_bias_W, IsNear(force, 1e-9));
     EXPECT_THAT(dynamics_.angular_map * a + dynamics_.angular_momentum_bias_W, IsNear(torque, 1e-9));
@@ -148,8 +147,7 @@ TEST_P(QuadrupedModelTest, LegMomentumObeysItsLaw) {
     model_.Calc(x, &dynamics_);
     Vec<12> rate = dynamics_.leg_momentum_rate + loads.tau - dynamics_.gravity.tail<12>();
     for (int leg = 0; leg < kNumLegs; ++leg)
-      rate.segment<3>(3 * leg) +=
-          dynamics_.feet[static_cast<std::size_t>(leg)].J_leg.transpose() * loads.force[leg];
+      rate.segment<3>(3 * leg) += dynamics_.feet[leg].J_leg.transpose() * loads.force[leg];
     EXPECT_THAT(rate,
                 IsNear(RateAlongMotion(model_, loads, x, [](auto&, const auto& d) { return d.leg_momentum; }),
                        1e-7 * (1 + rate.norm())));
@@ -183,10 +181,10 @@ TEST_P(QuadrupedModelTest, LegJacobiansOfOtherPoints) {
   const LeggedState x = RandomState(random_);
   model_.Calc(x, &dynamics_);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto& foot = dynamics_.feet[static_cast<std::size_t>(leg)];
+    const auto& foot = dynamics_.feet[leg];
     EXPECT_THAT(dynamics_.LegJacobian(leg, foot.p_W), IsNear(foot.J_leg, 0));
     // A point on the knee's axis does not move with the knee.
-    EXPECT_THAT(dynamics_.LegJacobian(leg, dynamics_.origin_W[static_cast<std::size_t>(3 * leg + 2)]).col(2),
+    EXPECT_THAT(dynamics_.LegJacobian(leg, dynamics_.origin_W[3 * leg + 2]).col(2),
                 IsNear(Eigen::Vector3d::Zero(), 0));
   }
 }

@@ -33,8 +33,7 @@ class QuadrupedSimbody {
     system_.realizeModel(state_);
     // Row i of Tenon is row order_[i] of Simbody.
     for (int i = 0; i < 3; ++i) order_[i] = 3 + i, order_[3 + i] = i;
-    for (int j = 0; j < kNumJoints; ++j)
-      order_[6 + j] = bodies_[static_cast<std::size_t>(1 + j)].getFirstUIndex(state_);
+    for (int j = 0; j < kNumJoints; ++j) order_[6 + j] = bodies_[1 + j].getFirstUIndex(state_);
   }
 
   void Calc(const LeggedState& x, double gravity) {
@@ -107,7 +106,7 @@ class QuadrupedSimbody {
     for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
     for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i], u[i] = x.w_W[i], u[3 + i] = x.v_W[i];
     for (int j = 0; j < kNumJoints; ++j) {
-      q[bodies_[static_cast<std::size_t>(1 + j)].getFirstQIndex(state_)] = x.q[j];
+      q[bodies_[1 + j].getFirstQIndex(state_)] = x.q[j];
       u[order_[6 + j]] = x.qd[j];
     }
   }

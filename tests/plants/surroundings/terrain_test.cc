@@ -66,8 +66,7 @@ TEST(TerrainTest, DepthIsContinuousOverAnEdge) {
   for (double x = 1.15; x < 1.25; x += 1e-4) {
     double depth = 0;
     const Terrain::Contacts contacts = terrain.Touch({x, 2, 0.115}, kRadius);
-    for (int i = 0; i < contacts.count; ++i)
-      depth = std::max(depth, contacts.at[static_cast<std::size_t>(i)].depth);
+    for (int i = 0; i < contacts.count; ++i) depth = std::max(depth, contacts.at[i].depth);
     if (before >= 0) {
       EXPECT_NEAR(depth, before, 1.1e-4);
     }

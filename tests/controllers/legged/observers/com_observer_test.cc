@@ -160,7 +160,7 @@ TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
     momentum << DogBot().mass() * dynamics.com_velocity_W, dynamics.angular_momentum_W;
     rate << 0, 0, -9.81 * DogBot().mass(), 0, 0, 0;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Vec<3> p = dynamics.feet[static_cast<std::size_t>(leg)].p_W - Vec<3>(0, 0, DogBot().foot_radius);
+      const Vec<3> p = dynamics.feet[leg].p_W - Vec<3>(0, 0, DogBot().foot_radius);
       rate.head<3>() += feet[leg];
       rate.tail<3>() += (p - dynamics.com_W).cross(feet[leg]);
     }

@@ -76,7 +76,7 @@ TEST(ContactAidedFilterTest, JacobiansAreThoseOfFiniteDifferences) {
                            zero, 1e-8));
 
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Vec<3> place = mean.R_WB().transpose() * (mean.feet_W[static_cast<std::size_t>(leg)] - mean.p_WI);
+      const Vec<3> place = mean.R_WB().transpose() * (mean.feet_W[leg] - mean.p_WI);
       const auto residual = [&](const Filter::Error& error) -> Eigen::VectorXd {
         return FootResidual(Plus(mean, error), leg, place);
       };
@@ -100,8 +100,8 @@ TEST(ContactAidedFilterTest, CorrectionIsKalmans) {
   int row = 0;
   const Eigen::Matrix3d R = filter.mean.R_WB();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    FootMeasurement& foot = feet[static_cast<std::size_t>(leg)];
-    const Vec<3> arm = filter.mean.feet_W[static_cast<std::size_t>(leg)] - filter.mean.p_WI;
+    FootMeasurement& foot = feet[leg];
+    const Vec<3> arm = filter.mean.feet_W[leg] - filter.mean.p_WI;
     foot.p_IF_B = R.transpose() * arm + Normal(random, 0.01);
     foot.covariance = Vec<3>(1e-4, 2e-4, 3e-4).asDiagonal();
     if (leg == 1) continue;
@@ -218,7 +218,7 @@ TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
     Filter filter;
     filter.Start(guess, deviation);
     const auto first = measure(start);
-    for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, first[static_cast<std::size_t>(leg)]);
+    for (int leg = 0; leg < kNumLegs; ++leg) filter.Anchor(leg, first[leg]);
     for (int k = 0; k < kTicks; ++k) {
       const Sway trunk(kPeriod * k);
       ContactAidedInput input;

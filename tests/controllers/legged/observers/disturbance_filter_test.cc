@@ -31,8 +31,7 @@ TEST(EstimatorGainsTest, ButterworthPolesLieOnACircle) {
     }
     std::sort(angles.begin(), angles.end());
     for (int k = 0; k < order; ++k)
-      EXPECT_NEAR(angles[static_cast<std::size_t>(k)], std::numbers::pi * (2 * k + 1 - order) / (2 * order),
-                  1e-6);
+      EXPECT_NEAR(angles[k], std::numbers::pi * (2 * k + 1 - order) / (2 * order), 1e-6);
   }
 }
 

@@ -115,7 +115,7 @@ TEST(LegMomentumObserverTest, ForceOnALegAppearsThereOnly) {
   for (int pushed = 0; pushed < kNumLegs; ++pushed) {
     QuadrupedBench bench = Flying(robot);
     bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {
-      const Vec<3> centre = dynamics.feet[static_cast<std::size_t>(pushed)].p_W;
+      const Vec<3> centre = dynamics.feet[pushed].p_W;
       return QuadrupedBench::PointJacobian(dynamics, pushed, centre).transpose() * force;
     };
     Observed run(bench, Params(robot));

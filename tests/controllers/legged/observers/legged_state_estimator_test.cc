@@ -73,7 +73,7 @@ class SwayingRobot {
     const QuadrupedDynamics dynamics = test::DynamicsOf(model_, x);
     Vec<12> speeds;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      Vec<3> contact = dynamics.feet[static_cast<std::size_t>(leg)].p_W;
+      Vec<3> contact = dynamics.feet[leg].p_W;
       contact[2] -= robot_.foot_radius;
       const Vec<3> carried = x.v_W + x.w_W.cross(contact - x.p_WB);
       speeds.segment<3>(3 * leg) = -test::Solve(dynamics.LegJacobian(leg, contact), carried);

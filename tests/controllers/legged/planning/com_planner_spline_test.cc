@@ -33,13 +33,13 @@ class ScheduledWalk {
     command_ = {gait, forward, left, yaw_rate};
   }
   /// Keeps the foot off the ground from now on, or lets it land.
-  void HoldUp(int leg, bool up) { up_[static_cast<std::size_t>(leg)] = up; }
+  void HoldUp(int leg, bool up) { up_[leg] = up; }
   void Tick() {
     FootForces forces;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const LegContact& contact = schedule_.legs[static_cast<std::size_t>(leg)];
+      const LegContact& contact = schedule_.legs[leg];
       const bool swings = contact.state == ContactState::kSwing && contact.phase < 0.99;
-      forces[leg][2] = swings || up_[static_cast<std::size_t>(leg)] ? 0 : 50;
+      forces[leg][2] = swings || up_[leg] ? 0 : 50;
     }
     scheduler_.Fix(scheduler_->command, command_).Fix(scheduler_->foot_forces, forces).Tick();
     schedule_ = scheduler_[scheduler_->schedule];

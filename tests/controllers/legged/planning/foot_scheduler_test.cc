@@ -32,9 +32,9 @@ class Walk {
   const ContactSchedule& Tick() {
     FootForces forces;
     for (int i = 0; i < kNumLegs; ++i) {
-      const auto& leg = schedule_.legs[static_cast<std::size_t>(i)];
+      const auto& leg = schedule_.legs[i];
       const bool in_air = leg.state == kSwing && leg.time_to_touchdown > 1.5e-3;
-      const double forced = forced_[static_cast<std::size_t>(i)];
+      const double forced = forced_[i];
       forces[i][2] = forced >= 0 ? forced : in_air ? 0 : 50;
     }
     rig_.Fix(rig_->foot_forces, forces).Tick();

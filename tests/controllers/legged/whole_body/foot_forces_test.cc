@@ -43,7 +43,7 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
     double largest = 0;
     Vec<12> stacked;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Eigen::Matrix3d& J = dynamics.feet[static_cast<std::size_t>(leg)].J_leg;
+      const Eigen::Matrix3d& J = dynamics.feet[leg].J_leg;
       const double penalty = Penalty(J, kMinSingularValue);
       const Vec<3> tau = torque.segment<3>(3 * leg);
       EXPECT_LT(Gradient(J, tau, penalty, alone[leg]).norm(), 1e-9) << i;
