@@ -53,7 +53,7 @@ TEST(CdprWorkspaceTest, StaticWorkspaceOfAPointMassIsThePrismBelowItsAnchors) {
   }
 }
 
-// Finer cells close in on the volume from both sides.
+// The bounds of finer cells approach the volume from both sides.
 TEST(CdprWorkspaceTest, BoundsConverge) {
   const CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));

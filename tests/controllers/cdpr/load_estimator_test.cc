@@ -41,7 +41,7 @@ struct Motion {
     Vector6d pull;
     pull << robot.mass * (a - kGravity) - of_load - gust.force_W,
         I * alpha + w.cross(I * w) - arm.cross(of_load) - gust.torque_W;
-    // Any tensions with this wrench do; those of least norm may be negative, which the estimator cannot know.
+    // The tensions of least norm with this wrench; the estimator accepts negative ones.
     const CableKinematics lines = CalcCableKinematics(robot, x.p_WB, R);
     const Matrix6d gram = lines.structure * lines.structure.transpose();
     cables = CableSignals::Zero(robot.num_cables());
@@ -138,7 +138,7 @@ TEST(LoadEstimatorTest, RefusesSignalsOfAnotherNumberOfCables) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "LoadEstimator", "4", "8"));
 }
 
-// Two bodies and one: the same energy, momentum and moment of momentum, at any velocity.
+// One body has the energy, momentum and angular momentum of platform and payload at any velocity.
 TEST(LoadedPlatformTest, MovesAsItsParts) {
   const CdprDescription robot = test::EightCableRobot();
   const Payload payload{4, {0.2, -0.5, 0.3}};

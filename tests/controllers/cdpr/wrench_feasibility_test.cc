@@ -166,7 +166,7 @@ TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
       const int facets = n == 6 ? 6 : n == 8 ? 56 : 792;
       EXPECT_EQ(feasibility.num_facets(), facets);
       EXPECT_EQ(static_cast<int>(choices.size()), facets);
-      // With both of a pair: three more of the others.
+      // Normals vanish for choices of both dependent columns and three others.
       EXPECT_EQ(none, same < 0 ? 0 : (n - 2) * (n - 3) * (n - 4) / 6);
     }
   }

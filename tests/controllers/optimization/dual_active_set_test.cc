@@ -235,7 +235,7 @@ TEST(DualActiveSet, SolvesDuplicateAndRedundantConstraints) {
     qp.g = plain.g;
     qp.A_eq << plain.A_eq, 2 * plain.A_eq.row(0), plain.A_eq.row(1) - plain.A_eq.row(2), plain.A_eq.row(2);
     qp.b_eq << plain.b_eq, 2 * plain.b_eq[0], plain.b_eq[1] - plain.b_eq[2], plain.b_eq[2];
-    // Each again, with another length; once more, weaker; and sums of neighbours.
+    // Every constraint scaled by 3, relaxed by 0.1, and added to its neighbour.
     for (int k = 0; k < 16; ++k) {
       const int next = (k + 1) % 16;
       qp.A_in.row(k) = plain.A_in.row(k);

@@ -126,7 +126,7 @@ TEST(CdprCablesTest, ADrumPaysOutByTheRadiusOfItsLayer) {
                   tension * rate - T_m * 0.1 - 90 * 0.1 * 0.1, 1e-9);
     } else {
       EXPECT_NEAR(rate, ratio * (tension - T_m) / 90, 1e-12);
-      // With the cable's damping for the speed that it has now.
+      // The tension includes the damping at the present rate.
       const double strained =
           27e3 / rest *
           (layered->start.rest_length[0] * (1 + layered->params.initial_tension[0] / 27e3) - rest);

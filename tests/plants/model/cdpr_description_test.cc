@@ -80,8 +80,7 @@ TEST_P(RobotFileTest, CarriesItsWeightWithinTheLimitsAndComesBackFromItsText) {
   EXPECT_EQ(WriteYaml(again), WriteYaml(robot));
 }
 
-// Both cables of a lower pair of C4 are parallel wherever the level platform is, which is what holds it
-// level.
+// Both cables of each lower pair of C4 are parallel at every position, which keeps the platform level.
 TEST(CdprDescriptionTest, PairsOfC4AreParallel) {
   const auto robot = LoadCdpr(kRobots + "/c4.yaml");
   for (int i = 4; i < 12; i += 2) {

@@ -17,8 +17,8 @@ TEST(WithModelErrorTest, WithoutErrorsTheRobotStaysAsItIs) {
   EXPECT_EQ(same.FootPosition(kRearLeft, robot.stance), robot.FootPosition(kRearLeft, robot.stance));
 }
 
-// Each number is off on its own, within its bound, and over 200 robots as far as a uniform error is:
-// its standard deviation is the bound over sqrt(3).
+// Every number has an independent uniform error: over 200 robots its standard deviation is the bound over
+// sqrt(3).
 TEST(WithModelErrorTest, EachBodyIsOffByItself) {
   const QuadrupedDescription robot = test::DogBot();
   const RigidInertia& thigh = robot.legs[kFrontRight].bodies[1];

@@ -383,7 +383,7 @@ TEST(QuadrupedDescriptionTest, LockedJointsAreFixed) {
   EXPECT_TRUE(Refused(files, "'wheel_joitn'", "'wheel_joint'"));
 }
 
-// Momentum and inertia about B's origin add up.
+// First moment and inertia about B's origin are additive.
 TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   const QuadrupedDescription robot = test::DogBot();
   RigidInertia payload;

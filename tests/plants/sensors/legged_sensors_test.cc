@@ -42,7 +42,7 @@ TEST(JointEncodersTest, ErrorsHaveTheGivenMeanAndDeviation) {
   }
   angle.Expect(Vec<12>::Constant(0.001), Vec<12>::Constant(1e-4));
   speed.Expect(Vec<12>::Zero(), Vec<12>::Constant(0.02));
-  // Streams of their own: not correlated.
+  // Angles and speeds have independent random streams.
   EXPECT_LT((product.sum / kSamples).cwiseAbs().maxCoeff(), 4 * 1e-4 * 0.02 / std::sqrt(kSamples));
 }
 

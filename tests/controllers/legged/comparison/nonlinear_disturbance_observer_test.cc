@@ -70,7 +70,7 @@ TEST(NonlinearDisturbanceObserverTest, ErrorDecaysWithLambda) {
 
 TEST(NonlinearDisturbanceObserverTest, StartsOnAMovingRobotWithoutTransient) {
   Observed run(Flying(), Params(NdoReading::kM));
-  // p(0) = X qd would be 24 N m.
+  // An observer with p(0) = 0 would start at X qd, 24 N m.
   for (int n = 0; n < 100; ++n) ASSERT_LT(run.Tick().joint_torque.norm(), 0.1) << n;
 }
 

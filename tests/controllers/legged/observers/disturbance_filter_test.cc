@@ -35,7 +35,7 @@ TEST(EstimatorGainsTest, ButterworthPolesLieOnACircle) {
   }
 }
 
-// The polynomial of three gains, as multiplied out.
+// The characteristic polynomial of three gains.
 TEST(EstimatorGainsTest, PolesAreTheRootsOfThePolynomial) {
   const std::vector<double> gains{2.25, 6.28, 17.5};
   for (const auto& s : EstimatorPoles(gains)) {

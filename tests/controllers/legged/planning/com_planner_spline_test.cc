@@ -101,7 +101,7 @@ TEST_P(SplineWalk, KeepsTheZmpOverTheFeetAndNothingJumps) {
     const ContactSchedule& schedule = walk.schedule();
     if (schedule.gait != Gait::kStand) {
       EXPECT_THAT(now.com_acceleration_W, IsNear(last.com_acceleration_W, 0.35)) << n;
-      // Feet as the definition of the nominal walk has them, without the planner's own bookkeeping.
+      // Footholds from the definition of the nominal walk, independently of the planner.
       std::vector<Eigen::Vector2d> standing;
       for (std::size_t i = 0; i < kNumLegs; ++i) {
         const LegContact& leg = schedule.legs[i];

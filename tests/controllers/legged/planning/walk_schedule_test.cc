@@ -65,7 +65,7 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
   EXPECT_EQ(rig[rig->command].left, 0);
 }
 
-// In the middle the sine itself, at both ends at rest, and the rates are those of the height.
+// A sine in the middle and rest at both ends; the rates are the derivatives of the height.
 TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
   WalkScheduleParams params;
   params.segments.resize(1);

@@ -112,7 +112,7 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   EXPECT_GT(least, -1e-3);
   EXPECT_LT(least, 1e-4);  // the constraints are met with equality somewhere
 
-  // Without them the robot would stay where it is, which is not in the polygons.
+  // Without the constraints the optimum is to stay at the start, which is outside the polygons.
   std::vector<SupportPhase> free;
   for (const SupportPhase& phase : pace.phases) free.push_back({phase.duration, SupportPolygon()});
   ZmpSplineProblem problem = pace.problem();
