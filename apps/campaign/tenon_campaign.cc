@@ -11,9 +11,9 @@
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_run.h>
 #include <tenon/apps/quadruped/quadruped_run.h>

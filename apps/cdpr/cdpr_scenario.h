@@ -2,8 +2,8 @@
 
 #include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/report_scenario.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>

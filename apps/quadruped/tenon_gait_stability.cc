@@ -2,7 +2,7 @@
 // decays.
 
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 

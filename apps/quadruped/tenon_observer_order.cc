@@ -3,8 +3,8 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>

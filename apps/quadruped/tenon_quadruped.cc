@@ -3,7 +3,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>

@@ -2,8 +2,8 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/robot_drawing.h>

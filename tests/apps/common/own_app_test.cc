@@ -100,7 +100,7 @@ TEST_F(OwnAppTest, CampaignsSayWhatProgramsDoWrong) {
   EXPECT_THAT(campaign("[ $2 = --keys ] && exit 0; echo broken; exit 7\n"),
               HasSubstr("1 failed: app.sh ended with 7: broken"));
   EXPECT_THAT(campaign("[ $2 = --keys ] && exit 0; mkdir -p $3; echo '[]' >$3/summary.json\n"),
-              HasSubstr("holds no figures of a run"));
+              HasSubstr("summary.json'"));
   EXPECT_THAT(campaign("echo I do not like it; exit 2\n"),
               AllOf(HasSubstr("none of the runs can begin"), HasSubstr("I do not like it")));
   std::ofstream(out / "campaign_file.yaml") << "app: ./gone\nscenario: scenario.yaml\n";
