@@ -11,7 +11,7 @@
 namespace tenon::apps {
 namespace {
 
-/// What was thrown first, without what blocks put in front.
+/// Returns the innermost message, without the context that blocks add.
 std::string FirstMessage(const std::exception& error) {
   try {
     std::rethrow_if_nested(error);
@@ -32,9 +32,9 @@ FieldList Fault::Fields() {
 
 void Fault::Validate() const {
   const auto belongs = [&](const char* key, bool given, bool needed, const char* to) {
-    Demand(given || !needed, fmt::format("a fault of kind '{}' needs {}: give it", EnumName(kind), key));
+    Demand(given || !needed, fmt::format("a fault of kind '{}' needs {}: add it", EnumName(kind), key));
     Demand(!given || needed,
-           fmt::format("{} is for {}, not for a fault of kind '{}': leave it away", key, to, EnumName(kind)));
+           fmt::format("{} applies to {}, not to a fault of kind '{}': remove it", key, to, EnumName(kind)));
   };
   using enum FaultKind;
   belongs("size", size.has_value(), kind == kSpike || kind == kOffset || kind == kLoss,
@@ -56,7 +56,7 @@ std::vector<int> Fault::Indices(const char* what, const std::vector<Element>& th
     if (thing == things.end()) {
       std::vector<std::string> names;
       for (const Element& other : things) names.push_back(other.name);
-      throw ParameterError(fmt::format("elements: there is no {} '{}', give some of {}", what, element,
+      throw ParameterError(fmt::format("elements: there is no {} '{}'; choose from {}", what, element,
                                        fmt::join(names, ", ")));
     }
     indices.push_back(static_cast<int>(thing - things.begin()));
@@ -67,9 +67,10 @@ std::vector<int> Fault::Indices(const char* what, const std::vector<Element>& th
 void FaultInserter::CheckCount(std::size_t count) {
   constexpr std::size_t kMost = 100;
   if (count > kMost)
-    throw KeyError("faults", fmt::format("{} faults are too many, {} the most: elements of one place may "
-                                         "share a fault",
-                                         count, kMost));
+    throw KeyError("faults",
+                   fmt::format("there are {} faults, but at most {} are allowed: let elements of one "
+                               "place share a fault",
+                               count, kMost));
 }
 
 void FaultInserter::WithKey(std::size_t index, const char* place, const std::function<void()>& insert) {
@@ -86,28 +87,28 @@ void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible) {
     if (kind == fault.kind) return;
     names.push_back(EnumName(kind));
   }
-  throw ParameterError(fmt::format("kind '{}' is not possible there: give {}", EnumName(fault.kind),
+  throw ParameterError(fmt::format("kind '{}' is not possible at this place: choose {}", EnumName(fault.kind),
                                    fmt::join(names, " or ")));
 }
 
 void DemandPeriod(const Fault& fault, const Rate& rate) {
   if (!fault.period_s || *fault.period_s >= rate.period()) return;
-  throw ParameterError(
-      fmt::format("period_s = {} is below the {} s between two samples", *fault.period_s, rate.period()));
+  throw ParameterError(fmt::format("period_s = {} is below the sample period of {} s; increase it",
+                                   *fault.period_s, rate.period()));
 }
 
 SignalFaultKind SignalKind(const Fault& fault) {
   for (const auto& [kind, name] : EnumNames(SignalFaultKind{})) {
     if (std::string_view(name) == EnumName(fault.kind)) return kind;
   }
-  throw ParameterError(
-      fmt::format("kind '{}' is not possible there: it is for things that break, not for signals; give "
-                  "another",
-                  EnumName(fault.kind)));
+  throw ParameterError(fmt::format(
+      "kind '{}' is not possible at this place: it applies to mechanical parts, not signals; choose "
+      "another",
+      EnumName(fault.kind)));
 }
 
 void ThrowUnread(const char* remedy) {
-  throw ParameterError(fmt::format("nothing in this scenario's diagram reads that signal: {}", remedy));
+  throw ParameterError(fmt::format("no block of this scenario's diagram reads that signal: {}", remedy));
 }
 
 }  // namespace tenon::apps

@@ -13,7 +13,7 @@
 
 namespace tenon::apps {
 
-/// Those of SignalFaultKind, by their names, and one that breaks things.
+/// The kinds of SignalFaultKind, with the same names, and kBroken for mechanical parts.
 enum class FaultKind { kDropOut, kStuck, kNan, kSpike, kOffset, kLoss, kLate, kLost, kBroken };
 constexpr auto EnumNames(FaultKind) {
   using enum FaultKind;
@@ -22,17 +22,17 @@ constexpr auto EnumNames(FaultKind) {
                     Named{kLate, "late"},        Named{kLost, "lost"},     Named{kBroken, "broken"}};
 }
 
-/// A fault as scenarios say it, but for the place. What a kind does not need is refused, see SignalFault.
+/// A fault in a scenario, without its place. Keys that the kind does not use are refused, see SignalFault.
 struct Fault {
-  FaultKind kind = FaultKind::kDropOut;  ///< what goes wrong
+  FaultKind kind = FaultKind::kDropOut;  ///< the kind of fault
   std::vector<std::string> elements =
-      {};                             ///< of the signal, as logs name them, or joints, cables; empty: all
-  double start_s = 0;                 ///< when it begins
-  std::optional<double> duration_s;   ///< without: to the end of the run
-  std::optional<double> size;         ///< of spike, offset [the signal's unit], and loss: 1 loses everything
-  std::optional<double> period_s;     ///< of a spike; without: a single one
-  std::optional<int> samples;         ///< of late: by how many ticks
-  std::optional<double> probability;  ///< of lost, at each tick
+      {};                            ///< affected elements, joints or cables, named as in logs; empty: all
+  double start_s = 0;                ///< start of the fault
+  std::optional<double> duration_s;  ///< default: until the end of the run
+  std::optional<double> size;        ///< size of a spike or offset [the signal's unit], or lost share, 0 to 1
+  std::optional<double> period_s;    ///< period of spikes; default: a single spike
+  std::optional<int> samples;        ///< delay of kind late [ticks]
+  std::optional<double> probability;  ///< probability of a loss at each tick, of kind lost
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -40,14 +40,14 @@ struct Fault {
   FaultSchedule schedule() const {
     return {start_s, duration_s.value_or(std::numeric_limits<double>::infinity())};
   }
-  /// The elements as indices of things of these names, each of which is `what`; throws ParameterError.
+  /// Returns the indices of `elements` in `things`. Throws ParameterError, which calls a thing `what`.
   std::vector<int> Indices(const char* what, const std::vector<Element>& things) const;
 };
 
-/// A fault at one of the places that a robot has.
+/// A fault with its place in the robot.
 template <NamedEnum Place>
 struct FaultScenario : Fault {
-  Place at{};  ///< which signal or part
+  Place at{};  ///< the signal or part that fails
   static FieldList Fields() {
     FieldList fields{Required("at", &FaultScenario::at)};
     for (const Field& field : Fault::Fields()) fields.push_back(field);
@@ -55,16 +55,15 @@ struct FaultScenario : Fault {
   }
 };
 
-/// Puts the faults of a scenario into a diagram, under the names fault_0, fault_1, ….
+/// Inserts the faults of a scenario into a diagram as blocks fault_0, fault_1, ….
 class FaultInserter {
  public:
   explicit FaultInserter(DiagramBuilder& builder) : builder(builder) {}
   DiagramBuilder& builder;
-  std::vector<const Source*>
-      signals;  ///< of all faults, for logs: whether they act, and the signals that they change
+  std::vector<const Source*> signals;  ///< for logs: activity and output of each fault
 
-  /// Calls insert(fault, name) for each; throws KeyError for more than a robot may have. What it throws is
-  /// told with the key of the fault, see KeyError.
+  /// Calls insert(fault, name) for each fault. Throws KeyError with the key of a fault that cannot be
+  /// inserted, or for more than 100 faults.
   template <NamedEnum Place>
   void InsertAll(const std::vector<FaultScenario<Place>>& faults, const auto& insert) {
     CheckCount(faults.size());
@@ -77,13 +76,13 @@ class FaultInserter {
   static void WithKey(std::size_t index, const char* place, const std::function<void()>& insert);
 };
 
-/// The mechanical faults of one robot: each takes over what those before it say, the last one feeds the
-/// plant.
+/// The mechanical faults of one robot in series: each block adds to the faults of its predecessor, and the
+/// last one is connected to the plant.
 template <class T>
 class FaultChain {
  public:
   explicit FaultChain(InputPort<T>& plant) : plant_(&plant) {}
-  /// `faults` and `others` are of one block.
+  /// Appends a block by its output and the input for the faults before it.
   void Append(DiagramBuilder& builder, const OutputPort<T>& faults, InputPort<T>& others) {
     if (last_ != nullptr) {
       builder.Disconnect(*plant_);
@@ -98,27 +97,26 @@ class FaultChain {
   const OutputPort<T>* last_ = nullptr;
 };
 
-/// Throws ParameterError unless the kind is one of those that a mechanical part can have.
+/// Throws ParameterError unless the kind of the fault is one of `possible`.
 void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible);
-/// Throws ParameterError if a spike comes more often than the signal's samples.
+/// Throws ParameterError if the period of spikes is below the signal's sample period.
 void DemandPeriod(const Fault& fault, const Rate& rate);
-/// The kind of the fault of a signal; throws ParameterError if it is none.
+/// Returns the kind as a SignalFaultKind. Throws ParameterError for a mechanical fault.
 SignalFaultKind SignalKind(const Fault& fault);
-/// Throws ParameterError: nothing in this diagram reads the signal.
+/// Throws ParameterError because no block of the diagram reads the signal.
 [[noreturn]] void ThrowUnread(const char* remedy);
 
-/// A place where a signal can fail: between an output and some of its readers. Without readers there is no
-/// such place in the diagram.
+/// A place where a signal can fail, between an output and some of its readers.
 template <class T>
 class FaultPoint {
  public:
-  /// `remedy` is what to do if nothing reads the signal.
+  /// A signal without readers in the diagram. Insert throws an error that suggests `remedy`.
   explicit FaultPoint(const char* remedy) : remedy_(remedy) {}
   FaultPoint(const OutputPort<T>& output, std::vector<InputPort<T>*> readers, Rate rate,
              T initial = internal::Zeroed<T>())
       : output_(&output), readers_(std::move(readers)), rate_(rate), initial_(initial) {}
 
-  /// A fault behind those that are there already.
+  /// Inserts a fault after those inserted before.
   void Insert(FaultInserter& inserter, const Fault& fault, const std::string& name) {
     if (output_ == nullptr) ThrowUnread(remedy_);
     DemandPeriod(fault, rate_);

@@ -6,7 +6,7 @@
 
 namespace tenon::apps {
 
-/// As JSON; null if empty.
+/// Converts a number to JSON, null if it is empty.
 inline nlohmann::ordered_json NumberOrNull(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }

@@ -59,8 +59,8 @@ Summary Summary::Load(const fs::path& file, int exit_code) {
   json->values = nlohmann::ordered_json::parse(in, nullptr, false);
   if (!json->values.is_object() || !json->values.contains("finished") ||
       !json->values["finished"].is_boolean())
-    throw RunError(
-        fmt::format("'{}' is not a summary of a run: check whether another program overwrote it", file.string()));
+    throw RunError(fmt::format("'{}' is not a summary of a run: check whether another program overwrote it",
+                               file.string()));
   Summary summary(std::move(json), exit_code);
   auto& values = summary.json_->values;
   const auto limits = values.value(kLimits, nlohmann::ordered_json::object());

@@ -129,7 +129,7 @@ TEST_F(TenonCampaignTest, WhatFailsIsARowWithItsReason) {
 
 TEST_F(TenonCampaignTest, ARunMayTakeOnlySoLong) {
   const std::string file = File("app: tenon-quadruped\nscenario: A4\nduration_s: 30\nwall_limit_s: 0.2\n");
-  EXPECT_THAT(Run(file + To("c")), HasSubstr("took longer than 0.2 s on the clock"));
+  EXPECT_THAT(Run(file + To("c")), HasSubstr("took longer than 0.2 s"));
   EXPECT_THAT(Rows(out / "c/runs.csv").at(0), HasSubstr("A4,false,false"));
 }
 
@@ -294,7 +294,7 @@ TEST_F(TenonCampaignTest, RefusesBadUsage) {
               AllOf(HasSubstr(":1:6: app: there is no app 'tenon-fish'"), HasSubstr("tenon-cdpr")));
   EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A44\n"),
               AllOf(HasSubstr(":2:11: scenario: there is no 'A44'"), HasSubstr("did you mean")));
-  EXPECT_THAT(refused("app: tenon-cdpr\nscenario: A4\n"), HasSubstr("is a scenario of another app"));
+  EXPECT_THAT(refused("app: tenon-cdpr\nscenario: A4\n"), HasSubstr("is not a scenario of"));
   EXPECT_THAT(refused("app: tenon-quadruped\nscenario: A4\nvary: {walk.frictoin: {grid: [1]}}\n"),
               AllOf(HasSubstr(":3:23: vary.walk.frictoin: none of the runs can begin"),
                     HasSubstr("nearest valid key is 'friction'")));

@@ -254,7 +254,7 @@ INSTANTIATE_TEST_SUITE_P(
                  ": path.times_s.1: times_s.1 = 1: the times must be finite and increase"},
         BadUsage{"D1 --seed -1", "--seed: -1 must be an integer from 0 to 18446744073709551615"},
         BadUsage{"D1 --set duration_s=-3", "duration_s = -3 must be positive"},
-        BadUsage{"D1 --set app=tenon-walk", "a scenario of another app"},
+        BadUsage{"D1 --set app=tenon-walk", "not a scenario of"},
         BadUsage{"D1 --set payload.mass_kg=-1", "mass_kg = -1"},
         BadUsage{"D1 --set pd.rate_hz=0", "rate_hz: a rate of 0 Hz"},
         BadUsage{"D1 --set noise.imu_rate_hz=-5", "imu_rate_hz: a rate of -5 Hz"},
@@ -399,7 +399,7 @@ TEST_F(TenonCdprTest, APlatformThatLeavesItsPathIsNotFinished) {
   EXPECT_EQ(left.exit_code, 3) << left.text;
   EXPECT_THAT(Read(out / "summary.json"),
               AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"followed\": false"),
-                    HasSubstr("the path was not followed: the robot went ")));
+                    HasSubstr("the path was not followed: the robot left it by ")));
   ASSERT_EQ(RunApp("D2 --duration 0.2" + Out()).exit_code, 0);
   EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"followed\": null"));
 }

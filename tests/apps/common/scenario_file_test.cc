@@ -115,7 +115,7 @@ TEST_F(ScenarioFileTest, ScenariosOfOtherAppsAreNotSuggested) {
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Contains(Key("D1")));
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Not(Contains(Key("flat"))));
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario("flt", {}, "mine"); },
-                                     "there is no 'flt': no scenario of mine ships, give a .yaml file"));
+                                     "there is no 'flt': mine has no shipped scenarios"));
 }
 
 TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
