@@ -47,7 +47,7 @@ TEST(PathVerdictTest, APartOfTheLengthIsAllowed) {
   EXPECT_FALSE(left.finished());
   EXPECT_EQ(left.exit_code(), kLimitBroken);
   EXPECT_EQ(Figure(left, "end_reason"),
-            "the path was not followed: the robot left it by 0.30004 m off it, more than 0.3 m, at 2 s");
+            "the path was not followed: the robot left it by 0.30004 m, more than 0.3 m, at 2 s");
 }
 
 TEST(PathVerdictTest, AndAPartOfHalfATurn) {
