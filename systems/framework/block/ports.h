@@ -96,7 +96,7 @@ class OutputPort : public Calculated<T> {
   OutputPort(Leaf* owner, Spec spec, Sampled sampled, UsesList<A...> uses, F function,
              std::uint64_t tag = internal::TagOf<F>::value)
       : OutputPort(owner, std::move(spec), std::move(uses), std::move(function), tag) {
-    this->SetTrigger({Trigger::When::kSampled, sampled, nullptr});
+    this->SetTrigger(sampled);
   }
   template <class... A, class F>
   OutputPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function,

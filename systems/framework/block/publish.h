@@ -24,31 +24,8 @@ namespace tenon {
 class Publish : public Calculated<internal::Published> {
  public:
   template <class... A, class F>
-  Publish(Leaf* owner, std::string name, Sampled sampled, UsesList<A...> uses, F function,
+  Publish(Leaf* owner, std::string name, Trigger trigger, UsesList<A...> uses, F function,
           std::uint64_t tag = internal::TagOf<F>::value)
-      : Publish(owner, std::move(name), Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
-                std::move(function), tag) {}
-  template <class... A, class F>
-  Publish(Leaf* owner, std::string name, EachStep, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
-      : Publish(owner, std::move(name), Trigger{.when = Trigger::When::kEachStep}, std::move(uses),
-                std::move(function), tag) {}
-  template <class... A, class F>
-  Publish(Leaf* owner, std::string name, AtStart, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
-      : Publish(owner, std::move(name), Trigger{.when = Trigger::When::kAtStart}, std::move(uses),
-                std::move(function), tag) {}
-  template <class... A, class F>
-  Publish(Leaf* owner, std::string name, const Witness& witness, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
-      : Publish(owner, std::move(name),
-                Trigger{.when = Trigger::When::kWitness,
-                        .witness = &internal::CheckDeclared(witness, "a Publish")},
-                std::move(uses), std::move(function), tag) {}
-
- private:
-  template <class... A, class F>
-  Publish(Leaf* owner, std::string name, Trigger trigger, UsesList<A...> uses, F function, std::uint64_t tag)
       : Calculated<internal::Published>(owner, SourceKind::kPublish, Spec{std::move(name)}) {
     SetTrigger(trigger);
     Calculate(std::move(uses), std::move(function), tag);

