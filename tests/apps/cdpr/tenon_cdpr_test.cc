@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"", "no scenario given"}, BadUsage{"D11", "did you mean 'D1'?"},
         BadUsage{"missing.yaml", "no such file"}, BadUsage{"D1 --frobnicate", "--frobnicate"},
         BadUsage{"D1 --duration -1", "--duration: -1 must be a positive number"},
-        BadUsage{"D1 --set pd", "give it as key=value"},
+        BadUsage{"D1 --set pd", "write key=value"},
         BadUsage{"D1 --set pd.stifness_N_per_m=1", "stiffness_N_per_m"},
         BadUsage{"D1 --controller mpc", "--set controller=mpc"},
         BadUsage{"D1 --controller pd --compare", "--controller excludes --compare"},
