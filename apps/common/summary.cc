@@ -1,10 +1,10 @@
 #include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/number_or_null.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/report_json.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -76,7 +76,7 @@ Summary::Summary(Summary&&) noexcept = default;
 Summary::~Summary() = default;
 
 void Summary::Set(const std::string& key, std::optional<double> value) {
-  json_->values[key] = NumberOrNull(value);
+  json_->values[key] = internal::JsonOrNull(value);
 }
 void Summary::Set(const std::string& key, const std::string& value) {
   json_->values[key] = value;
@@ -84,7 +84,7 @@ void Summary::Set(const std::string& key, const std::string& value) {
 void Summary::Set(const std::string& key,
                   const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
-  for (const auto& [name, value] : values) object[name] = NumberOrNull(value);
+  for (const auto& [name, value] : values) object[name] = internal::JsonOrNull(value);
 }
 
 void Summary::SetFollowed(std::optional<bool> followed) {

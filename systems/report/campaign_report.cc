@@ -1,6 +1,7 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/text/parse_number.h>
 
 #include <nlohmann/json.hpp>
@@ -23,10 +24,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kLines = 1500;    // of parallel coordinates: more cannot be told apart
 constexpr std::size_t kBins = 30;       // of a histogram
 constexpr std::size_t kMedians = 4000;  // points up to which the page has the medians of figures, too
-
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json SurvivalJson(std::size_t survived, std::size_t count, double confidence) {
   const Interval interval = WilsonInterval(survived, count, confidence);
@@ -57,7 +54,7 @@ Json PointsJson(const CampaignReport& report) {
       std::vector<double> values;
       for (const auto* run : runs)
         if (std::isfinite(run->figures[i])) values.push_back(run->figures[i]);
-      point["medians"].push_back(NumberOrNull(Median(values)));
+      point["medians"].push_back(Median(values));
     }
     json.push_back(std::move(point));
   }
@@ -91,8 +88,7 @@ Json CorrelationsJson(const CampaignReport& report) {
       x.push_back(key(run));
       y.push_back(figure(run));
     }
-    const auto found = RankCorrelation(x, y);
-    return found ? Json(*found) : Json(nullptr);
+    return internal::JsonOrNull(RankCorrelation(x, y));
   };
   Json rows = Json::array();
   const auto add = [&](const std::string& name, const auto& key) {
@@ -122,10 +118,8 @@ Json LinesJson(const CampaignReport& report) {
   std::ranges::sample(report.runs, std::back_inserter(shown), kLines, std::mt19937(1));
   for (const CampaignReport::Run& run : shown) {
     Json line{{"run", run.index}, {"survived", run.survived}, {"at", run.at}};
-    for (const auto& [name, values] : {std::pair{"drawn", &run.drawn}, std::pair{"figures", &run.figures}}) {
-      line[name] = Json::array();
-      for (const double value : *values) line[name].push_back(NumberOrNull(value));
-    }
+    line["drawn"] = run.drawn;  // numbers that are not finite become null in the text
+    line["figures"] = run.figures;
     lines.push_back(std::move(line));
   }
   return lines;

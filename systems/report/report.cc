@@ -1,4 +1,5 @@
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/text/nearest_name.h>
@@ -89,7 +90,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
 }
 
 void Report::AddFigure(const std::string& name, std::optional<double> value, const Limits& limits) {
-  own().figures.push_back({name, value ? Json(*value) : Json(nullptr), limits});
+  own().figures.push_back({name, internal::JsonOrNull(value), limits});
 }
 void Report::AddFigure(const std::string& name, const std::string& text) {
   own().figures.push_back({name, text});

@@ -2,7 +2,7 @@
 #include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/shapes_json.h>
+#include <tenon/systems/report/internal/report_json.h>
 
 #include <algorithm>
 #include <charconv>
@@ -127,9 +127,8 @@ Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
   Json bands = Json::array(), limits = Json::array(), tunable = Json::array();
   for (const Band& band : view.bands)
     bands.push_back({{"signal", band.signal}, {"names", band.names}, {"intervals", Json::array()}});
-  const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   for (const auto& [signal, range] : view.limits)
-    limits.push_back({{"signal", signal}, {"limits", {bound(range.low), bound(range.high)}}});
+    limits.push_back({{"signal", signal}, {"limits", LimitsJson(range)}});
   const auto copy = context.Clone();
   for (const ParameterSource* parameter : parameters)
     tunable.push_back(ParameterJson(*parameter, context, *copy));

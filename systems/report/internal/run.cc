@@ -1,6 +1,6 @@
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
-#include <tenon/systems/report/internal/shapes_json.h>
 
 #include <fmt/format.h>
 
@@ -38,11 +38,6 @@ std::string LastTwo(const std::string& name) {
   return before == std::string::npos ? name : name.substr(before + 1);
 }
 
-/// [low, high], null where there is no bound.
-Json ToJson(const Limits& limits) {
-  const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  return {bound(limits.low), bound(limits.high)};
-}
 Limits LimitsFrom(const Json& json) {
   const auto bound = [](const Json& value) {
     return value.is_null() ? std::nullopt : std::optional<double>(value);
@@ -213,10 +208,10 @@ Json Report::Run::Events() const {
 }
 
 Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) const {
-  Json json{{"verdict", verdict}, {"good", good ? Json(*good) : Json(nullptr)}, {"figures", Json::array()}};
+  Json json{{"verdict", verdict}, {"good", internal::JsonOrNull(good)}, {"figures", Json::array()}};
   for (const Figure& figure : figures) {
     Json item{{"name", figure.name}, {"value", figure.value}};
-    if (figure.limits.low || figure.limits.high) item["limits"] = tenon::ToJson(figure.limits);
+    if (figure.limits.low || figure.limits.high) item["limits"] = internal::LimitsJson(figure.limits);
     json["figures"].push_back(std::move(item));
   }
   if (signals == nullptr) return json;
@@ -229,7 +224,7 @@ Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) c
         {{"signal", band.signal}, {"names", band.names}, {"intervals", BandJson(band, *signals)}});
   json["limits"] = Json::array();
   for (const auto& [signal, bounds] : limits)
-    json["limits"].push_back({{"signal", signal}, {"limits", tenon::ToJson(bounds)}});
+    json["limits"].push_back({{"signal", signal}, {"limits", internal::LimitsJson(bounds)}});
   return json;
 }
 
