@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using internal::Base64;
 
-/// Shapes that stand still: a replay of one frame.
+/// Returns a replay of a single frame with static shapes.
 Json FramesJson(const Geometry& shapes) {
   std::vector<float> first;
   for (const Shape& shape : shapes) {
@@ -37,7 +37,7 @@ Json MapJson(const VolumeReport::Map& map) {
   std::vector<float> rows;
   for (const VolumeReport::Part& part : map.parts) {
     if (part.values.size() != map.quantities.size()) {
-      throw ParameterError(fmt::format("map '{}': a part has {} values, there are {} quantities", map.title,
+      throw ParameterError(fmt::format("map '{}': a part has {} values for {} quantities", map.title,
                                        part.values.size(), map.quantities.size()));
     }
     for (const int index : part.first) rows.push_back(static_cast<float>(index));

@@ -73,9 +73,8 @@ TEST_F(TenonReportTest, SaysWhatIsMissingWhere) {
     EXPECT_THAT(result.text, HasSubstr(message));
   };
   refused("", "DIR is required");
-  refused(Directory("nowhere"),
-          "'" + Directory("nowhere") + "' is no directory: name what the --out of a run was");
-  refused(out.string(), "'" + out.string() + "' has no report.html: name the --out of one run");
+  refused(Directory("nowhere"), "'" + Directory("nowhere") + "' is not a directory");
+  refused(out.string(), "'" + out.string() + "' has no report.html");
   refused(Directory("circle") + " " + Directory("hang") + " --out " + Directory("circle"),
           "'" + Directory("circle") + "' is one of the runs");
   std::string nine;
