@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 
 #include <string>

@@ -4,7 +4,7 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 
 namespace tenon::apps {
 namespace {

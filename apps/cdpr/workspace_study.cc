@@ -1,10 +1,10 @@
 #include <tenon/apps/cdpr/workspace_study.h>
-#include <tenon/apps/common/number_or_null.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/volume_report.h>
 
 #include <fmt/core.h>
@@ -290,7 +290,7 @@ void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::pat
                                  {"torque_N_m", demand.torque},
                                  {"cable_diameter_m", study.params.cable_diameter},
                                  {"wall_s", study.wall}};
-  for (const auto& [name, value] : study.figures) summary[name] = NumberOrNull(value);
+  for (const auto& [name, value] : study.figures) summary[name] = internal::JsonOrNull(value);
   VolumeReport report{
       .title = robot.name + ": workspace", .description = Describe(study), .figures = study.figures};
   const auto list = [](const Eigen::Vector3d& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/systems/report/report.h>
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/plants/model/quadruped_description.h>
 

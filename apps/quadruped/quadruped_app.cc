@@ -1,6 +1,8 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 

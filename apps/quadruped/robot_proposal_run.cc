@@ -1,6 +1,7 @@
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/apps/quadruped/robot_drawing.h>

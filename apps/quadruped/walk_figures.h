@@ -1,7 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/systems/framework/types/fields.h>

@@ -1,7 +1,7 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/studies/observer_order_scenario.h>
 #include <tenon/apps/studies/observer_order_study.h>

@@ -40,7 +40,7 @@ FieldList Fault::Fields() {
 
 void Fault::Validate() const {
   const auto belongs = [&](const char* key, bool given, bool needed, const char* to) {
-    Demand(given || !needed, fmt::format("a fault of kind '{}' needs {}: give it", EnumName(kind), key));
+    Demand(given || !needed, fmt::format("a fault of kind '{}' needs {}: add it", EnumName(kind), key));
     Demand(!given || needed,
            fmt::format("{} is for {}, not for a fault of kind '{}': remove it", key, to, EnumName(kind)));
   };

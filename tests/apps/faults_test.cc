@@ -291,7 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: joint, kind: nan"),
                  "faults.0.at: fault_0 at 'joint': kind 'nan' is not possible there: give stuck or broken"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: joint, kind: stuck, elements: [12]"),
-                 "elements: there is no joint '12', give some of front_left_abduction, front_left_hip_pitch"},
+                 "elements: there is no joint '12'; choose from front_left_abduction, front_left_hip_pitch"},
         BadUsage{TENON_QUADRUPED_FAULT("A1", "at: encoders, kind: stuck"), "set walk.state to estimated"},
         BadUsage{
             TENON_QUADRUPED_FAULT("A1",

@@ -127,7 +127,7 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
     return Throws<ParameterError>([&] { CampaignPlan plan(File(rest)); }, place, what);
   };
   EXPECT_TRUE(
-      refused("vary: {a: {grid: [1], list: [2]}}", "c.yaml:3:11: vary.a: ", "2 ways to vary: give one of"));
+      refused("vary: {a: {grid: [1], list: [2]}}", "c.yaml:3:11: vary.a: ", "2 ways to vary are given"));
   EXPECT_TRUE(refused("vary: {a: {}}", "c.yaml:3:11: vary.a: ", "0 ways to vary"));
   EXPECT_TRUE(refused("vary: {a: {unifrom: [1, 2]}}", "c.yaml:3:12: ", "nearest valid key is 'uniform'"));
   EXPECT_TRUE(refused("vary: {a: {uniform: [2, 1]}}", "c.yaml:3:", "give the lower bound first"));
@@ -139,10 +139,10 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   EXPECT_TRUE(refused("vary: {a: {linspace: [1, 1, 2]}}", "c.yaml:3:11: vary.a: ", "1 stands there twice"));
   EXPECT_TRUE(refused("vary: {a: {grid: [0.05, 1, 0.05]}}", "c.yaml:3:", "0.05 stands there twice"));
   EXPECT_TRUE(refused("vary: {a: {list: [1, 1.0]}}", "c.yaml:3:", "1.0 stands there twice"));
-  EXPECT_TRUE(refused("vary: {a: {list: [x], sets: {b: 1}}}", "c.yaml:3:", "factors are for numbers"));
+  EXPECT_TRUE(refused("vary: {a: {list: [x], sets: {b: 1}}}", "c.yaml:3:", "factors apply to numbers"));
   EXPECT_TRUE(refused("vary: {a: {grid: [1], sets: {b: 0}}}", "c.yaml:3:", "the factor of b is 0"));
   EXPECT_TRUE(refused("seeds: {count: 0}", "c.yaml:3:", "count = 0 must be from 1"));
-  EXPECT_TRUE(refused("seeds: {first: 18446744073709551615}", "c.yaml:3:", "beyond 64 bits"));
+  EXPECT_TRUE(refused("seeds: {first: 18446744073709551615}", "c.yaml:3:", "exceed 64 bits"));
   EXPECT_TRUE(refused("duration_s: 0", "c.yaml:", "duration_s = 0 must be positive"));
   EXPECT_TRUE(refused("confidence: 95", "c.yaml:", "confidence = 95 must lie between 0 and 1"));
   EXPECT_TRUE(refused("interval_width: 0", "c.yaml:", "interval_width = 0"));
@@ -150,7 +150,7 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   EXPECT_TRUE(
       refused("limit: {key: a, to: 1, probability: 1}", "c.yaml:3:", "probability = 1 must lie between"));
   EXPECT_TRUE(refused("limit: {key: a, to: 1, steps: 0}", "c.yaml:3:", "steps = 0"));
-  EXPECT_TRUE(refused("limit: {key: a, to: 1}\nestimate: survival", "c.yaml:", "leave estimate away"));
+  EXPECT_TRUE(refused("limit: {key: a, to: 1}\nestimate: survival", "c.yaml:", "remove estimate"));
   for (const char* other :
        {"set: {a: 2}", "vary: {a: {grid: [1, 2]}}", "vary: {b: {choices: {x: {a: 2}}}}"}) {
     const std::string text = std::string(other) + "\nlimit: {key: ";
@@ -159,10 +159,10 @@ TEST(CampaignPlanTest, RefusesWhatMakesNoSenseWithItsPlace) {
   }
   EXPECT_TRUE(refused("vary: {all: {grid: [1], sets: {b: 1}}}\nlimit: {key: all, sets: {a: 1}, to: 1}",
                       "c.yaml:4:", "all is also set or varied"));
-  EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "say seeds: {first: 1"));
-  EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is what a run comes to"));
+  EXPECT_TRUE(refused("vary: {seed: {grid: [1, 2]}}", "c.yaml:3:14: vary.seed: ", "use seeds: {first: 1"));
+  EXPECT_TRUE(refused("vary: {end_reason: {list: [x]}}", "c.yaml:3:", "'end_reason' is a result of runs"));
   EXPECT_TRUE(
-      refused("vary: {a: {grid: [1]}, b: {choices: {x: {a: 2}}}}", "c.yaml:3:", "a is varied by a already"));
+      refused("vary: {a: {grid: [1]}, b: {choices: {x: {a: 2}}}}", "c.yaml:3:", "a is already varied by a"));
   EXPECT_TRUE(
       refused("seeds: {count: 10000000}\nvary: {a: {linspace: [0, 1, 1000]}}", "c.yaml:3:", "too many runs"));
   const std::string thousand = "{linspace: [0, 1, 1000]}";

@@ -74,7 +74,7 @@ TEST(TenonTunePdTest, SaysWhyItCannotSearch) {
     EXPECT_THAT(result.text, HasSubstr(why));
   };
   refused("--evaluations 0", "--evaluations: 0 must be an integer from 1 to 2147483647");
-  refused("--robot dogbot", "'dogbot' is of another kind");
+  refused("--robot dogbot", "'dogbot' in robots");
   // A load that no cable of this robot can carry: what the statics say, not "nlopt failure".
   const std::filesystem::path weak = test::TemporaryPath("weak.yaml");
   std::string text = test::Read(std::string(TENON_ROBOTS_DIR) + "/cdpr_4.yaml");

@@ -123,8 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"flat --live-address 0.0.0.0", "--live"},
         BadUsage{"flat --replay nowhere.jsonl", "cannot read the recording 'nowhere.jsonl'"},
         BadUsage{"stand --set 'parameters={loop.world.monitor.max_tild: [1]}'",
-                 "there is no Parameter 'loop.world.monitor.max_tild' in this diagram; did you mean "
-                 "'loop.world.monitor.max_tilt'?"},
+                 "did you mean 'loop.world.monitor.max_tilt'?"},
         BadUsage{"stand --set 'parameters={loop.world.monitor.max_tilt: [1, 2]}'", "has 1 elements"}));
 
 }  // namespace

@@ -89,10 +89,9 @@ TEST_F(ScenarioFileTest, PathsOfTheCommandLineStartFromTheWorkingDirectory) {
 
 TEST_F(ScenarioFileTest, MessagesNameFileLineAndKey) {
   Write("lost.yaml", "app: mine\nextends: nowhere/lost.yaml\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
-      At("lost.yaml") + ":2:10: extends: cannot read '" + At("nowhere/lost.yaml") +
-          "': no such file; check the path: a path in a file starts from the directory of that file"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
+                                     At("lost.yaml") + ":2:10: extends: cannot read '" +
+                                         At("nowhere/lost.yaml") + "': no such file; check the path"));
   Write("word.yaml", "extends: flt\n");
   EXPECT_TRUE(Throws<ParameterError>(
       [&] { LoadScenario(At("word.yaml"), {}, "tenon-quadruped"); },
@@ -115,7 +114,7 @@ TEST_F(ScenarioFileTest, ScenariosOfOtherAppsAreNotSuggested) {
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Contains(Key("D1")));
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Not(Contains(Key("flat"))));
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario("flt", {}, "mine"); },
-                                     "there is no 'flt': no scenario of mine ships, give a .yaml file"));
+                                     "there is no 'flt': mine has no shipped scenarios"));
 }
 
 TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
@@ -142,9 +141,8 @@ TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
 
 TEST_F(ScenarioFileTest, WhatDiffersNeedsAFileWhereThereIsNoDefault) {
   Write("list.yaml", "app: mine\nothers: [{mass_kg: 1}]\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("list.yaml"), {}, "mine").Read<Scenario>(); },
-      "list.yaml:2:10: others.0: a map of what is different has to say in which file"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("list.yaml"), {}, "mine").Read<Scenario>(); },
+                                     "list.yaml:2:10: others.0: ", "`file`"));
 }
 
 TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
@@ -157,7 +155,7 @@ TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
     LoadCdpr(YamlFile{"dogbot"});
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot' is of another kind, without 'cables'; there are: "),
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot' in robots"), HasSubstr("'cables'"),
                                     HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
   }
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_5"}); }, "there is no 'cdpr_5'"));
@@ -211,9 +209,8 @@ TEST_F(ScenarioFileTest, ASeedMayHaveASign) {
 
 TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {
   Write("newer.yaml", "format: 2\napp: mine\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
-      "newer.yaml:1:9: format: 2 is not known, this Tenon reads formats up to 1: take a newer Tenon"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
+                                     "newer.yaml:1:9: format: 2 "));
   Write("extends.yaml", "format: 1\nextends: newer.yaml\n");
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("extends.yaml"), {}, "mine"); },
                                      "newer.yaml:1:9: format: 2"));

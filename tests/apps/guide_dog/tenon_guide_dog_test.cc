@@ -138,7 +138,7 @@ TEST_F(TenonGuideDogTest, RefusesWhatItCannotRun) {
     EXPECT_EQ(result.exit_code, 2) << arguments;
     EXPECT_THAT(result.text, AllOf(HasSubstr(a), HasSubstr(b))) << arguments;
   };
-  refuses("flat", "is a scenario of another app", "run tenon-quadruped flat");
+  refuses("flat", "is not a scenario of", "run tenon-quadruped flat");
   refuses("C1 --set app=tenon-cdpr", "another app", "tenon-guide-dog");
   refuses("C1 --set duration_s=0", "duration_s", "positive");
   refuses("C1 --set walk.judged_from_s=76", "--set walk.judged_from_s=76", "the run ends at 75 s");

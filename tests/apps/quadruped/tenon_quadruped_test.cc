@@ -300,7 +300,7 @@ TEST_F(TenonQuadrupedTest, ARobotThatLeavesItsPathIsNotFinished) {
   EXPECT_THAT(
       Read(out / "summary.json"),
       AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr("\"followed\": false"),
-            HasSubstr("the path was not followed: the robot went ")));
+            HasSubstr("the path was not followed: the robot left it by ")));
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("but the path was not followed"));
   const Result allowed = RunApp(ice + " --set walk.path_tolerance=0.9" + Out());
   EXPECT_EQ(allowed.exit_code, 0) << allowed.text;
@@ -379,7 +379,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, TenonQuadrupedUsageTest,
     ::testing::Values(
         BadUsage{"", "no scenario given"}, BadUsage{"stnd", "did you mean 'stand'?"},
-        BadUsage{"stand --set app=tenon-cdpr", "is a scenario of another app"},
+        BadUsage{"stand --set app=tenon-cdpr", "is not a scenario of"},
         BadUsage{"stand --set robot=dogbt", "did you mean 'dogbot'?"},
         BadUsage{"stand --set robot.foot_radius_m=-1",
                  "--set robot.foot_radius_m=-1: robot.foot_radius_m: foot_radius_m is -1 m"},

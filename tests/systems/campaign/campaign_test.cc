@@ -117,7 +117,7 @@ TEST(ForEachRunTest, TheFirstErrorEndsItAndIsThrown) {
   };
   EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(100'000'000, 2, stop); }, "no more"));
   EXPECT_LT(count, 100'000'000);
-  EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(1, 0, stop); }, "jobs = 0: give how many runs"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(1, 0, stop); }, "jobs = 0 must be positive"));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST_F(OutputFileTest, IsWrittenAsAWholeAndAlone) {
 
 TEST_F(OutputFileTest, WhatCannotBeWrittenIsNamedWithTheCause) {
   EXPECT_TRUE(Throws<OutputError>([&] { WriteFile(directory_ / "no" / "x.txt", "a"); }, "no/x.txt",
-                                  "No such file or directory", "name another place"));
+                                  "No such file or directory", "choose another path"));
   EXPECT_TRUE(Throws<OutputError>([&] { WriteFile("/dev/full", "a"); }, "'/dev/full'", "No space left"));
   EXPECT_TRUE(Throws<OutputError>([&] { GrowingFile file(directory_); }, "Is a directory"));
   EXPECT_NO_THROW(WriteFile("/dev/null", "a"));

@@ -182,7 +182,7 @@ TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
         if (step == 0) return Take();
         EXPECT_THAT(Command({{"command", "back"}, {"to_s", 5}})["error"], HasSubstr("can only go back"));
         EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"],
-                    HasSubstr("goes back to 0 s at most"));
+                    HasSubstr("at most to 0 s"));
       },
       1.1);
 }
@@ -292,8 +292,8 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
                 "'engine.gear': it cannot be 9: give 0 (low), 1 (high)");
         refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
         refused({{"command", "reset"}, {"seed", "x"}}, "another type");
-        refused({{"command", "save"}}, "comes from no scenario");
-        refused({"command"}, "a command is an object");
+        refused({{"command", "save"}}, "has no scenario");
+        refused({"command"}, "a command must be an object");
         EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
       },
       0.2);

@@ -120,9 +120,9 @@ TEST(LcmTypeTest, RefusesWhatLcmDoesNotHave) {
                                      "'value' is an array", "size at run time", "put that into a structure"));
   EXPECT_TRUE(
       Throws<ParameterError>([] { LcmTypeOf<std::array<Eigen::VectorXd, 2>>("p"); }, "'value' is an array"));
-  EXPECT_TRUE(Throws<ParameterError>([] { LcmTypeOf<Node>("p"); }, "Node holds items of its own type"));
+  EXPECT_TRUE(Throws<ParameterError>([] { LcmTypeOf<Node>("p"); }, "Node contains items of its own type"));
   EXPECT_TRUE(
-      Throws<ParameterError>([] { LcmTypeOf<TwoLegs>("p"); }, "two types are named Leg", "rename one"));
+      Throws<ParameterError>([] { LcmTypeOf<TwoLegs>("p"); }, "two types have the name Leg", "rename one"));
 }
 
 // ---- Messages ----
@@ -174,24 +174,24 @@ TEST(LcmTypeTest, SaysWhyItRefusesAMessage) {
   std::vector<char> message = Encoded(test::Extreme(), 0);
   EXPECT_THAT(reason(Encoded(Vec<2>(1, 2), 0)),
               testing::MatchesRegex(
-                  "it is of another type than EverythingSample: its fingerprint is 0x.*, not 0x.*"));
-  EXPECT_EQ(reason({}), "it is cut short: 0 bytes, more are needed");
+                  "the message has another type than EverythingSample: its fingerprint is 0x.*, not 0x.*"));
+  EXPECT_EQ(reason({}), "the message is truncated: 0 bytes");
   EXPECT_EQ(reason({message.begin(), message.end() - 1}),
-            "it is cut short: " + std::to_string(message.size() - 1) + " bytes, more are needed");
+            "the message is truncated: " + std::to_string(message.size() - 1) + " bytes, more are needed");
   message.push_back(0);
-  EXPECT_EQ(reason(message), "it is longer than its type");
+  EXPECT_EQ(reason(message), "the message is longer than its type");
   message.pop_back();
   message[16] = 2;  // fingerprint and timestamp are in front
-  EXPECT_EQ(reason(message), "'on' holds a number that does not fit");
+  EXPECT_EQ(reason(message), "'on' holds a number that");
   test::Leg leg;
   EXPECT_EQ(LcmType(TypeInfoOf<test::Leg>())
                 .Decode(Encoded(test::Leg{.phase = static_cast<test::Phase>(9)}, 0), &timestamp, &leg),
-            "'phase' = 9 is none of 0 (stance), 1 (swing)");
+            "'phase' = 9 must be one of 0 (stance), 1 (swing)");
   EXPECT_EQ(leg, test::Leg());
   Cloud cloud = test::SomeCloud();
   cloud.weights.resize(3);
   EXPECT_EQ(LcmType(TypeInfoOf<Cloud>()).Decode(Encoded(test::SomeCloud(), 0), &timestamp, &cloud),
-            "'weights_size' is 2 where the signal has 3");
+            "'weights_size' is 2, but the signal has 3");
 }
 
 // ---- Blocks ----
@@ -309,7 +309,7 @@ TEST(LcmTest, ALockStepThatIsLostEndsTheRun) {
   TestRig<LcmInput<double>> input({.channel = "X", .url = kUrl, .lock_step = true, .timeout_s = 1e-3});
   EXPECT_TRUE(Throws<RunError>([&] { input.Tick(); },
                                "'block.y' failed at t = 0 s: LCM channel 'X': no message of t = 0 s",
-                               "raise timeout_s"));
+                               "increase timeout_s"));
 }
 
 // A log as lcm-logger writes them.
@@ -344,7 +344,7 @@ TEST(LcmTest, RefusesWhatItCannotOpen) {
                                      "must have 1 to 63 characters"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { TestRig<LcmPublisher<double>> rig({.channel = "X", .url = "no provider"}); },
-      "block 'block': url = 'no provider': LCM does not open it", "udpm://239.255.76.67:7667?ttl=0"));
+      "block 'block': url = 'no provider': LCM cannot open it", "udpm://239.255.76.67:7667?ttl=0"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { TestRig<LcmInput<std::string>> rig({.channel = "X", .url = kUrl}); }, "holds no numbers"));
   EXPECT_TRUE(Throws<ParameterError>(

@@ -138,7 +138,7 @@ TEST(UdpPublisherTest, RefusesWhatItCannotSend) {
   EXPECT_TRUE(
       Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig; }, "block 'block'", "name is empty"));
   EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig({.name = "timestamp"}); },
-                                     "name = 'timestamp' is what the time is called: choose another"));
+                                     "name = 'timestamp' is reserved"));
   EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig({.name = "x", .port = 0}); },
                                      "port = 0 must be 1 to 65535"));
   EXPECT_TRUE(Throws<ParameterError>(
@@ -153,7 +153,8 @@ TEST(UdpPublisherTest, ADatagramHoldsOnlySoMuch) {
   TestRig<UdpPublisher<Eigen::VectorXd>> rig({.name = "x", .port = peer.port()});
   rig.Fix(rig->u, Eigen::VectorXd::Constant(4000, -1.0 / 3));
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "'block.send' failed at t = 0 s",
-                               "a message of signal 'x' has ", "bytes, a datagram holds 65507", "in parts"));
+                               "a message of signal 'x' has ", "bytes, but a datagram holds at most 65507",
+                               "in parts"));
 }
 
 TEST(UdpPublisherTest, CountsWhatTheSystemDoesNotTake) {
@@ -204,7 +205,7 @@ TEST(UdpTest, NumbersThatAreNotFiniteAreRefused) {
   for (const double x : {kNan, kInfinity, -kInfinity}) rig.Fix(rig->u, x).Tick();
   EXPECT_EQ(input.Tick()[input->y], 1);
   EXPECT_EQ(input[input->refused].count, 3u);
-  EXPECT_EQ(input[input->refused].reason, "'x' is a text, no number");
+  EXPECT_EQ(input[input->refused].reason, "'x' is a text, not a number");
 }
 
 TEST(UdpTest, WhatHasItsSizeAtRunTimeHasThatOfInitial) {
@@ -305,43 +306,43 @@ TEST(UdpInputTest, RefusesWhatIsNoMessageOfTheSignalAndSaysWhy) {
     EXPECT_TRUE(y.d == 1.5 && y.f == 2 && y.u == 3 && y.b) << message;
     return refused.reason;
   };
-  EXPECT_EQ(reason(""), "it is no JSON: something is wrong before byte 1");
-  EXPECT_EQ(reason("hello"), "it is no JSON: something is wrong before byte 1");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false)"),
-            "it is no JSON: something is wrong before byte 48");
+  EXPECT_EQ(reason(""), "invalid JSON before byte 1");
+  EXPECT_EQ(reason("hello"), "invalid JSON before byte 1");
+  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false)"), "invalid JSON before byte 48");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false}} and more)"),
-            "it is no JSON: something is wrong before byte 51");
-  EXPECT_EQ(reason("5"), "it is no object");
-  EXPECT_EQ(reason("[1, 2]"), "'' is a list, no number");
-  EXPECT_EQ(reason(std::string(20000, '[')), "'' is a list, no number");
+            "invalid JSON before byte 51");
+  EXPECT_EQ(reason("5"), "the message is not a JSON object");
+  EXPECT_EQ(reason("[1, 2]"), "'' is a list, not a number");
+  EXPECT_EQ(reason(std::string(20000, '[')), "'' is a list, not a number");
   EXPECT_EQ(reason(R"({"timestamp":0})"), "'x.d' is missing");
   EXPECT_EQ(reason(R"({"x":{"d":9,"f":9,"u":9,"b":0}})"), "'timestamp' is missing");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":0,"e":1}})"),
-            "'x.e' is no element of the signal");
-  EXPECT_EQ(reason(R"({"timestamp":0,"y":1})"), "'y' is no element of the signal");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"d":8}})"), "'x.d' is there twice");
+            "the signal has no element 'x.e'");
+  EXPECT_EQ(reason(R"({"timestamp":0,"y":1})"), "the signal has no element 'y'");
+  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"d":8}})"), "'x.d' is given twice");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":null}})"), "'x.d' is null");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":"9"}})"), "'x.d' is a text, no number");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":[9]}})"), "'x.d' is a list, no number");
+  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":"9"}})"), "'x.d' is a text, not a number");
+  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":[9]}})"), "'x.d' is a list, not a number");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1e39,"u":9,"b":0}})"),
-            "'x.f' = 1e+39 does not fit its element");
+            "'x.f' = 1e+39 does not fit the type of its element");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":256,"b":0}})"),
-            "'x.u' = 256 does not fit its element");
+            "'x.u' = 256 does not fit the type of its element");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":-1,"b":0}})"),
-            "'x.u' = -1 does not fit its element");
+            "'x.u' = -1 does not fit the type of its element");
   EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":1.5,"b":0}})"),
-            "'x.u' = 1.5 does not fit its element");
+            "'x.u' = 1.5 does not fit the type of its element");
   for (const char* text : {"NaN", "Infinity", "-Infinity", "nan", "inf", "-inf"}) {
     EXPECT_EQ(reason(fmt::format(R"({{"timestamp":0,"x":{{"d":"{}","f":1,"u":1,"b":0}}}})", text)),
-              "'x.d' is a text, no number");
+              "'x.d' is a text, not a number");
     EXPECT_EQ(reason(fmt::format(R"({{"timestamp":"{}","x":{{"d":1,"f":1,"u":1,"b":0}}}})", text)),
-              "'timestamp' is a text, no number");
+              "'timestamp' is a text, not a number");
     EXPECT_THAT(reason(fmt::format(R"({{"timestamp":0,"x":{{"d":{},"f":1,"u":1,"b":0}}}})", text)),
-                testing::StartsWith("it is no JSON"));
+                testing::StartsWith("invalid JSON"));
   }
   EXPECT_THAT(reason(R"({"timestamp":0,"x":{"d":1e999,"f":1,"u":1,"b":0}})"),
-              testing::StartsWith("it is no JSON"));
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":1,"b":2}})"), "'x.b' = 2 does not fit its element");
+              testing::StartsWith("invalid JSON"));
+  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":1,"b":2}})"),
+            "'x.b' = 2 does not fit the type of its element");
   // As kinds of numbers go into one another.
   peer.Send(rig->port(), R"({"timestamp":0,"x":{"d":true,"f":2.5,"u":4.0,"b":1}})");
   rig.Tick();
@@ -354,7 +355,7 @@ TEST(UdpInputTest, RefusesAnEnumerationsValueWithoutName) {
   peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":1,"p_W":{"x":0,"y":0,"z":0}}})");
   peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":9,"p_W":{"x":0,"y":0,"z":0}}})");
   rig.Tick();
-  EXPECT_EQ(rig[rig->refused].reason, "'leg.phase' = 9 is none of 0 (stance), 1 (swing)");
+  EXPECT_EQ(rig[rig->refused].reason, "'leg.phase' = 9 must be one of 0 (stance), 1 (swing)");
   EXPECT_EQ(rig[rig->y].phase, test::Phase::kSwing);
 }
 
@@ -364,7 +365,7 @@ TEST(UdpInputTest, RefusesWhatItCannotOpen) {
   EXPECT_TRUE(
       Throws<ParameterError>([&] { TestRig<UdpInput<double>> rig({.name = "x", .port = peer.port()}); },
                              "block 'block': cannot receive at 127.0.0.1:" + port,
-                             "choose another port, 0 for any, or end the program that has it"));
+                             "choose another port, 0 for any, or end the program that uses it"));
   EXPECT_TRUE(Throws<ParameterError>(
       [] { TestRig<UdpInput<double>> rig({.name = "x", .address = "192.0.2.1", .port = 0}); },
       "cannot receive at 192.0.2.1:0", "give an address of this machine"));
@@ -416,7 +417,7 @@ TEST(UdpInputTest, ALockStepThatIsLostEndsTheRun) {
   const std::string address = "signal 'x' at UDP 127.0.0.1:" + std::to_string(none->port());
   EXPECT_TRUE(Throws<RunError>([&] { none.Tick(); }, "'block.y' failed at t = 0 s: " + address,
                                "no message of t = 0 s within 0.001 s (none came)",
-                               "start the sender after this one", "raise timeout_s"));
+                               "start the sender after this one", "increase timeout_s"));
 
   TestRig<UdpInput<double>> past(params);
   peer.Send(past->port(), R"({"timestamp":0,"x":1})");
@@ -424,12 +425,12 @@ TEST(UdpInputTest, ALockStepThatIsLostEndsTheRun) {
   peer.Send(past->port(), R"({"timestamp":0.05,"x":1})");
   peer.Send(past->port(), "{}");
   EXPECT_TRUE(Throws<RunError>([&] { past.Tick(); }, "no message of t = 0.1 s",
-                               "(the last one is of t = 0.05 s; 1 were refused: 'x' is missing)"));
+                               "(the last one has t = 0.05 s; 1 were refused: 'x' is missing)"));
 
   TestRig<UdpInput<double>> future(params);
   peer.Send(future->port(), R"({"timestamp":0.1,"x":1})");
   EXPECT_TRUE(Throws<RunError>([&] { future.Tick(); },
-                               "the message of t = 0 s is lost, the next one is of t = 0.1 s",
+                               "the message of t = 0 s was lost, the next one has t = 0.1 s",
                                "the same rate"));
 }
 

@@ -241,7 +241,7 @@ TEST_F(ReportTest, BandsOfManyChangesEndWithAWord) {
   const Json intervals = DataOf(file).at("runs").at(0).at("bands").at(0).at("intervals");
   ASSERT_THAT(intervals, SizeIs(1001));
   EXPECT_EQ(intervals[999]["name"], "b");
-  EXPECT_EQ(intervals[1000]["name"], "more changes than are shown");
+  EXPECT_EQ(intervals[1000]["name"], "further changes are not shown");
   EXPECT_TRUE(intervals[1000]["value"].is_null());
 }
 
@@ -306,7 +306,7 @@ TEST_F(ReportTest, WrongUseIsRefused) {
   EXPECT_TRUE(Throws<RunError>([&] { report.Write(file); }, "the report is empty", "Log a run"));
   report.Log(simulator, {&cart->state});
   EXPECT_TRUE(
-      Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "logs a run already", "Add them"));
+      Throws<Error>([&] { report.Log(simulator, {&cart->state}); }, "already logs a run", "Add them"));
   EXPECT_TRUE(
       Throws<RunError>([&] { report.Write("/nowhere/report.html"); }, "cannot write '/nowhere/report.html'"));
   Report none({.title = "none"});
@@ -395,7 +395,7 @@ TEST_F(ReadReportTest, ARunThatIsReadIsTheOneThatWasWritten) {
 
 TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
   EXPECT_TRUE(Throws<ParameterError>([&] { Report::Read(directory / "nowhere"); }, "nowhere' is no directory",
-                                     "--out of a run"));
+                                     "output directory of a run"));
   ExpectRefused("has no report.html");
   WriteRun();
   fs::rename(directory / "signals.csv", directory / "moved.csv");
@@ -403,21 +403,21 @@ TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
   std::string signals = Read(directory / "moved.csv");
   const auto write = [](const fs::path& path, const std::string& text) { std::ofstream(path) << text; };
   write(directory / "signals.csv", signals + "1.005,1,2\n");
-  ExpectRefused("3 values under 4 names", "/signals.csv', line 203");
+  ExpectRefused("3 values for 4 columns", "/signals.csv', line 203");
   write(directory / "signals.csv", signals + "1.005,1,2,x\n");
   ExpectRefused("'x' is no number", "/signals.csv', line 203");
   write(directory / "signals.csv", "x" + signals);
-  ExpectRefused("first column is the time", "/signals.csv', line 1");
+  ExpectRefused("first column", "/signals.csv', line 1");
   write(directory / "signals.csv", signals);
   const std::string page = Read(directory / "report.html");
   write(directory / "report.html", page.substr(0, page.size() / 2));
-  ExpectRefused("no report of one run by this version", "/report.html");
+  ExpectRefused("not the report of one run by this version", "/report.html");
   write(directory / "report.html", "<html></html>");
-  ExpectRefused("no report of one run by this version", "/report.html");
+  ExpectRefused("not the report of one run by this version", "/report.html");
   Report both({.title = "both"});
   for (const char* name : {"a", "b"}) both.Add(name, Run({.title = name}));
   both.Write(directory / "report.html");
-  ExpectRefused("no report of one run by this version", "/report.html");
+  ExpectRefused("not the report of one run by this version", "/report.html");
 }
 
 /// A hundred arrows that all move, and as many signals.

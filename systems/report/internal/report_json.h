@@ -2,12 +2,26 @@
 
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/report/internal/run_log.h>
+#include <tenon/systems/report/report.h>
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace tenon::internal {
 
-/// What stays the same of shapes, as the scripts of the pages read it.
+/// Converts a value to JSON, null if it is empty.
+template <class T>
+nlohmann::ordered_json JsonOrNull(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+/// Converts limits to [low, high], with null for a missing bound.
+inline nlohmann::ordered_json LimitsJson(const Limits& limits) {
+  return {JsonOrNull(limits.low), JsonOrNull(limits.high)};
+}
+
+/// Converts the constant properties of shapes to the format that the scripts of the pages read.
 inline nlohmann::ordered_json ShapesJson(const Geometry& shapes) {
   auto list = nlohmann::ordered_json::array();
   for (const Shape& shape : shapes) {
