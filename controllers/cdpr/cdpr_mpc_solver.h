@@ -95,9 +95,8 @@ class CdprMpcSolver {
   SlqReport Solve(double time, const CentroidalState& x, const LoadEstimate& load, const CableVector& broken,
                   const CdprMpcCost& cost, CdprPlan& plan);
 
-  class Impl;
-
  private:
+  class Impl;
   std::unique_ptr<Impl> impl_;
 };
 

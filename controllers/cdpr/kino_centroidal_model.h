@@ -42,7 +42,7 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
 /// It makes the steps of RungeKutta itself: in a step the cables stand side by side in the lanes of a
 /// register, in the derivatives of steps four steps do.
 ///
-/// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
+/// n is 4 or 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
 /// instantiated in the library. They are not declared `extern template`: GCC 12 then drops the vector clones
 /// of the members without a word.
 template <int n>

@@ -59,8 +59,8 @@ class KinoCentroidalModelTest : public ::testing::Test {
 };
 
 using AllNumbers =
-    ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>, Cables<4, Eigen::Dynamic>,
-                     Cables<8, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
+    ::testing::Types<Cables<4>, Cables<8>, Cables<4, Eigen::Dynamic>, Cables<5, Eigen::Dynamic>,
+                     Cables<6, Eigen::Dynamic>, Cables<7, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>>;
 TYPED_TEST_SUITE(KinoCentroidalModelTest, AllNumbers);
 
 // Newton and Euler with the wrench of the cable kinematics, another piece of code.
@@ -230,8 +230,8 @@ TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayl
 }
 
 TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {
-  EXPECT_TRUE(Throws<ParameterError>([] { KinoCentroidalModel<5> model(test::SixCableRobot()); },
-                                     "made for 5 cables", "'six' has 6"));
+  EXPECT_TRUE(Throws<ParameterError>([] { KinoCentroidalModel<8> model(test::SixCableRobot()); },
+                                     "made for 8 cables", "'six' has 6"));
 }
 
 }  // namespace
