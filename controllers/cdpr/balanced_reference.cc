@@ -37,13 +37,14 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     shift.tension.setZero(at.tension.size());
   }
   tension_ = at.tension + shift.tension;
-  R_WB_ = RotationFromEuler(at.euler);
-  if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_WB_;
+  const Eigen::Matrix3d R_reference = RotationFromEuler(at.euler);
+  R_WB_ = R_reference;
+  if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_reference;
   CalcCableKinematics(robot_, at.position, R_WB_, &cables_);
 
   // Newton's step on the equation, with the multiplier of the conditions of least change:
   // change = J^T multiplier, J J^T multiplier = J change_before - residual.
-  Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchJacobian(cables_, tension_).rightCols<3>();
+  Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchByTurn(cables_, tension_);
   Vector6d wanted = Vector6d::Zero();
   wanted.head<3>() = robot_.mass * at.acceleration;
   if (loaded) {
@@ -114,7 +115,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   shift.held = num_broken == 0 || excess <= kExcess;
   shift.turn_W = turn;
   shift.tension = tension_ - at.tension;
-  R_WB_ = RotationBy(turn) * RotationFromEuler(at.euler);
+  R_WB_ = RotationBy(turn) * R_reference;
   euler_ = EulerNear(EulerFromRotation(R_WB_), at.euler);
 }
 

@@ -45,6 +45,15 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
       std::sqrt(std::max(sideways, 0.0)) * Eigen::Vector3d(-lead.outwards_W.y(), lead.outwards_W.x(), 0);
 }
 
+/// u P of cable i, see CalcWrenchJacobian(): minus the rate of its force with its attachment's motion [N/m].
+Eigen::Matrix3d DirectionRate(const CableKinematics& cables, int i, double tension) {
+  const Eigen::Vector3d direction = cables.direction.col(i);
+  Eigen::Matrix3d rate =
+      tension / cables.free_length[i] * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+  if (cables.swivel.cols() > 0) rate -= tension * cables.swivel.col(i) * cables.swivel.col(i).transpose();
+  return rate;
+}
+
 }  // namespace
 
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
@@ -110,20 +119,25 @@ Vector6d GravityWrench(const CdprDescription& robot) {
   return wrench;
 }
 
+Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension) {
+  Eigen::Matrix<double, 6, 3> jacobian = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int i = 0; i < cables.num_cables(); ++i) {
+    const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
+    const Eigen::Matrix3d turn = DirectionRate(cables, i, tension[i]);
+    jacobian.topRows<3>() += turn * arm;
+    jacobian.bottomRows<3>() += arm * turn * arm + tension[i] * CrossMatrix(cables.direction.col(i)) * arm;
+  }
+  return jacobian;
+}
+
 Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension) {
   Matrix6d jacobian = Matrix6d::Zero();
   for (int i = 0; i < cables.num_cables(); ++i) {
-    const Eigen::Vector3d direction = cables.direction.col(i);
-    const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
-    Eigen::Matrix3d turn = tension[i] / cables.free_length[i] *
-                           (Eigen::Matrix3d::Identity() - direction * direction.transpose());
-    if (cables.swivel.cols() > 0)
-      turn -= tension[i] * cables.swivel.col(i) * cables.swivel.col(i).transpose();
+    const Eigen::Matrix3d turn = DirectionRate(cables, i, tension[i]);
     jacobian.topLeftCorner<3, 3>() -= turn;
-    jacobian.topRightCorner<3, 3>() += turn * arm;
-    jacobian.bottomLeftCorner<3, 3>() -= arm * turn;
-    jacobian.bottomRightCorner<3, 3>() += arm * turn * arm + tension[i] * CrossMatrix(direction) * arm;
+    jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * turn;
   }
+  jacobian.rightCols<3>() = CalcWrenchByTurn(cables, tension);
   return jacobian;
 }
 
