@@ -12,14 +12,13 @@
 namespace tenon {
 namespace {
 
-// A turn of so many rad counts as much as 1 N; of a platform that lost a cable the others can often hold the
+// Turn [rad] that costs as much as 1 N. It is smaller with a broken cable: the others can often hold the
 // attitude, with very different tensions.
 constexpr double kTurnScale = 1e-3, kTurnScaleBroken = 1e-5;
-constexpr double kLargestStep = 0.1;  // of one call [rad]
-constexpr double kLargestTurn = 1.2;  // altogether: beyond, cables cross [rad]
-constexpr double kLargestTurnBroken =
-    0.5;                       // beyond, the others do not hold the platform as it should be [rad]
-constexpr double kExcess = 1;  // [N]
+constexpr double kLargestStep = 0.1;        // largest change of the turn in a call [rad]
+constexpr double kLargestTurn = 1.2;        // saturation of the turn; beyond, cables cross [rad]
+constexpr double kLargestTurnBroken = 0.5;  // saturation of the turn with a broken cable [rad]
+constexpr double kExcess = 1;               // tolerated excess over a bound [N]
 
 Eigen::Matrix3d RotationBy(const Eigen::Vector3d& turn) {
   return RotationFromQuaternion(QuaternionFromRotationVector(turn));
@@ -60,8 +59,8 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);
     wanted.noalias() -= cables_.structure * at.tension;
   }
-  // A tension beyond a bound is held there, and the others change more: the one that is farthest beyond
-  // first, as many as there are to spare.
+  // Holds tensions at the bounds that they exceed, one at a time, the largest excess first, as long as enough
+  // cables remain free.
   Vector6d multiplier;
   const Eigen::Index cables = at.tension.size();
   held_.assign(static_cast<std::size_t>(cables), 0);
