@@ -1,5 +1,5 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
-#include <tenon/controllers/optimization/dual_active_set_steps.h>
+#include <tenon/controllers/optimization/lanes/dual_active_set_steps.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>

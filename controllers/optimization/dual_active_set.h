@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/controllers/optimization/cost_factor.h>
+#include <tenon/controllers/optimization/lanes/cost_factor.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
