@@ -8,16 +8,16 @@
 
 namespace tenon::apps {
 
-/// Where a cable robot can fail.
+/// Places of faults in a cable robot's loop.
 enum class CdprFaultPlace {
-  kCommand,    ///< of the controller to the winches [N], one element per cable
+  kCommand,    ///< command to the winches [N], one element per cable
   kWinch,      ///< the winches themselves: stuck
   kCable,      ///< the cables: broken
-  kLengths,    ///< CableSignals, to the PD and to what estimates pose, load and broken cables
+  kLengths,    ///< CableSignals, to the PD and to the observers
   kReference,  ///< CdprReference, to the PD
   kPose,       ///< PoseMeasurement, to the estimator
   kImu,        ///< ImuMeasurement, to the estimators
-  kEstimate,   ///< PlatformEstimate, to the MPC and to what estimates the load
+  kEstimate,   ///< PlatformEstimate, to the MPC and to the load estimator
 };
 constexpr auto EnumNames(CdprFaultPlace) {
   using enum CdprFaultPlace;
@@ -27,8 +27,8 @@ constexpr auto EnumNames(CdprFaultPlace) {
 }
 using CdprFault = FaultScenario<CdprFaultPlace>;
 
-/// Puts faults into a diagram, before it is built, and returns what to log of them. Throws ParameterError
-/// with the key of a fault that is not possible there.
+/// Inserts faults into a diagram that is not built yet, and returns the signals of theirs to log. Throws
+/// ParameterError with the key of a fault that is not possible at its place.
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
                                         const std::vector<CdprFault>& faults);
 

@@ -84,10 +84,11 @@ void CdprMpcParams::Validate() const {
   Demand(num_steps >= 2, fmt::format("num_steps = {} must be at least 2", num_steps));
   const double periods = horizon / rate.period();
   Demand(std::abs(periods - std::round(periods)) < 1e-6,
-         fmt::format("horizon = {} s is no multiple of the period of {} s", horizon, rate.period()));
+         fmt::format("horizon = {} s is not a multiple of the period of {} s", horizon, rate.period()));
   Demand(std::round(periods) >= num_steps,
-         fmt::format("num_steps = {} do not fit into horizon = {} s: a step is at least one period of {} s",
-                     num_steps, horizon, rate.period()));
+         fmt::format(
+             "num_steps = {} exceeds the periods in horizon = {} s: a step is at least one period of {} s",
+             num_steps, horizon, rate.period()));
   Demand(weights.tension > 0,
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));

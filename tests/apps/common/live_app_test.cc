@@ -119,8 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
     Arguments, LiveUsageTest,
     ::testing::Values(
         BadUsage{"flat --live=99999", "a port from 1 to 65535"},
-        BadUsage{"flat --live --compare", "leave --compare away"},
-        BadUsage{"flat --live-address 0.0.0.0", "--live"},
+        BadUsage{"flat --live --compare", "--compare"}, BadUsage{"flat --live-address 0.0.0.0", "--live"},
         BadUsage{"flat --replay nowhere.jsonl", "cannot read the recording 'nowhere.jsonl'"},
         BadUsage{"stand --set 'parameters={loop.world.monitor.max_tild: [1]}'",
                  "there is no Parameter 'loop.world.monitor.max_tild' in this diagram; did you mean "

@@ -313,8 +313,8 @@ TEST(CdprMpc, RefusesWhatMakesNoSense) {
   };
   EXPECT_TRUE(refuses([](auto& p) { p.path = nullptr; }, "no path given"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 1; }, "num_steps = 1"));
-  EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "no multiple of the period"));
-  EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "do not fit into horizon"));
+  EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "horizon = 0.123 s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "num_steps = 200"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = 0; }, "weights.tension = 0"));
   EXPECT_TRUE(refuses([](auto& p) { p.weights.attitude = -1; }, "weights.attitude = -1 must be finite"));
   EXPECT_TRUE(refuses([](auto& p) { p.terminal_weights.position = -1; }, "terminal_weights.position = -1"));
