@@ -70,7 +70,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     tension_[i] = 0;
     wanted.noalias() += at.tension[i] * cables_.structure.col(i);
   }
-  double excess = 0;  // of the tension that is farthest beyond a bound
+  double excess = 0;  // largest excess of a tension over its bound [N]
   for (Eigen::Index spare = loaded ? std::max<Eigen::Index>(cables - 3 - num_broken, 0) : 0;; --spare) {
     Matrix6d gram;
     gram.noalias() = by_turn * by_turn.transpose();

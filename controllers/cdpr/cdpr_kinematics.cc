@@ -24,11 +24,11 @@ constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
 
-/// `line`, of which the arm and the straight way from the attachment to the anchor are known, over a pulley.
+/// Leads `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
   const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
-  if (x <= 0 || from_centre <= radius) {  // what is not finite goes on as such
+  if (x <= 0 || from_centre <= radius) {  // NaN and infinity pass and propagate
     throw RunError(fmt::format(
         "Cable {} of '{}' would end {:.4g} m beside the swivel axis of its pulley and {:.4g} m away "
         "from the pulley's centre, whose radius is {} m: keep the platform off both, or give a smaller "
@@ -149,7 +149,7 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
   S.bottomRightCorner<3, 3>() = root.transpose().inverse();
 
-  // A cable without tension may go slack, and so holds nothing.
+  // Cables without tension may go slack and hold nothing.
   std::vector<int> taut;
   for (int i = 0; i < cables.num_cables(); ++i) {
     if (tension[i] > kSlackTension * robot.mass * kGravity) taut.push_back(i);
