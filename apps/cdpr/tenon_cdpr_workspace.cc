@@ -1,4 +1,4 @@
-// tenon-cdpr-workspace: where a cable robot can be, with proof, see docs/cdpr_workspace.md.
+// tenon-cdpr-workspace: proven workspaces of a cable robot, see docs/cdpr_workspace.md.
 
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/apps/common/command_line.h>
@@ -15,7 +15,7 @@
 namespace tenon::apps {
 namespace {
 
-/// What Ctrl-C throws out of the study.
+/// Thrown to leave the study after Ctrl-C.
 struct Interrupted {};
 
 struct Arguments {

@@ -436,9 +436,6 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
 }
 
 template class KinoCentroidalModel<4>;
-template class KinoCentroidalModel<5>;
-template class KinoCentroidalModel<6>;
-template class KinoCentroidalModel<7>;
 template class KinoCentroidalModel<8>;
 template class KinoCentroidalModel<Eigen::Dynamic>;
 

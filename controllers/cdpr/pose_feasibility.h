@@ -11,19 +11,19 @@
 
 namespace tenon {
 
-/// What is known of a set of poses.
+/// Verdict on a property of a set of poses.
 enum class PoseVerdict {
-  kHolds,      ///< at each of them
-  kFails,      ///< at each of them
-  kUndecided,  ///< some of each, or the bounds are too wide to tell
+  kHolds,      ///< it holds at each pose
+  kFails,      ///< it fails at each pose
+  kUndecided,  ///< it holds at some poses only, or the bounds are too wide to decide
 };
 constexpr auto EnumNames(PoseVerdict) {
   return std::array{Named{PoseVerdict::kHolds, "holds"}, Named{PoseVerdict::kFails, "fails"},
                     Named{PoseVerdict::kUndecided, "undecided"}};
 }
 
-/// Poses about one: the CoM within `distance` [m] of p_WB, the platform turned by at most `angle` [rad] from
-/// R_WB, about any axis.
+/// A neighbourhood of a pose: the CoM within `distance` [m] of p_WB, the platform turned by at most `angle`
+/// [rad] from R_WB, about any axis.
 struct PoseBall {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
@@ -43,9 +43,9 @@ struct PlatformDemand {
 };
 WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand);
 
-/// Can a cable robot produce all required wrenches within its tension bounds, at a pose and all over a set of
-/// poses? Six cables or more; or a point mass, all attachments at the CoM, with three or more. Pulleys count
-/// as points.
+/// Wrench feasibility of a cable robot (it can produce all required wrenches within its tension bounds) at a
+/// pose and over a set of poses. For six cables or more, or for a point mass (all attachments at the CoM)
+/// with three or more. Pulleys are treated as points.
 ///
 /// A margin at one pose says nothing of those beside it. Over() bounds what can change. If the CoM moves by
 /// rho and the platform turns by phi, attachment i moves by no more than rho + 2 sin(phi/2) |arm_i|, which
@@ -76,7 +76,7 @@ class PoseFeasibility {
   /// `required` has six rows. @throws ParameterError for too few cables; for a robot that makes no sense.
   PoseFeasibility(const CdprDescription& robot, const WrenchBox& required);
 
-  /// Not feasible by an infinite margin where a cable has no length.
+  /// Margins at a pose; minus infinity where a cable has no length.
   WrenchMargins At(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   PoseVerdict Over(const PoseBall& poses);
   /// Whether no two cables are nearer than `diameter` [m] and none runs through the platform.

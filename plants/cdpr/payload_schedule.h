@@ -15,7 +15,7 @@ struct PayloadScheduleParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Hangs a payload on a platform at one time and lets it go at another:
+/// Attaches a payload to a platform at one time and releases it at another:
 ///
 ///     payload(t) = the payload if attach <= t < release, else none
 ///

@@ -53,8 +53,8 @@ class KinoCentroidalModelTest : public ::testing::Test {
 };
 
 using AllNumbers =
-    ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>, Cables<4, Eigen::Dynamic>,
-                     Cables<8, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
+    ::testing::Types<Cables<4>, Cables<8>, Cables<4, Eigen::Dynamic>, Cables<5, Eigen::Dynamic>,
+                     Cables<6, Eigen::Dynamic>, Cables<7, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>>;
 TYPED_TEST_SUITE(KinoCentroidalModelTest, AllNumbers);
 
 // Newton's and Euler's equations with the wrench of the cable kinematics.
@@ -225,7 +225,7 @@ TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayl
 
 TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {
   EXPECT_TRUE(
-      Throws<ParameterError>([] { KinoCentroidalModel<5> model(test::SixCableRobot()); }, "'six'", "5", "6"));
+      Throws<ParameterError>([] { KinoCentroidalModel<8> model(test::SixCableRobot()); }, "'six'", "8", "6"));
 }
 
 }  // namespace

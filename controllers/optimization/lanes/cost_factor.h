@@ -13,7 +13,7 @@
 
 namespace tenon::internal {
 
-/// A size that the compiler knows.
+/// A size that is a constant, for which the compiler unrolls loops.
 template <int n>
 using KnownSize = std::integral_constant<int, n>;
 
@@ -35,7 +35,7 @@ class CostFactor {
     row_end_.resize(static_cast<std::size_t>(padded));
   }
 
-  /// From the lower triangle. Returns the row that is not positive definite, or -1.
+  /// Factors H from its lower triangle. Returns the row at which it is not positive definite, or -1.
   template <class Size>
   TENON_INLINE int Factor(const double* H, std::ptrdiff_t stride, double negligible, Size n) {
     FindBlocks(H, stride, n);
@@ -78,7 +78,7 @@ class CostFactor {
     return -1;
   }
 
-  /// product = H x; both padded, like all that follows.
+  /// product = H x. The arguments of this and the following functions are padded.
   template <class Size>
   TENON_INLINE void Multiply(const double* x, double* product, Size n) const {
     const int N = Padded(n);
@@ -89,7 +89,7 @@ class CostFactor {
     for (int i = n; i < N; ++i) product[i] = 0;
   }
 
-  /// v = J^T a, where a is zero from `end` on, a multiple of four. Returns where v is zero from.
+  /// v = J^T a, where a is zero from `end` on, a multiple of four. Returns the index from which v is zero.
   template <class Size>
   TENON_INLINE int MultiplyTransposed(const double* a, double* v, int end, Size n) const {
     const int N = Padded(n), singles = Singles(n);
@@ -122,7 +122,7 @@ class CostFactor {
       AddColumns(elimination_.data() + first * width + N, width, y + first, x, Begin(first, n), first + 4);
   }
 
-  /// J itself, by columns.
+  /// Copies J by columns.
   template <class Size>
   TENON_INLINE void CopyFactor(double* columns, Size n) const {
     const int N = Padded(n), width = 2 * N, singles = Singles(n);

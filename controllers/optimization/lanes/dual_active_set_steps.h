@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-// The two kinds of steps of DualActiveSet, for dual_active_set.cc alone.
+// The two kinds of steps of DualActiveSet; included only by dual_active_set.cc.
 namespace tenon {
 namespace {
 
@@ -26,11 +26,11 @@ using internal::PaddedDown;
 using internal::Products;
 using internal::Reflect;
 
-// A column of V counts as dependent on the others if this part of it, or less, is normal to them: a violated
-// constraint is then in conflict, a guessed one, which may come back later, is left out.
+// A column of V counts as dependent on others if at most this part of it is normal to them. A violated
+// constraint is then in conflict with them; a guessed one is dropped and may be added later.
 constexpr double kDependent = 1e-12, kDependentGuess = 1e-6;
 constexpr double kNegligible = 1e-13;
-// Up to this many violated constraints join at once: of more, too many would have to leave again.
+// Largest number of violated constraints that join at once; of more, too many would leave again.
 constexpr int kFew = 3;
 
 struct RowView {
@@ -49,7 +49,7 @@ TENON_INLINE double RowProduct(const double* row, const double* x, Size n) {
   Products(row, 0, 1, x, n, &product);
   return product;
 }
-// The row, padded: copied to `copy` where it has to be.
+// Returns the padded row, copied to `copy` if necessary.
 template <class Size>
 TENON_INLINE const double* PaddedRow(const double* row, double* copy, Size n) {
   if (n % 4 == 0) return row;
@@ -68,7 +68,8 @@ TENON_INLINE bool AreZero(const double* a) {
 
 // Several at once
 
-// Column `column` of V, zero from `end` on, after those before it as pivot k. False if it depends on them.
+// Column `column` of V, zero from `end` on, after those before it as pivot k. Returns false if it depends on
+// them.
 template <class Size>
 TENON_INLINE bool DualActiveSet::MakePivot(const double* column, int end, double independence, int k, Size n,
                                            internal::Pivot* pivot) {
@@ -130,7 +131,7 @@ TENON_INLINE void DualActiveSet::FactorEqualities(const QuadraticProgram& qp, Si
   Copy(y_equalities_.data(), y_.data(), 0, N);
 }
 
-// Columns for the inequalities `first` to `count` of active_.
+// Computes the columns of the inequalities `first` to `count` of active_.
 template <class Size>
 TENON_INLINE void DualActiveSet::MakeColumns(const QuadraticProgram& qp, int first, int count, Size n) {
   const int N = Padded(n);
@@ -156,7 +157,7 @@ TENON_INLINE void DualActiveSet::MoveColumn(int from, int to, int N) {
   bounds_[to] = bounds_[from];
 }
 
-// Factors the columns `first` to `count` after those before them, and leaves out dependent ones.
+// Factors the columns `first` to `count` after those before them, and drops dependent ones.
 template <class Size>
 TENON_INLINE void DualActiveSet::FactorColumns(int first, int count, Size n) {
   const int N = Padded(n), e = num_independent_, width = count - first;
@@ -194,7 +195,7 @@ TENON_INLINE void DualActiveSet::FactorColumns(int first, int count, Size n) {
   Copy(slope, slope_.data(), 0, N);
 }
 
-// The solution of R u = t for the inequalities' part of R; t is lost.
+// Solves R u = t for the inequalities' part of R; overwrites t.
 template <class Size>
 TENON_INLINE void DualActiveSet::SolveR(double* t, double* u, Size n) const {
   const int N = Padded(n);
@@ -243,7 +244,7 @@ TENON_VECTOR_CLONES int DualActiveSet::Join(const QuadraticProgram& qp, int firs
   return dropped;
 }
 
-// Fresh factors of the equalities and of what is good of the guess; x and the multipliers that belong to it.
+// Factors the equalities and the usable part of the guess, and computes x and its multipliers.
 template <class Size>
 TENON_INLINE void DualActiveSet::Start(const QuadraticProgram& qp, Size n) {
   std::fill(is_active_.begin(), is_active_.end(), 0);
@@ -301,8 +302,8 @@ TENON_INLINE void DualActiveSet::AddZ(const double* s, int first, int last, doub
   for (; first < last; ++first) AddColumn(Z_.data() + first * N, s[first], sum, 0, N);
 }
 
-// Steps 2 of the paper: raises the multiplier of a violated constraint until it is met, dropping what would
-// get a negative multiplier on the way.
+// Step 2 of the paper: raises the multiplier of a violated constraint until it is satisfied, and drops
+// constraints whose multipliers would become negative.
 template <class Size>
 TENON_VECTOR_CLONES DualActiveSet::Outcome DualActiveSet::AddViolated(const QuadraticProgram& qp,
                                                                       int constraint, int* iterations,
@@ -313,7 +314,7 @@ TENON_VECTOR_CLONES DualActiveSet::Outcome DualActiveSet::AddViolated(const Quad
   const double* const row = PaddedRow(view.data, row_.data(), n);
   double slack = Dot(row, x_.data(), 0, N) - view.bound;
   MultiplyZTransposed(row, d_.data(), n);
-  // |J^T a|^2, of which Z^T a is all without equalities.
+  // |J^T a|^2; without equalities it is |Z^T a|^2.
   double norm2 = 0;
   if (num_independent_ == 0) {
     for (int c = 0; c < p; ++c) norm2 += d_[c] * d_[c];
