@@ -1,9 +1,8 @@
-// The pages that the apps write, from short runs: whether all of each can be seen, see LayoutFaults.
+// Every part of the pages that the apps write is visible, see LayoutFaults.
 
+#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/page_layout.h>
-
-#include <cstdlib>
 
 namespace tenon::page_layout_test {
 namespace {
@@ -15,12 +14,8 @@ using ::testing::IsEmpty;
 
 class PageLayoutTest : public test::AppTest {
  protected:
-  void SetUp() override {
-    if (Browser::IsInstalled()) return;
-    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
-    GTEST_SKIP() << "needs chromium";
-  }
-  /// Runs an app, which says where its page is.
+  void SetUp() override { test::RequireBrowser(); }
+  /// Runs an app, which prints the path of its page.
   void Run(const std::string& app, const std::string& arguments, const fs::path& directory) const {
     const test::Result result = test::RunCommand(app + " " + arguments + " --out " + directory.string());
     ASSERT_EQ(result.exit_code, 0) << result.text;
@@ -38,24 +33,18 @@ class PageLayoutTest : public test::AppTest {
 
 constexpr const char* kRun = "window.tenonReport && tenonReport.ready && tenonReport.webgl";
 
-TEST_F(PageLayoutTest, WalkOfAQuadruped) {
-  Run(TENON_QUADRUPED, "A1 --duration 0.8", out);
-  ExpectLaidOut(out, kRun);
-}
-
-TEST_F(PageLayoutTest, WalkOfAGuideDog) {
-  Run(TENON_GUIDE_DOG, "C1 --duration 0.3", out);
-  ExpectLaidOut(out, kRun);
-}
-
-TEST_F(PageLayoutTest, FlightOfACableRobot) {
-  Run(TENON_CDPR, "D1 --duration 0.3", out);
-  ExpectLaidOut(out, kRun);
-}
-
-TEST_F(PageLayoutTest, ComparisonOfEightWalks) {
-  Run(TENON_QUADRUPED, "A3-sweep --duration 0.1 --set sweep.phases=2 --set sweep.directions=4", out);
-  ExpectLaidOut(out, kRun);
+TEST_F(PageLayoutTest, RunsOfEachApp) {
+  for (const auto& [app, arguments] :
+       {std::pair{TENON_QUADRUPED, "A1 --duration 0.8"},
+        {TENON_GUIDE_DOG, "C1 --duration 0.3"},
+        {TENON_CDPR, "D1 --duration 0.3"},
+        {TENON_QUADRUPED, "A3-sweep --duration 0.1 --set sweep.phases=2 --set sweep.directions=4"},
+        {TENON_OBSERVER_ORDER, "A0 --duration 0.25"}}) {
+    SCOPED_TRACE(arguments);
+    Run(app, arguments, out);
+    ExpectLaidOut(out, kRun);
+    fs::remove_all(out);
+  }
 }
 
 TEST_F(PageLayoutTest, RunsOfTwoAppsBesideEachOther) {
@@ -65,23 +54,17 @@ TEST_F(PageLayoutTest, RunsOfTwoAppsBesideEachOther) {
   ExpectLaidOut(out / "both", kRun);
 }
 
-TEST_F(PageLayoutTest, OrdersOfAnObserver) {
-  Run(TENON_OBSERVER_ORDER, "A0 --duration 0.25", out);
-  ExpectLaidOut(out, kRun);
-}
-
 TEST_F(PageLayoutTest, WorkspaceOfACableRobot) {
   Run(TENON_CDPR_WORKSPACE, "cogiro --cell 1 --turn 0.2", out);
   ExpectLaidOut(out, "window.tenonVolume && tenonVolume.ready && tenonVolume.webgl");
 }
 
 TEST_F(PageLayoutTest, Campaign) {
-  fs::create_directories(out);
-  const fs::path file = out / "campaign_file.yaml";
-  std::ofstream(file)
-      << "app: tenon-quadruped\nscenario: A4\nduration_s: 0.05\nseeds: {count: 3}\n"
-         "vary: {random_forces.0.upper_N: {grid: [20, 35]}, walk.friction: {grid: [0.3, 0.6]}}\n";
-  Run(TENON_CAMPAIGN, file.string(), out / "runs");
+  const std::string file =
+      Write("campaign_file.yaml",
+            "app: tenon-quadruped\nscenario: A4\nduration_s: 0.05\nseeds: {count: 3}\n"
+            "vary: {random_forces.0.upper_N: {grid: [20, 35]}, walk.friction: {grid: [0.3, 0.6]}}\n");
+  Run(TENON_CAMPAIGN, file, out / "runs");
   ExpectLaidOut(out / "runs", "window.tenonCampaign && tenonCampaign.ready");
 }
 

@@ -1,12 +1,14 @@
-// Looks at the report of a short flight in a browser: from disk, without network.
+// The report of a short flight, opened from disk in a browser without network.
 
+#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/browser.h>
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <vector>
 
 namespace tenon::report_page_test {
 namespace {
@@ -19,13 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Json = nlohmann::json;
 using tenon::testing::Browser;
-
-#define NEED_BROWSER()                                     \
-  if (!Browser::IsInstalled()) {                           \
-    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr)   \
-      FAIL() << "chromium is missing: tools/install_deps"; \
-    GTEST_SKIP() << "needs chromium";                      \
-  }
 
 class ReportPageTest : public ::testing::Test {
  protected:
@@ -41,16 +36,25 @@ class ReportPageTest : public ::testing::Test {
   static void TearDownTestSuite() { fs::remove_all(out); }
   static fs::path out;
 
-  void Open(Browser& browser) {
-    browser.Open(out / "report.html");
-    // It draws as it loads: what is not ready then never will be.
-    ASSERT_EQ(browser.Evaluate("!!window.tenonReport && tenonReport.ready"), true)
-        << Json(browser.complaints()).dump();
+  void SetUp() override {
+    test::RequireBrowser();
+    if (!IsSkipped() && !HasFatalFailure()) Open({});
   }
+  void Open(const std::vector<std::string>& browser_arguments) {
+    browser_ = std::make_unique<Browser>(browser_arguments);
+    browser().Open(out / "report.html");
+    // The page is complete once it is loaded.
+    ASSERT_EQ(browser().Evaluate("!!window.tenonReport && tenonReport.ready"), true)
+        << Json(browser().complaints()).dump();
+  }
+  Browser& browser() { return *browser_; }
+
+ private:
+  std::unique_ptr<Browser> browser_;
 };
 fs::path ReportPageTest::out;
 
-/// Draws the replay at a time: how many colours there are, and a number that changes with the picture.
+/// Draws the replay at time t and returns the number of its colours and a hash of the picture.
 Json Picture(Browser& browser, double t) {
   browser.Evaluate("tenonReport.seek(" + std::to_string(t) + ")");
   return browser.Evaluate(R"((() => {
@@ -65,48 +69,36 @@ Json Picture(Browser& browser, double t) {
   })())");
 }
 
-TEST_F(ReportPageTest, OpensFromDiskWithoutComplaintAndAsksForNothingElse) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
-  Picture(browser, 1);
-  EXPECT_THAT(browser.complaints(), IsEmpty());
-  EXPECT_THAT(browser.requests(), ElementsAre(HasSubstr("report.html")));
+TEST_F(ReportPageTest, OpensFromDiskWithoutErrorsOrRequests) {
+  Picture(browser(), 1);
+  EXPECT_THAT(browser().complaints(), IsEmpty());
+  EXPECT_THAT(browser().requests(), ElementsAre(HasSubstr("report.html")));
 }
 
 TEST_F(ReportPageTest, ShowsVerdictAndFigures) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
   const Json summary = Json::parse(std::ifstream(out / "summary.json"));
-  EXPECT_THAT(browser.Evaluate("document.querySelector('h1').textContent").get<std::string>(),
+  EXPECT_THAT(browser().Evaluate("document.querySelector('h1').textContent").get<std::string>(),
               HasSubstr("D1"));
-  EXPECT_EQ(browser.Evaluate("document.querySelector('.verdict.good').textContent"), "finished after 2 s");
-  const Json shown = browser.Evaluate(
+  EXPECT_EQ(browser().Evaluate("document.querySelector('.verdict.good').textContent"), "finished after 2 s");
+  const Json shown = browser().Evaluate(
       "Object.fromEntries([...document.querySelectorAll('#figures tr')].map((row) => "
       "[row.cells[0].title, [row.cells[1].textContent, row.cells[2].textContent]]))");
   ASSERT_TRUE(shown.contains("tracking_error_rms_m"));
   const double error = summary.at("tracking_error_rms_m");
   EXPECT_NEAR(std::stod(shown["tracking_error_rms_m"][0].get<std::string>()), 1e3 * error, error);
-  EXPECT_EQ(shown["tracking_error_rms_m"][1], "mm") << "small lengths as people say them";
+  EXPECT_EQ(shown["tracking_error_rms_m"][1], "mm") << "small lengths are in millimetres";
   EXPECT_EQ(shown.size(), summary.size() - 4)
       << "finished, fell and end_reason are the verdict, limits stand beside their figures";
 }
 
-TEST_F(ReportPageTest, ReplayShowsSomethingElseAtAnotherTime) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
-  const Json at_start = Picture(browser, 0), at_end = Picture(browser, 2);
+TEST_F(ReportPageTest, ReplayChangesWithTime) {
+  const Json at_start = Picture(browser(), 0), at_end = Picture(browser(), 2);
   EXPECT_THAT(at_start["colors"].get<int>(), Ge(100));
   EXPECT_NE(at_start["hash"], at_end["hash"]);
-  EXPECT_EQ(Picture(browser, 0)["hash"], at_start["hash"]) << "the same time gives the same picture";
+  EXPECT_EQ(Picture(browser(), 0)["hash"], at_start["hash"]) << "the same time gives the same picture";
 }
 
 TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
   // Columns of signals.csv: time, position of the CoM; the row at t = 1 s.
   std::ifstream csv(out / "signals.csv");
   std::string line;
@@ -115,9 +107,9 @@ TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
   double x = 0, y = 0, z = 0;
   ASSERT_EQ(std::sscanf(line.c_str(), "1,%lf,%lf,%lf", &x, &y, &z), 3) << line;
 
-  browser.Evaluate("tenonReport.seek(1)");
+  browser().Evaluate("tenonReport.seek(1)");
   const Json shapes =
-      browser.Evaluate(R"(Object.fromEntries(tenonReport.replay.runs[0].actors.map((actor) => {
+      browser().Evaluate(R"(Object.fromEntries(tenonReport.replay.runs[0].actors.map((actor) => {
     const at = (y) => actor.object.localToWorld(new THREE.Vector3(0, y, 0)).toArray();
     actor.object.updateMatrixWorld();
     const length = actor.shape.kind === 'segment' ? actor.object.children[0].scale.y : 0;
@@ -129,47 +121,41 @@ TEST_F(ReportPageTest, ShapesAreWhereTheRunHadThem) {
   EXPECT_TRUE(near(shapes["platform"]["from"], {x, y, z})) << shapes["platform"];
   EXPECT_TRUE(near(shapes["cable 0"]["to"], {3.5, 4.5, 4})) << shapes["cable 0"];
   EXPECT_TRUE(near(shapes["cable 2"]["to"], {-3.5, -4.5, 4})) << shapes["cable 2"];
-  // It hangs below its cables, by 0.093 m, and the payload is on for as long as it is.
+  // The cables are attached 0.093 m above the centre of mass. The payload is shown while it is attached.
   EXPECT_NEAR(shapes["cable 0"]["from"][2].get<double>() - z, 0.093, 0.02);
   EXPECT_EQ(shapes["payload"]["visible"], true);
-  browser.Evaluate("tenonReport.seek(1.8)");
-  EXPECT_EQ(browser.Evaluate(
+  browser().Evaluate("tenonReport.seek(1.8)");
+  EXPECT_EQ(browser().Evaluate(
                 "tenonReport.replay.runs[0].actors.find((a) => a.shape.name === 'payload').object.visible"),
             false);
 }
 
 TEST_F(ReportPageTest, ScrubbingMovesTheCursorsOfAllPlots) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
   const std::string left =
       "[...document.querySelectorAll('.plot .cursor')].map((c) => parseFloat(c.style.left))";
-  const Json before = browser.Evaluate(left);
-  browser.Evaluate(
+  const Json before = browser().Evaluate(left);
+  browser().Evaluate(
       "(() => { const scrub = document.querySelector('#scrub'); scrub.value = 1.5; "
       "scrub.dispatchEvent(new Event('input')); })()");
-  const Json after = browser.Evaluate(left);
-  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1.5);
+  const Json after = browser().Evaluate(left);
+  EXPECT_EQ(browser().Evaluate("tenonReport.time()"), 1.5);
   ASSERT_EQ(after.size(), 5) << "D1 has five plots";
   for (std::size_t i = 0; i < after.size(); ++i) {
     const double width =
-        browser.Evaluate("document.querySelectorAll('.plot .area')[" + std::to_string(i) + "].clientWidth");
+        browser().Evaluate("document.querySelectorAll('.plot .area')[" + std::to_string(i) + "].clientWidth");
     EXPECT_NEAR(after[i].get<double>() - before[i].get<double>(), 0.75 * width, 0.1 * width);
   }
 }
 
 TEST_F(ReportPageTest, ClickInAPlotSeeksAndPlayPlays) {
-  NEED_BROWSER();
-  Browser browser;
-  Open(browser);
   const Json chart =
-      browser.Evaluate("document.querySelector('.plot .chart').getBoundingClientRect().toJSON()");
+      browser().Evaluate("document.querySelector('.plot .chart').getBoundingClientRect().toJSON()");
   const double width = chart["width"];
-  browser.Click(chart["left"].get<double>() + 0.6 * width, chart["top"].get<double>() + 30);
-  const double cursor = browser.Evaluate("parseFloat(document.querySelector('.plot .cursor').style.left)");
+  browser().Click(chart["left"].get<double>() + 0.6 * width, chart["top"].get<double>() + 30);
+  const double cursor = browser().Evaluate("parseFloat(document.querySelector('.plot .cursor').style.left)");
   EXPECT_NEAR(cursor, 0.6 * width, 2);
-  EXPECT_NEAR(browser.Evaluate("tenonReport.time()").get<double>(), 1.1, 0.2);
-  const double played = browser.Evaluate(R"(new Promise((resolve) => {
+  EXPECT_NEAR(browser().Evaluate("tenonReport.time()").get<double>(), 1.1, 0.2);
+  const double played = browser().Evaluate(R"(new Promise((resolve) => {
     tenonReport.play();
     const wait = () => tenonReport.playing() ? requestAnimationFrame(wait) : resolve(tenonReport.time());
     wait();
@@ -178,16 +164,14 @@ TEST_F(ReportPageTest, ClickInAPlotSeeksAndPlayPlays) {
 }
 
 TEST_F(ReportPageTest, WithoutWebGlPlotsAndTableAreThereAndAMessage) {
-  NEED_BROWSER();
-  Browser browser({"--disable-3d-apis"});
-  Open(browser);
-  EXPECT_EQ(browser.Evaluate("tenonReport.webgl"), false);
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#no-webgl').checkVisibility()"), true);
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('.plot .chart canvas').length > 0"), true);
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#figures tr').length > 10"), true);
-  browser.Evaluate("tenonReport.seek(1)");
-  EXPECT_EQ(browser.Evaluate("tenonReport.time()"), 1);
-  EXPECT_THAT(browser.complaints(), IsEmpty());
+  Open({"--disable-3d-apis"});
+  EXPECT_EQ(browser().Evaluate("tenonReport.webgl"), false);
+  EXPECT_EQ(browser().Evaluate("document.querySelector('#no-webgl').checkVisibility()"), true);
+  EXPECT_EQ(browser().Evaluate("document.querySelectorAll('.plot .chart canvas').length > 0"), true);
+  EXPECT_EQ(browser().Evaluate("document.querySelectorAll('#figures tr').length > 10"), true);
+  browser().Evaluate("tenonReport.seek(1)");
+  EXPECT_EQ(browser().Evaluate("tenonReport.time()"), 1);
+  EXPECT_THAT(browser().complaints(), IsEmpty());
 }
 
 }  // namespace

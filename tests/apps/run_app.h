@@ -12,12 +12,13 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tenon::test {
 
 struct Result {
-  int exit_code;     // 128 and the signal's number of what a signal ended, as in a shell
+  int exit_code;     // 128 plus the number of the signal that ended the command, as in a shell
   std::string text;  // stdout and stderr
 };
 
@@ -31,14 +32,14 @@ inline Result RunCommand(const std::string& command) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text};
 }
 
-/// The whole file, or nothing of one that is not there.
+/// The text of a file; empty if there is no such file.
 inline std::string Read(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
 }
 
-/// A column of signals.csv by its name in the first row.
+/// The column of signals.csv with this name in the first row.
 inline std::vector<double> Column(const std::filesystem::path& out, const std::string& name) {
   std::ifstream file(out / "signals.csv");
   std::string line, cell;
@@ -56,32 +57,49 @@ inline std::vector<double> Column(const std::filesystem::path& out, const std::s
   return values;
 }
 
-/// A test that runs an app. What the app writes to `out` goes with the test.
+/// A test that runs an app as its users do. The app writes to the directory `out`, which is removed afterwards.
 class AppTest : public ::testing::Test {
  protected:
+  explicit AppTest(std::string app = "") : app(std::move(app)) {}
   ~AppTest() override { std::filesystem::remove_all(out); }
-  std::string Out() const { return " --out " + out.string(); }
 
+  std::string Out() const { return " --out " + out.string(); }
+  /// Runs the app with --out, expects the exit code, and returns what it printed.
+  std::string Run(const std::string& arguments, int exit_code = 0) const {
+    const Result result = RunCommand(app + " " + arguments + Out());
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << ": " << result.text;
+    return result.text;
+  }
+  std::string Summary() const { return Read(out / "summary.json"); }
+  std::string Signals() const { return Read(out / "signals.csv"); }
+  /// Writes a file in `out` and returns its path.
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((out / name).parent_path());
+    std::ofstream(out / name) << text;
+    return (out / name).string();
+  }
+
+  /// Arguments that the app refuses, and the argument, key, file or line that its message names.
+  struct BadUsage {
+    std::string arguments, place;
+  };
+  void ExpectRefused(const std::vector<BadUsage>& usages) const {
+    for (const auto& [arguments, place] : usages)
+      EXPECT_THAT(Run(arguments, 2), ::testing::HasSubstr(place)) << arguments;
+  }
+  /// Expects that the app refuses each of the settings KEY=VALUE of a scenario and names its key.
+  void ExpectSettingsRefused(const std::string& scenario, const std::vector<std::string>& settings) const {
+    for (const std::string& setting : settings) {
+      const std::string key = setting.substr(0, setting.find('='));
+      ExpectRefused({{scenario + " --set '" + setting + "'", "--set " + setting + ": " + key + ": "}});
+    }
+  }
+
+  const std::string app;
   const std::filesystem::path out = [] {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     return TemporaryPath("tenon_" + std::string(test->test_suite_name()) + "_" + test->name());
   }();
-};
-
-struct BadUsage {
-  const char* arguments;
-  const char* message;
-  friend void PrintTo(const BadUsage& usage, std::ostream* out) { *out << "'" << usage.arguments << "'"; }
-};
-
-/// A test that an app refuses its arguments.
-class UsageTest : public AppTest, public ::testing::WithParamInterface<BadUsage> {
- protected:
-  void ExpectExitCode2WithItsMessage(const std::string& app) const {
-    const Result result = RunCommand(app + " " + GetParam().arguments + Out());
-    EXPECT_EQ(result.exit_code, 2) << result.text;
-    EXPECT_THAT(result.text, ::testing::HasSubstr(GetParam().message));
-  }
 };
 
 }  // namespace tenon::test

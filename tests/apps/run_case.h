@@ -9,7 +9,7 @@
 
 namespace tenon::test {
 
-/// The figures of a run, of summary.json.
+/// The figures of a run, read from its summary.json.
 struct Case {
   double operator[](const char* key) const { return summary.at(key).get<double>(); }
   bool finished() const { return summary.at("finished").get<bool>(); }
@@ -22,14 +22,14 @@ struct Case {
   nlohmann::json summary;
 };
 
-/// A test of what the cases must show, by the app that runs them as a user would.
+/// A test of the goals of the shipped cases, which runs the apps as a user does.
 class CaseTest : public AppTest {
  protected:
-  /// Runs a scenario, to its end or a fall; the arguments may override what is in it.
+  /// Runs a scenario to its end or to a fall. The arguments may override its keys.
   Case Run(const std::string& app, const std::string& arguments) const {
     const Result result = RunCommand(app + " " + arguments + Out());
     EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 3) << arguments << ": " << result.text;
-    return {nlohmann::json::parse(Read(out / "summary.json"))};
+    return {nlohmann::json::parse(Summary())};
   }
 };
 

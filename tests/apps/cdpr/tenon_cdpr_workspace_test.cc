@@ -1,4 +1,4 @@
-// Runs the binary as its users do.
+// Figures, cells and report of a workspace.
 
 #include <tenon/tests/apps/run_app.h>
 
@@ -11,26 +11,21 @@ namespace tenon::tenon_cdpr_workspace_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::BadUsage;
 using test::Read;
-using test::Result;
-using test::RunCommand;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-Result RunApp(const std::string& arguments) {
-  return RunCommand(std::string(TENON_CDPR_WORKSPACE) + " " + arguments);
-}
-
-using TenonCdprWorkspaceTest = test::AppTest;
+class TenonCdprWorkspaceTest : public test::AppTest {
+ protected:
+  TenonCdprWorkspaceTest() : AppTest(TENON_CDPR_WORKSPACE) {}
+  Json Figures() const { return Json::parse(Summary()); }
+};
 
 TEST_F(TenonCdprWorkspaceTest, WritesFiguresCellsAndReport) {
-  const Result result = RunApp("cogiro --load 100 --acceleration 0.5 --cell 1 --turn 0.4" + Out());
-  ASSERT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(result.text,
+  EXPECT_THAT(Run("cogiro --load 100 --acceleration 0.5 --cell 1 --turn 0.4"),
               AllOf(HasSubstr("static_volume_proven_m3"), HasSubstr("any_axis_turn_proven_rad")));
-  const Json summary = Json::parse(Read(out / "summary.json"));
+  const Json summary = Figures();
   EXPECT_EQ(summary["robot"], "cogiro");
   EXPECT_EQ(summary["load_kg"], 100);
   for (const char* name : {"required", "static", "attitude"}) {
@@ -65,15 +60,13 @@ TEST_F(TenonCdprWorkspaceTest, WritesFiguresCellsAndReport) {
   EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>cogiro: workspace"));
 }
 
-// A robot of one's own, by its path, with a value of its own.
 TEST_F(TenonCdprWorkspaceTest, TakesAFileAndSettings) {
   const std::string file = (fs::path(TENON_ROBOTS_DIR) / "cdpr_6.yaml").string();
   const std::string common = file + " --cell 0.5 --turn 0.2 --position 0 0 1.5";
-  ASSERT_EQ(RunApp(common + Out()).exit_code, 0);
-  const double strong = Json::parse(Read(out / "summary.json"))["static_volume_m3"];
-  const Result weak = RunApp(common + " --set cable_properties.tension_max_N=60" + Out());
-  ASSERT_EQ(weak.exit_code, 0) << weak.text;
-  const Json summary = Json::parse(Read(out / "summary.json"));
+  Run(common);
+  const double strong = Figures()["static_volume_m3"];
+  Run(common + " --set cable_properties.tension_max_N=60");
+  const Json summary = Figures();
   EXPECT_LT(summary["static_volume_m3"].get<double>(), strong);
   EXPECT_EQ(summary["tension_max_N"], 60);
   EXPECT_EQ(summary["attitude_position_m"], Json({0, 0, 1.5}));
@@ -81,28 +74,25 @@ TEST_F(TenonCdprWorkspaceTest, TakesAFileAndSettings) {
 
 TEST_F(TenonCdprWorkspaceTest, OutputThatCannotBeWrittenIsExitCode5) {
   std::ofstream(out).put('x');  // a file where the directory should be
-  EXPECT_EQ(RunApp("cdpr_6 --cell 1" + Out()).exit_code, 5);
+  Run("cdpr_6 --cell 1", 5);
 }
 
-using TenonCdprWorkspaceUsageTest = test::UsageTest;
-
-TEST_P(TenonCdprWorkspaceUsageTest, ExitCode2WithItsMessage) {
-  ExpectExitCode2WithItsMessage(TENON_CDPR_WORKSPACE);
+TEST_F(TenonCdprWorkspaceTest, RefusesBadUsage) {
+  ExpectRefused({{"", "ROBOT"},
+                 {"cogirro", "'cogiro'"},
+                 {"cdpr_4", "'cdpr_4'"},
+                 {"cdpr_8 --load -1", "load"},
+                 {"cdpr_8 --cell 0", "cell"},
+                 {"cdpr_8 --cell 0.001", "cell"},
+                 {"cdpr_8 --turn 4", "turn"},
+                 {"cdpr_8 --low 0 0", "--low"},
+                 {"cdpr_8 --low 0 0 9", "along z"},
+                 {"cdpr_8 --low -inf 0 0", "along x"},
+                 {"cdpr_8 --attitude nan 0 0", "attitude"},
+                 {"cdpr_8 --cable-diameter -1", "diameter"},
+                 {"cdpr_8 --set mass_kg=0", "--set mass_kg=0: mass_kg: "},
+                 {"cdpr_8 --set mass_kg", "--set mass_kg: "}});
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, TenonCdprWorkspaceUsageTest,
-    ::testing::Values(BadUsage{"", "ROBOT is required"}, BadUsage{"cogirro", "did you mean 'cogiro'?"},
-                      BadUsage{"cdpr_4", "robot 'cdpr_4' has 4 cables"},
-                      BadUsage{"cdpr_8 --load -1", "load [kg]"}, BadUsage{"cdpr_8 --cell 0", "cells of 0"},
-                      BadUsage{"cdpr_8 --turn 4", "at most pi"},
-                      BadUsage{"cdpr_8 --low 0 0 9", "from 9 to 4 along z"},
-                      BadUsage{"cdpr_8 --cell 0.001", "make the cells larger"},
-                      BadUsage{"cdpr_8 --cable-diameter -1", "cable diameter"},
-                      BadUsage{"cdpr_8 --set mass_kg=0", "give mass_kg above 0"},
-                      BadUsage{"cdpr_8 --set mass_kg", "key=value"}, BadUsage{"cdpr_8 --low 0 0", "--low"},
-                      BadUsage{"cdpr_8 --low -inf 0 0", "from -inf to"},
-                      BadUsage{"cdpr_8 --attitude nan 0 0", "not finite"}));
 
 }  // namespace
 }  // namespace tenon::tenon_cdpr_workspace_test

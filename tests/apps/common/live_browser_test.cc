@@ -1,11 +1,11 @@
-// A walking robot and a browser: the page that a user sees, and what it does to the run.
+// The page of a live run in a browser, and how it controls the run.
 
+#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/common/live_app.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <string>
 
 namespace tenon::test::live_browser_test {
@@ -15,15 +15,11 @@ using testing::Browser;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr auto kPatience = std::chrono::seconds(90);  // only what hangs takes so long
+constexpr auto kPatience = std::chrono::seconds(90);  // reached only by a run that hangs
 
 class LiveBrowserTest : public LiveAppTest {
  protected:
-  void SetUp() override {
-    if (Browser::IsInstalled()) return;
-    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
-    GTEST_SKIP() << "needs chromium";
-  }
+  void SetUp() override { RequireBrowser(); }
   bool Until(const std::string& expression) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
@@ -53,7 +49,7 @@ TEST_F(LiveBrowserTest, AllOfThePageCanBeSeen) {
   EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
   browser.Evaluate(ButtonOf("#run-bar", "stop") + ".click()");
   browser.Evaluate(ButtonOf("#run-bar", "really stop?") + ".click()");
-  EXPECT_EQ(End(), 130);  // as Ctrl-C
+  EXPECT_EQ(End(), 130);  // like after Ctrl-C
 }
 
 TEST_F(LiveBrowserTest, TheRobotIsDrivenPushedTunedSetBackAndReplayed) {
@@ -131,12 +127,8 @@ TEST_F(LiveBrowserTest, TheRobotIsDrivenPushedTunedSetBackAndReplayed) {
 
   browser.Evaluate(ButtonOf("#run-bar", "stop") + ".click()");
   browser.Evaluate(ButtonOf("#run-bar", "really stop?") + ".click()");
-  EXPECT_EQ(End(), 130);  // as Ctrl-C
-  const Result replay = RunCommand(std::string(TENON_QUADRUPED) + " flat --replay " +
-                                   (out / "live.jsonl").string() + " --out " + (out / "again").string());
-  EXPECT_EQ(replay.exit_code, 0) << replay.text;
-  EXPECT_FALSE(Read(out / "signals.csv").empty());
-  EXPECT_EQ(Read(out / "signals.csv"), Read(out / "again" / "signals.csv"));
+  EXPECT_EQ(End(), 130);  // like after Ctrl-C
+  ExpectSameReplay(TENON_QUADRUPED " flat");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What files name starts from them, wherever the program runs; a run's files start from anywhere.
+// Paths in files start from these files; the files of a run can be moved.
 
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/plants/model/cdpr_description.h>
@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -46,8 +47,7 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-/// A directory of the user's: two robots that do not ship, and scenarios that extend each other across
-/// directories.
+/// A user's directory: robots that do not ship, and scenarios that extend each other across directories.
 class ScenarioFileTest : public ::testing::Test {
  protected:
   ScenarioFileTest() {
@@ -89,18 +89,23 @@ TEST_F(ScenarioFileTest, PathsOfTheCommandLineStartFromTheWorkingDirectory) {
 
 TEST_F(ScenarioFileTest, MessagesNameFileLineAndKey) {
   Write("lost.yaml", "app: mine\nextends: nowhere/lost.yaml\n");
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("lost.yaml"), {}, "mine"); },
-                                     At("lost.yaml") + ":2:10: extends: cannot read '" +
-                                         At("nowhere/lost.yaml") + "': no such file; check the path"));
-  Write("word.yaml", "extends: flt\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("word.yaml"), {}, "tenon-quadruped"); },
-      "word.yaml:1:10: extends: there is no 'flt' in scenarios; did you mean 'flat'?"));
+  Write("word.yaml", "app: mine\nextends: flt\n");
   Write("ring.yaml", "extends: deep/ring.yaml\n");
   Write("deep/ring.yaml", "extends: ../ring.yaml\n");
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { LoadScenario(At("ring.yaml"), {}, "mine"); },
-      "deep/ring.yaml:1:10: extends: scenario '" + At("ring.yaml") + "' extends itself"));
+  Write("list.yaml", "app: mine\nothers: [{mass_kg: 1}]\n");  // no file that the map would change
+  Write("newer.yaml", "format: 2\napp: mine\n");
+  Write("extends.yaml", "format: 1\nextends: newer.yaml\n");
+  for (const auto& [file, place, what] : std::vector<std::array<std::string, 3>>{
+           {"lost.yaml", "lost.yaml:2:10: extends: ", "'" + At("nowhere/lost.yaml") + "'"},
+           {"word.yaml", "word.yaml:2:10: extends: ", "'flat'"},
+           {"ring.yaml", "deep/ring.yaml:1:10: extends: ", "'" + At("ring.yaml") + "'"},
+           {"list.yaml", "list.yaml:2:10: others.0: ", ""},
+           {"newer.yaml", "newer.yaml:1:9: format: 2", ""},
+           {"extends.yaml", "newer.yaml:1:9: format: 2", ""}})
+    EXPECT_TRUE(
+        Throws<ParameterError>([&] { LoadScenario(home / file, {}, "mine").Read<Scenario>(); }, place, what));
+  Write("robots/newer.yaml", "format: 2\n" + ReadText(home / "robots/mine.yaml"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{At("robots/newer.yaml")}); }, "format: 2"));
 }
 
 TEST_F(ScenarioFileTest, ScenariosOfOtherAppsAreNotSuggested) {
@@ -113,17 +118,16 @@ TEST_F(ScenarioFileTest, ScenariosOfOtherAppsAreNotSuggested) {
   }
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Contains(Key("D1")));
   EXPECT_THAT(ListScenarios("tenon-cdpr"), Not(Contains(Key("flat"))));
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario("flt", {}, "mine"); },
-                                     "there is no 'flt': mine has no shipped scenarios"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario("flt", {}, "mine"); }, "'flt'"));
 }
 
-TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
+TEST_F(ScenarioFileTest, AMapChangesKeysOfAFile) {
   const auto by_set =
       LoadScenario(At("base/base.yaml"), {"robot.foot_radius_m=0.03"}, "mine").Read<Scenario>();
   EXPECT_EQ(by_set.robot.text, "{\"file\": " + At("robots/mine.yaml") + ", \"foot_radius_m\": 0.03}");
   EXPECT_EQ(LoadQuadruped(by_set.robot).foot_radius, 0.03);
   EXPECT_EQ(ResourceName(by_set.robot), At("robots/mine.yaml") + ", changed");
-  // A scenario that extends says the same; one that names no robot means the standard one.
+  // In a file that extends another one the map changes its robot; without a robot it changes the default.
   Write("own.yaml", "extends: base/base.yaml\nrobot: {foot_radius_m: 0.04}\n");
   EXPECT_EQ(LoadQuadruped(LoadScenario(At("own.yaml"), {}, "mine").Read<Scenario>().robot).foot_radius, 0.04);
   Write("plain.yaml", "app: mine\n");
@@ -133,16 +137,10 @@ TEST_F(ScenarioFileTest, WhatDiffersIsSaidInline) {
       [&] {
         LoadQuadruped(LoadScenario(At("plain.yaml"), {"robot.foot_radius=1"}, "mine").Read<Scenario>().robot);
       },
-      "give the value in m as 'foot_radius_m'"));
+      "'foot_radius_m'"));
   EXPECT_TRUE(Throws<ParameterError>(
       [&] { LoadScenario(At("plain.yaml"), {"robot=[1, 2]"}, "mine").Read<Scenario>(); },
-      "--set robot=[1, 2]: robot: expected a name, a path, or a map such as {file: standard"));
-}
-
-TEST_F(ScenarioFileTest, WhatDiffersNeedsAFileWhereThereIsNoDefault) {
-  Write("list.yaml", "app: mine\nothers: [{mass_kg: 1}]\n");
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("list.yaml"), {}, "mine").Read<Scenario>(); },
-                                     "list.yaml:2:10: others.0: ", "`file`"));
+      "--set robot=[1, 2]: robot: "));
 }
 
 TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
@@ -155,12 +153,11 @@ TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
     LoadCdpr(YamlFile{"dogbot"});
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot' in robots"), HasSubstr("'cables'"),
-                                    HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot'"), HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_5"}); }, "there is no 'cdpr_5'"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"my/dog.urdf"}); },
-                                     "'my/dog.urdf' is a URDF", "tenon-robot my/dog.urdf"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_5"}); }, "'cdpr_5'"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"my/dog.urdf"}); }, "tenon-robot my/dog.urdf"));
 }
 
 TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
@@ -180,7 +177,8 @@ TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
   EXPECT_THAT(ReadText(home / "moved/scenario.yaml"),
               AllOf(HasSubstr("format: 1\n"), HasSubstr("files/robot.yaml"), HasSubstr("files/robot.urdf"),
                     HasSubstr("files/others.1.urdf"), Not(HasSubstr(home.string()))));
-  EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}), 3 + 1);  // and their list
+  EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}),
+            3 + 1);  // and the list of these files
 }
 
 TEST_F(ScenarioFileTest, AnEarlierRunsFilesGoAndNothingElse) {
@@ -205,17 +203,6 @@ TEST_F(ScenarioFileTest, ASeedMayHaveASign) {
   auto with = LoadScenario(At("signed.yaml"), {}, "mine"),
        without = LoadScenario(At("plain.yaml"), {}, "mine");
   EXPECT_EQ(DrawScenario(with, {}), DrawScenario(without, {}));
-}
-
-TEST_F(ScenarioFileTest, ANewerFormatIsRefused) {
-  Write("newer.yaml", "format: 2\napp: mine\n");
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("newer.yaml"), {}, "mine").Read<Scenario>(); },
-                                     "newer.yaml:1:9: format: 2 "));
-  Write("extends.yaml", "format: 1\nextends: newer.yaml\n");
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadScenario(At("extends.yaml"), {}, "mine"); },
-                                     "newer.yaml:1:9: format: 2"));
-  Write("robots/newer.yaml", "format: 2\n" + ReadText(home / "robots/mine.yaml"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{At("robots/newer.yaml")}); }, "format: 2"));
 }
 
 }  // namespace

@@ -1,9 +1,7 @@
-// Runs the binary as its users do.
+// A page with several runs.
 
+#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
-#include <tenon/tests/systems/report/browser.h>
-
-#include <cstdlib>
 
 namespace tenon::tenon_report_test {
 namespace {
@@ -39,10 +37,8 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
       RunApp(Directory("circle") + "/ " + Directory("hang") + " --out " + page.parent_path().string());
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_EQ(result.text, page.string() + "\n");
-  if (!testing::Browser::IsInstalled()) {
-    ASSERT_EQ(std::getenv("TENON_REQUIRE_BROWSER"), nullptr) << "chromium is missing: tools/install_deps";
-    GTEST_SKIP() << "needs chromium";
-  }
+  test::RequireBrowser();
+  if (IsSkipped() || HasFatalFailure()) return;
   testing::Browser browser;
   browser.Open(page);
   EXPECT_EQ(browser.Evaluate("tenonReport.ready"), true) << Json(browser.complaints());
@@ -50,7 +46,7 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
   EXPECT_EQ(browser.Evaluate("tenonReport.runs.map((run) => run.name)"), Json({"circle", "hang"}));
   EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs.map((run) => run.actors.length > 5)"),
             Json({true, true}));
-  // What each run had of its own: figures, and every signal as it was logged.
+  // Each run keeps its figures and its signals.
   const Json summary = Json::parse(test::Read(out / "hang" / "summary.json"));
   EXPECT_EQ(browser.Evaluate("tenonReport.runs[1].figures.find((f) => f.name === 'tension_max_N').value"),
             summary["tension_max_N"]);
@@ -64,33 +60,27 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
   EXPECT_TRUE(browser.complaints().empty()) << Json(browser.complaints());
 }
 
-TEST_F(TenonReportTest, SaysWhatIsMissingWhere) {
+TEST_F(TenonReportTest, RefusesBadUsage) {
   Fly();
   EXPECT_THAT(RunApp("--help").text, AllOf(HasSubstr("DIR"), HasSubstr("--out"), HasSubstr("Exit codes")));
-  const auto refused = [&](const std::string& arguments, const std::string& message) {
+  const std::string circle = Directory("circle"), hang = Directory("hang");
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += circle + " ";
+  fs::create_directories(out / "taken");
+  const std::string taken = Directory("taken");
+  for (const auto& [arguments, place] : {std::pair{std::string(), std::string("DIR")},
+                                         {Directory("nowhere"), "'" + Directory("nowhere") + "'"},
+                                         {out.string(), "'" + out.string() + "' has no report.html"},
+                                         {circle + " " + hang + " --out " + circle, "'" + circle + "'"},
+                                         {nine, "9 runs"}}) {
     const Result result = RunApp(arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments;
-    EXPECT_THAT(result.text, HasSubstr(message));
-  };
-  refused("", "DIR is required");
-  refused(Directory("nowhere"), "'" + Directory("nowhere") + "' is not a directory");
-  refused(out.string(), "'" + out.string() + "' has no report.html");
-  refused(Directory("circle") + " " + Directory("hang") + " --out " + Directory("circle"),
-          "'" + Directory("circle") + "' is one of the runs");
-  std::string nine;
-  for (int i = 0; i < 9; ++i) nine += Directory("circle") + " ";
-  refused(nine, "9 runs");
+    EXPECT_THAT(result.text, HasSubstr(place));
+  }
+  EXPECT_EQ(RunCommand("flock " + taken + " " TENON_REPORT " " + circle + " --out " + taken).exit_code, 2);
+  EXPECT_EQ(RunApp(circle + " --out /proc/none").exit_code, 5);
   fs::remove(out / "hang" / "signals.csv");
-  refused(Directory("circle") + " " + Directory("hang"), "'" + Directory("hang") + "' has no signals.csv");
-  fs::create_directories(out / "taken");
-  const std::string taken = (out / "taken").string();
-  const Result locked =
-      RunCommand("flock " + taken + " " TENON_REPORT " " + Directory("circle") + " --out " + taken);
-  EXPECT_EQ(locked.exit_code, 2);
-  EXPECT_THAT(locked.text, HasSubstr("another run writes into the output directory"));
-  const Result full = RunApp(Directory("circle") + " --out /proc/none");
-  EXPECT_EQ(full.exit_code, 5);
-  EXPECT_THAT(full.text, HasSubstr("output directory '/proc/none'"));
+  EXPECT_THAT(RunApp(circle + " " + hang).text, HasSubstr("'" + hang + "' has no signals.csv"));
 }
 
 }  // namespace

@@ -1,0 +1,226 @@
+// The claims that hold for each app that runs a robot, checked on its binary.
+
+#include <tenon/tests/apps/run_app.h>
+
+#include <map>
+
+namespace tenon::every_app_test {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Read;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct App {
+  std::string name, path;
+  std::string scenario;                       ///< a scenario that ends without an error
+  std::string description;                    ///< of this scenario
+  std::string noise;                          ///< settings with which a run depends on random numbers
+  std::map<std::string, std::string> limits;  ///< figures of the scenario and their limits, as printed
+  std::vector<std::string> figures, signals, keys, blocks;
+  friend void PrintTo(const App& app, std::ostream* out) { *out << app.name; }
+};
+
+class EveryAppTest : public test::AppTest, public ::testing::WithParamInterface<App> {
+ protected:
+  EveryAppTest() : AppTest(GetParam().path) {}
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Apps, EveryAppTest,
+    ::testing::Values(
+        App{.name = "quadruped",
+            .path = TENON_QUADRUPED,
+            .scenario = "stand",
+            .description = "holds its stance",
+            .noise = "--set sensors.encoders.angle_noise_rad=1e-4 --set "
+                     "'random_forces=[{lower_N: 10, upper_N: 35, period_s: 0.1}]'",
+            .limits = {{"torque_max_N_m", "(at most 60)"},
+                       {"torque_beyond_drive_max_N_m", "(at most 0)"},
+                       {"foot_depth_max_m", ""},
+                       {"leg_clearance_min_m", "(at least -0.005)"},
+                       {"trunk_clearance_min_m", ""},
+                       {"ground_clearance_min_m", ""}},
+            .figures = {"robot", "height_min_m", "height_end_m", "drift_m", "tilt_max_rad", "torque_max_N_m",
+                        "foot_force_max_N", "evaluations"},
+            .signals = {"loop.world.plant.foot_forces.front_left.z [N]",
+                        "loop.world.imu.measurement.specific_force_B.z [m/s^2]"},
+            .keys = {"atol_bristles"},
+            .blocks = {"cluster_loop", "encoders"}},
+        App{.name = "guide_dog",
+            .path = TENON_GUIDE_DOG,
+            .scenario = "C3",
+            .description = "C3",
+            .noise = "--set sensors.foot_force.noise_ratio=0.1",
+            .limits = {},
+            .figures = {"observer", "robot", "tension_mean_N", "tension_max_N", "distance_mean_m",
+                        "distance_min_m", "distance_max_m", "stop_delay_s", "heading_error_deg",
+                        "force_estimate_mean_N", "force_estimate_error_rms_N", "com_error_max_m",
+                        "foot_error_max_m", "grf_error_mean_N", "qp_failures"},
+            .signals = {"loop.leash.leash.tension [N]", "loop.person.person.hand_W.z [m]",
+                        "loop.supervisor.status.mode"},
+            .keys = {"felt_tension_N: 5", "threshold_N: 50"},
+            .blocks = {"supervisor", "admittance"}},
+        App{.name = "cdpr",
+            .path = TENON_CDPR,
+            .scenario = "D1",
+            .description = "circle of 0.5 m radius in 10 s, four cables",
+            .noise = "--set path.radius_m=0.4",
+            .limits = {{"tension_max_N", "(at most 880)"},
+                       {"command_max_N", "(at most 800)"},
+                       {"cable_distance_min_m", "(at least 0.005)"},
+                       {"cable_platform_angle_min_rad", ""},
+                       {"floor_clearance_min_m", ""},
+                       {"turn_max_rad", ""}},
+            .figures = {"controller", "tension_min_N", "tension_max_N", "command_min_N", "command_max_N",
+                        "tension_rate_rms_N_per_s", "euler_oscillation_rms_rad", "acceleration_rms_m_per_s2",
+                        "tracking_error_rms_m", "settling_time_s", "mpc_time_median_us", "mpc_time_p99_us",
+                        "mpc_fallbacks"},
+            .signals = {"loop.plant.cables.tension.0 [N]", "loop.command.0 [N]"},
+            .keys = {"pose_rate_hz: 200"},
+            .blocks = {"cluster_loop", "mpc"}}),
+    [](const auto& info) { return info.param.name; });
+
+TEST_P(EveryAppTest, WritesSummarySignalsScenarioReportAndGraph) {
+  const auto& [name, path, scenario, description, noise, limits, figures, signals, keys, blocks] = GetParam();
+  const std::string text = Run(scenario + " --duration 0.3 --seed 7 --graph " + Write("graph.dot", ""));
+  for (const char* key :
+       {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s", "real_time_factor"})
+    EXPECT_THAT(Summary(), HasSubstr("\"" + std::string(key) + "\": "));
+  for (const std::string& key : figures) EXPECT_THAT(Summary(), HasSubstr("\"" + key + "\": "));
+  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"case\": \"" + scenario + "\""), HasSubstr("\"seed\": 7"),
+                               HasSubstr("\"finished\": true"), HasSubstr("\"fell\": false"),
+                               HasSubstr("\"simulated_s\": 0.3")));
+  EXPECT_THAT(Signals(), AllOf(HasSubstr("time [s],"), HasSubstr("\n0.3,")));
+  for (const std::string& signal : signals) EXPECT_THAT(Signals(), HasSubstr(signal));
+  for (const std::string& key : keys) EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr(key));
+  for (const std::string& block : blocks) EXPECT_THAT(Read(out / "graph.dot"), HasSubstr(block));
+  EXPECT_THAT(Read(out / "report.html").substr(0, 500),
+              AllOf(HasSubstr("<title>" + scenario + ": "), HasSubstr(description)));
+  EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
+  const std::size_t beside = Summary().find("\"limits\"");
+  for (const auto& [figure, limit] : limits) {
+    EXPECT_THAT(Summary().substr(beside), HasSubstr("\"" + figure + "\": {"));
+    EXPECT_THAT(text, HasSubstr(limit)) << figure;
+  }
+}
+
+TEST_P(EveryAppTest, RepeatsARunFromItsWrittenScenario) {
+  Run(GetParam().scenario + " --duration 0.2 " + GetParam().noise);
+  const std::string first = Signals();
+  const std::string scenario = (out / "scenario.yaml").string();
+  EXPECT_EQ(test::RunCommand(app + " " + scenario + Out() + "/again").exit_code, 0);
+  EXPECT_TRUE(Read(out / "again" / "signals.csv") == first);  // EXPECT_EQ would print both files
+}
+
+TEST_P(EveryAppTest, ListsScenariosWithTheirDescriptions) {
+  const test::Result list = test::RunCommand(app + " --list");
+  EXPECT_EQ(list.exit_code, 0);
+  EXPECT_THAT(list.text, AllOf(HasSubstr(GetParam().scenario), HasSubstr(GetParam().description)));
+}
+
+TEST_P(EveryAppTest, RefusesBadUsage) {
+  const std::string& scenario = GetParam().scenario;
+  ExpectRefused({{"", "no scenario given"},
+                 {scenario + "x", "'" + scenario + "x'"},
+                 {"missing.yaml", "'missing.yaml'"},
+                 {scenario + " --frobnicate$(printf '\\033')", "--frobnicate\\x1b"},
+                 {scenario + " --duration -1", "--duration: -1"},
+                 {scenario + " --seed -1", "--seed: -1"},
+                 {scenario + " --set pd", "--set pd: "},
+                 {scenario + " --graph /tmp/x.bmp", ".svg or .dot"},
+                 {scenario + " --set app=tenon-walk", "run tenon-walk " + scenario}});
+  ExpectSettingsRefused(scenario, {"duration_s=-3", "log_rate_hz=0", "seed=010", "seed=18446744073709551616",
+                                   "robot=dogbt", "integrator.rtol=1e308"});
+}
+
+TEST_P(EveryAppTest, RefusesAnOutputDirectoryThatCannotBeMade) {
+  const test::Result result = test::RunCommand(app + " " + GetParam().scenario + " --out /proc/nowhere");
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_THAT(result.text, HasSubstr("'/proc/nowhere'"));
+}
+
+/// The runs of one app whose verdict depends on whether the robot follows its path.
+struct PathRun {
+  std::string name, app, run, tolerance, without_path;
+};
+class PathTest : public test::AppTest, public ::testing::WithParamInterface<PathRun> {
+ protected:
+  PathTest() : AppTest(GetParam().app) {}
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Apps, PathTest,
+    ::testing::Values(
+        // A steady push carries the robot backwards on ice, although it never falls.
+        PathRun{"quadruped", TENON_QUADRUPED,
+                "flat --duration 9 --set terrain.friction=0.03 --set walk.friction=0.03 --set "
+                "'forces=[{force_N: [-5, 0, 0], duration_s: 100}]' --set walk.path_tolerance=0.9",
+                "walk.path_tolerance=0.1", "trot_in_place --duration 1"},
+        PathRun{"guide_dog", TENON_GUIDE_DOG, "C1 --duration 2", "walk.path_tolerance=1e-4", ""},
+        PathRun{"cdpr", TENON_CDPR,
+                "D1 --controller pd --duration 2 --set forbid_slack=false --set "
+                "'gusts=[{force_N: [0, 60, 0], start_s: 0.5, duration_s: 1}]'",
+                "path_tolerance=0.001", "D2 --duration 0.2"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
+  const auto& [name, path, run, tolerance, without_path] = GetParam();
+  Run(run);
+  EXPECT_THAT(Summary(), HasSubstr("\"followed\": true"));
+  Run(run + " --set " + tolerance, 3);
+  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"),
+                               HasSubstr("\"followed\": false"), HasSubstr("the path was not followed")));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("but the path was not followed"));
+  if (without_path.empty()) return;
+  Run(without_path);
+  EXPECT_THAT(Summary(), HasSubstr("\"followed\": null"));
+}
+
+/// Disturbances of a run that cannot act.
+struct Idle {
+  std::string app, arguments;
+  std::vector<std::string> disturbances;
+};
+class IdleTest : public test::AppTest, public ::testing::WithParamInterface<Idle> {
+ protected:
+  IdleTest() : AppTest(GetParam().app) {}
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Apps, IdleTest,
+    ::testing::Values(
+        Idle{TENON_QUADRUPED,
+             "flat --duration 0.2 --set 'forces=[{force_N: [20, 0, 0], duration_s: 0}, "
+             "{force_N: [20, 0, 0], start_s: 5, duration_s: 1}, {duration_s: 1}, "
+             "{force_N: [1, 0, 0], duration_s: 1}]' --set 'random_forces=[{lower_N: 0, upper_N: 0}]' "
+             "--set 'payload={position_m: [0, 0, 0.1]}' "
+             "--set 'faults=[{at: imu, kind: drop_out, start_s: 3}]'",
+             {"forces.0", "forces.1", "forces.2", "random_forces.0", "payload", "faults.0"}},
+        Idle{TENON_QUADRUPED, "stand --duration 0.1", {}},
+        Idle{TENON_GUIDE_DOG,
+             "C1 --duration 0.1 --set 'forces=[{force_N: [9, 0, 0], start_s: 5, duration_s: 1}]'",
+             {"forces.0"}},
+        Idle{TENON_CDPR, "D2 --duration 0.2", {"payload"}},
+        Idle{TENON_CDPR, "D2 --duration 0.2 --set payload.release_s=1", {"payload"}},
+        Idle{TENON_CDPR, "D2 --duration 2 --set payload.mass_kg=0", {"payload"}},
+        Idle{TENON_CDPR,
+             "D1 --duration 0.2 --set 'gusts=[{force_N: [0, 0, 0], start_s: 0, duration_s: 1}]'",
+             {"gusts.0"}}));
+
+TEST_P(IdleTest, AWarningNamesEachDisturbanceThatNeverActs) {
+  const std::string text = Run(GetParam().arguments), report = Read(out / "report.html");
+  for (const std::string& disturbance : GetParam().disturbances) {
+    const std::string note = disturbance + " never acts: ";
+    EXPECT_THAT(text, HasSubstr("warning: " + note));
+    EXPECT_THAT(Summary(), HasSubstr(note));
+    EXPECT_THAT(report, HasSubstr(note));
+  }
+  std::size_t notes = 0;
+  for (std::size_t at = 0; (at = text.find("warning: ", at)) != std::string::npos; ++at) ++notes;
+  EXPECT_EQ(notes, GetParam().disturbances.size()) << text;
+}
+
+}  // namespace
+}  // namespace tenon::every_app_test
