@@ -17,16 +17,17 @@
 
 namespace tenon {
 
-/// Hands rows to other sinks in a thread of its own, so that a run does not wait for what they do:
+/// Passes rows to other sinks in a separate thread, so that a run does not wait for them:
 ///
 ///     simulator.AddLog(Hz(1000), signals, {std::make_shared<BackgroundLog>(csv)});
 ///
-/// Rows come in order, block by block, with the first row after half a second of the clock at the latest.
-/// Blocks are few: where the sinks are slower than the run, the run helps. When it pauses or ends, Flush
-/// waits until all is done; what a sink has gathered may be read from then on.
+/// Rows arrive in order, in blocks, at most half a second of wall-clock time late. If all blocks are full
+/// because the sinks are slower than the run, the run's thread also works on them. Flush, which is called
+/// when the run pauses or ends, waits until all rows are processed; the sinks' contents may be read after
+/// that.
 ///
-/// What a sink throws for a row comes out of a later Row, and out of every Flush; none of them gets more
-/// rows.
+/// An exception that a sink throws for a row is thrown again by a later Row and by every Flush; no sink
+/// receives further rows.
 class BackgroundLog final : public LogSink {
  public:
   explicit BackgroundLog(std::vector<std::shared_ptr<LogSink>> sinks) : sinks_(std::move(sinks)) {}
@@ -47,15 +48,15 @@ class BackgroundLog final : public LogSink {
 
   static constexpr std::size_t kBlocks = 4;
   std::size_t columns_ = 0;
-  std::array<Block, kBlocks> blocks_;  ///< a ring: one is filled, those before it wait or are worked on
+  std::array<Block, kBlocks> blocks_;  ///< ring: one is filled, those before it wait or are in progress
   Clock::time_point handed_over_ = Clock::now();
 
-  std::mutex working_;  ///< held while sinks work
+  std::mutex working_;  ///< locked while sinks work
   std::vector<std::shared_ptr<LogSink>> sinks_;
 
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< protects the members below
   std::condition_variable work_;
-  std::size_t handed_ = 0, done_ = 0;  ///< blocks so far
+  std::size_t handed_ = 0, done_ = 0;  ///< blocks counted from the start
   std::exception_ptr failure_;
   bool ends_ = false;
   std::thread thread_;

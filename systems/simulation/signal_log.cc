@@ -56,7 +56,7 @@ CsvLog::~CsvLog() {
   try {
     Flush();
   } catch (const OutputError&) {
-    // A run flushes at its end, and says so there.
+    // errors were reported by the run, which flushes at its end
   }
 }
 
@@ -76,7 +76,8 @@ void CsvLog::Row(std::span<const double> row) {
   if (buffer_.size() - used_ < longest_row_) Flush();
   char* end = buffer_.data() + used_;
   for (const double& value : row) {
-    // Nine digits: more than any sensor has, half the file of the full seventeen. Time is exact.
+    // Nine digits exceed the precision of any sensor, and halve the file compared with 17. Time has 15
+    // digits.
     end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
     *end++ = ',';
   }
@@ -95,16 +96,17 @@ void CsvLog::DropFrom(double time, bool after) {
   file_.Truncate(FindRow(time, after));
 }
 
-/// Where the first row to be dropped begins, by bisection: rows are in the order of time.
+/// Finds the beginning of the first row to be dropped by bisection; rows are in order of time.
 std::size_t CsvLog::FindRow(double time, bool after) const {
   std::ifstream file(file_.path(), std::ios::binary);
   std::string row;
-  const double rounding = 1e-14 * std::abs(time);         // of the digits in the file
-  std::size_t kept = first_row_, dropped = file_.size();  // where a row begins that may be dropped; that is
+  const double rounding = 1e-14 * std::abs(time);  // of times in the file
+  std::size_t kept = first_row_,
+              dropped = file_.size();  // row beginnings: tested, known to be dropped
   while (kept < dropped) {
     std::size_t begin = kept + (dropped - kept) / 2;
     file.seekg(static_cast<std::streamoff>(begin));
-    if (std::getline(file, row)) begin += row.size() + 1;  // the rest of a row
+    if (std::getline(file, row)) begin += row.size() + 1;  // skip the rest of a row
     if (begin >= dropped) begin = kept;
     file.clear();
     file.seekg(static_cast<std::streamoff>(begin));
@@ -112,8 +114,8 @@ std::size_t CsvLog::FindRow(double time, bool after) const {
     if (!std::getline(file, row) ||
         std::from_chars(row.data(), row.data() + row.size(), of_row).ec != std::errc()) {
       throw OutputError(fmt::format(
-          "cannot set '{}' back to t = {} s: it was changed, or cannot be read; log into a file of "
-          "its own, or call HoldLogs",
+          "cannot set '{}' back to t = {} s: it was changed or cannot be read; log to another file, "
+          "or call HoldLogs",
           file_.path().string(), time));
     }
     if (of_row < time - rounding || (after && of_row <= time + rounding)) {
@@ -136,7 +138,7 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
     using enum internal::TypeInfo::Kind;
     if (const auto kind = signal->type_->kind; kind != kText && kind != kOpaque) continue;
     throw ParameterError(
-        fmt::format("'{}' is of type {}, of which a log has no numbers: log another signal, give a struct a "
+        fmt::format("'{}' is of type {}, which has no numbers to log: log another signal, give the struct a "
                     "Fields(), or read it by a Publish",
                     signal->path(), signal->type_name()));
   }
@@ -156,11 +158,10 @@ SignalLog::Columns SignalLog::ListColumns() const {
     for (const Element& element : elements) {
       const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
       if (const auto [first, is_new] = signal_of.emplace(name, i); !is_new) {
-        throw ParameterError(
-            fmt::format("a log cannot have two columns '{}': of '{}' (signal {}) and of '{}' (signal {}); "
-                        "log each signal "
-                        "once, of a state and the output that shows it one, or give elements other names",
-                        name, signals_[first->second]->path(), first->second + 1, signal.path(), i + 1));
+        throw ParameterError(fmt::format(
+            "a log cannot have two columns '{}', from '{}' (signal {}) and '{}' (signal {}): log each signal "
+            "once, a state or the output that shows it, or give the elements other names",
+            name, signals_[first->second]->path(), first->second + 1, signal.path(), i + 1));
       }
       columns.names.push_back(name);
       columns.units.push_back(element.unit);
@@ -169,7 +170,7 @@ SignalLog::Columns SignalLog::ListColumns() const {
   return columns;
 }
 
-/// Sizes known at run time only show in the values, not in the ports: so the header waits for the first row.
+/// Writes the header, which waits for the first row because it may depend on sizes known only at run time.
 void SignalLog::Begin() {
   for (const Source* signal : signals_) static_cast<void>(context_.EvalAddress(*signal));
   Columns columns = ListColumns();
@@ -186,10 +187,10 @@ void SignalLog::Sample() {
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const void* value = context_.Address(*signals_[i]);
     if (const std::size_t size = internal::CountScalars(*signals_[i]->type_, value); size != sizes_[i]) {
-      throw RunError(
-          fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals "
-                      "of constant size",
-                      signals_[i]->path(), sizes_[i], size, context_.time()));
+      throw RunError(fmt::format(
+          "'{}' had {} elements in the first row of its log and has {} at t = {} s: log only signals "
+          "of constant size",
+          signals_[i]->path(), sizes_[i], size, context_.time()));
     }
     out = internal::ToDoubles(*signals_[i]->type_, value, out);
   }
@@ -209,7 +210,7 @@ void SignalLog::HandOver(std::span<const double> row) {
 void SignalLog::Hold(double seconds) {
   if (!(seconds > 0) || !std::isfinite(seconds))
     throw ParameterError(fmt::format(
-        "logs cannot be held for {} s: give a positive time, and ReleaseLogs to hold them no more", seconds));
+        "logs cannot be held for {} s: give a positive time, or call ReleaseLogs to end holding", seconds));
   hold_ = seconds;
 }
 
@@ -233,7 +234,7 @@ void SignalLog::DropFrom(double time, bool after) {
 }
 
 void SignalLog::Release() {
-  hold_ = 0;  // whatever a sink throws: what it has gathered is flushed
+  hold_ = 0;  // even if a sink throws: its rows will be flushed
   HandOver(std::numeric_limits<double>::infinity());
 }
 
