@@ -33,8 +33,8 @@ Rational ToRational(double value, const char* what, const char* unit) {
     rest = 1 / (rest - whole);
   }
   throw ParameterError(
-      fmt::format("{} of {} {} is no fraction with a denominator up to {}: ticks are exact fractions of a "
-                  "second, so round it",
+      fmt::format("{} of {} {} is not a fraction with a denominator up to {}: ticks are exact fractions of "
+                  "a second, so round it",
                   what, value, unit, kMaxDenominator));
 }
 

@@ -38,7 +38,8 @@ class Copy {
   void* memory_;
 };
 
-/// A matrix keeps its size: what is computed from it has been laid out for that.
+/// Throws ParameterError if a matrix would change its size: values computed from
+/// it have fixed sizes.
 void CheckSize(const std::string& path, const internal::TypeInfo& type, const void* present,
                const void* value) {
   if (type.kind != internal::TypeInfo::Kind::kMatrix || (type.rows >= 0 && type.cols >= 0)) return;
@@ -46,9 +47,9 @@ void CheckSize(const std::string& path, const internal::TypeInfo& type, const vo
   type.shape(present, &rows, &cols);
   type.shape(value, &given_rows, &given_cols);
   if (rows == given_rows && cols == given_cols) return;
-  throw ParameterError(fmt::format(
-      "parameter '{}' is {} x {}, but the value is {} x {}: its size is that of its initial value", path,
-      rows, cols, given_rows, given_cols));
+  throw ParameterError(
+      fmt::format("parameter '{}' is {} x {}, but the value is {} x {}: its size cannot change", path, rows,
+                  cols, given_rows, given_cols));
 }
 
 }  // namespace
@@ -83,7 +84,7 @@ Context::~Context() {
 
 std::unique_ptr<Context> Context::Clone() const {
   const internal::Program& program = diagram_->program();
-  // Not through the public constructor, which makes initial values only to have them overwritten.
+  // The public constructor would make initial values only to overwrite them.
   std::unique_ptr<Context> clone(new Context(*this, program));
   return clone;
 }
@@ -101,7 +102,7 @@ Context::Context(const Context& other, const internal::Program& program)
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
       step_start_(other.step_start_) {
-  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, made next
+  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, copied next
   for (const Cell& cell : program.objects) {
     const Source& source = *cell.source;
     const bool own = source.kind() == SourceKind::kWorkspace;
@@ -126,7 +127,8 @@ void Context::CheckOwned(const Source& source) const {
 void Context::CheckReadable(const Source& source) const {
   CheckOwned(source);
   if (source.kind() == SourceKind::kPublish)
-    throw RunError(fmt::format("'{}' has no value that could be read: it is a side effect", source.path()));
+    throw RunError(
+        fmt::format("'{}' is a side effect and has no value: read the ports that it uses", source.path()));
 }
 
 const std::byte* Context::Address(const Source& source) const {
@@ -152,7 +154,7 @@ bool Context::IsKnown(const Source& source) const {
   return IsFresh(diagram_->program().calculations[source.calculation_].op);
 }
 
-/// The numbers that a source holds, fresh or not.
+/// The numbers that a source holds, whether fresh or stale.
 std::vector<double> Context::HeldNumbers(const Source& source) const {
   const void* value = Address(source);
   std::vector<double> doubles(internal::CountScalars(*source.type_, value));
@@ -174,10 +176,10 @@ void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();
   if (source.kind() == SourceKind::kInput && origin.kind() != SourceKind::kInput) {
-    throw RunError(
-        fmt::format("input '{}' is connected to '{}': set that or what it depends on, or build the diagram "
-                    "without the connection",
-                    source.path(), origin.path()));
+    throw RunError(fmt::format(
+        "input '{}' is connected to '{}': set that source or its prerequisites, or build the diagram "
+        "without the connection",
+        source.path(), origin.path()));
   }
   if (origin.calculation_ >= 0 && !diagram_->program().calculations[origin.calculation_].sampled) {
     throw RunError(
@@ -222,10 +224,8 @@ void Context::Assign(const Assignment& assignment) {
     const std::size_t size = internal::CountScalars(*source.type_, Address(source)),
                       given = internal::CountScalars(*source.type_, assignment.value);
     if (size != given) {
-      throw RunError(
-          fmt::format("state '{}' has {} elements, but the value has {}: its size is that of its "
-                      "initial value",
-                      source.path(), size, given));
+      throw RunError(fmt::format("state '{}' has {} elements, but the value has {}: its size cannot change",
+                                 source.path(), size, given));
     }
   }
   source.type_->assign(MutableAddress(source), assignment.value);
@@ -236,8 +236,7 @@ void Context::AssignParameters(std::span<const Assignment> list) {
   for (const Assignment& each : list) {
     CheckOwned(*each.source);
     if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {
-      throw ParameterError(
-          fmt::format("parameter '{}' cannot be set to what is not a number (NaN)", each.source->path()));
+      throw ParameterError(fmt::format("parameter '{}' cannot be set to NaN", each.source->path()));
     }
     CheckSize(each.source->path(), *each.source->type_, Address(*each.source), each.value);
   }
@@ -257,8 +256,8 @@ void Context::AssignParameters(std::span<const Assignment> list) {
     try {
       static_cast<const Leaf&>(block).ValidateParameters(values);
     } catch (const ParameterError& error) {
-      std::throw_with_nested(ParameterError(
-          fmt::format("parameter '{}' cannot be set so: {}", each.source->path(), error.what())));
+      std::throw_with_nested(
+          ParameterError(fmt::format("parameter '{}' cannot be set: {}", each.source->path(), error.what())));
     }
   }
   for (const Assignment& each : list) each.source->type_->assign(MutableAddress(*each.source), each.value);
@@ -268,8 +267,9 @@ void Context::CheckFixed(const Source& origin) const {
   const auto& open = diagram_->program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (open[i] != &origin || fixed_[i]) continue;
-    throw RunError(fmt::format("input '{}' is open and has no value: fix it before the first evaluation",
-                               origin.path()));
+    throw RunError(fmt::format(
+        "input '{}' is not connected and has no value: connect it, or set it before the first evaluation",
+        origin.path()));
   }
 }
 
@@ -280,9 +280,8 @@ void Context::CheckAllFixed() const {
 void Context::CheckSample(const CalculationInfo& sampled) const {
   if (stamps_[sampled.op.calculation] != 0) return;
   throw RunError(
-      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator or "
-                  "step the block, "
-                  "or declare an initial value",
+      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator, "
+                  "step the block, or declare an initial value",
                   sampled.source->path(), time()));
 }
 
@@ -312,7 +311,7 @@ bool Context::IsFresh(const Op& op) const {
   return op.varies ? stamps_[op.calculation] == instant_ : stamps_[op.calculation] != 0;
 }
 
-/// After a change by hand: nothing that was computed holds.
+/// Marks every computed value stale after a change from outside the run.
 void Context::MarkAllStale(bool settled) {
   ++edition_;
   step_start_.valid = false;
@@ -468,7 +467,7 @@ void Context::RunStale(std::span<const Op> ops) {
   }
 }
 
-/// The same as the two above.
+/// RunAll and RunStale with a profiler.
 void Context::RunProfiled(std::span<const Op> ops, bool all) {
   const std::size_t before = profiler_->current();
   for (const Op& op : ops) {
@@ -493,7 +492,7 @@ void Context::RethrowFrom(const Op& op) const {
         RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what())));
   } catch (...) {
     std::throw_with_nested(RunError(fmt::format(
-        "'{}' failed at t = {} s: it threw something that is no std::exception", source.path(), time())));
+        "'{}' failed at t = {} s: it threw an object that is not a std::exception", source.path(), time())));
   }
 }
 
@@ -504,20 +503,20 @@ void Context::Invalidate(const std::vector<std::uint32_t>& calculations) {
 void Context::ReadWitnesses(double* values) const {
   for (const internal::WitnessPlan& plan : diagram_->program().witness_plans) {
     const std::byte* address = Address(*plan.witness);
-    // Pieces are small integers, which a double holds exactly.
+    // Pieces are small integers, which a double represents exactly.
     *values = plan.is_kink ? static_cast<double>(*reinterpret_cast<const std::int64_t*>(address))
                            : *reinterpret_cast<const double*>(address);
     if (std::isnan(*values)) {
-      throw RunError(fmt::format(
-          "witness '{}' is nan at t = {} s, so that it never crosses zero: check its function and "
-          "what it uses",
-          plan.witness->path(), time()));
+      throw RunError(
+          fmt::format("witness '{}' is nan at t = {} s and can never cross zero: check its function and "
+                      "the values that it uses",
+                      plan.witness->path(), time()));
     }
     ++values;
   }
 }
 
-/// A NaN in any state, or an infinity in one that is integrated, is reported where it enters.
+/// Throws RunError for a NaN in any new state, or an infinity in a continuous state.
 void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
   if (!checks_values_ || (internal::AllFinite(memory_.get(), plan.doubles) && plan.movable.empty())) return;
   for (const internal::Commit& commit : plan.commits) {
@@ -525,7 +524,7 @@ void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
     const bool integrated = commit.state->kind() == SourceKind::kContinuous;
     if (found == Finiteness::kNan || (integrated && found != Finiteness::kFinite)) {
       throw RunError(
-          fmt::format("state {} at t = {} s, set so by its update: correct the update, or what it uses",
+          fmt::format("state {} at t = {} s after its update: correct the update or the values that it uses",
                       DescribeNonFinite(*commit.state, *commit.next), time()));
     }
   }
@@ -554,7 +553,7 @@ std::string Context::DescribeNonFinite(const Source& source, const Source& holde
   const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
   std::vector<double> doubles(elements.size());
   internal::ToDoubles(*source.type_, value, doubles.data());
-  // A NaN before an infinity, which is legitimate in a bound.
+  // Report a NaN before an infinity, which is legitimate in a bound.
   for (const bool nan : {true, false}) {
     for (std::size_t i = 0; i < doubles.size(); ++i) {
       if (nan ? !std::isnan(doubles[i]) : !std::isinf(doubles[i])) continue;
@@ -568,7 +567,7 @@ std::string Context::DescribeNonFinite(const Source& source, const Source& holde
 std::string Context::DescribeNonFinite() const {
   const internal::Program& program = diagram_->program();
   const auto describe = [&](const Source& source) { return DescribeNonFinite(source, source); };
-  // A NaN before an infinity: infinite bounds are legitimate.
+  // Report a NaN before an infinity: infinite bounds are legitimate.
   for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
     for (const Source* state : program.continuous) {
       if (internal::FinitenessOf(*state->type_, Address(*state)) == sought) return describe(*state);

@@ -15,7 +15,7 @@ namespace {
 using internal::CalculationInfo;
 using internal::Program;
 
-/// The class of a block as one writes it, without our namespace.
+/// The class of a block as written in code, without Tenon's namespaces.
 std::string ClassName(const System& block) {
   const std::unique_ptr<char, decltype(&std::free)> name(
       abi::__cxa_demangle(typeid(block).name(), nullptr, nullptr, nullptr), &std::free);
@@ -23,7 +23,7 @@ std::string ClassName(const System& block) {
   for (const std::string ours : {"tenon::", "(anonymous namespace)::", "internal::"}) {
     for (std::size_t at; (at = text.find(ours)) != std::string::npos;) text.erase(at, ours.size());
   }
-  constexpr std::size_t kLongest = 60;  // functions' blocks are called after their lambdas
+  constexpr std::size_t kLongest = 60;  // blocks made by AddFunction are named after their lambdas
   return text.size() > kLongest ? text.substr(0, text.find('<')) : text;
 }
 
@@ -131,10 +131,10 @@ class Description {
                             static_cast<double>(group.offset.denominator);
       text_ +=
           fmt::format("  every {:g} ms{}{}\n", period, offset > 0 ? fmt::format(" from {:g} ms", offset) : "",
-                      group.feeds ? ", restarts the integrator" : ", reads only");
+                      group.feeds ? ", restarts the integrator" : ", does not restart the integrator");
       const internal::TickPlan plan = program_.MakeTick({static_cast<int>(i)});
       WriteOps("computes", plan.outputs);
-      WriteOps("asks", plan.monitors);
+      WriteOps("monitors", plan.monitors);
       WriteOps("updates", plan.updates.ops);
     }
     if (program_.groups.size() < 2) return;
@@ -149,9 +149,9 @@ class Description {
     text_ += fmt::format("Integration of {} states\n", program_.num_continuous);
     WriteOps("before", program_.held);
     WriteOps("at each stage", program_.derivatives.ops);
-    WriteOps("looks for zeros of", program_.witnesses.ops);
+    WriteOps("detects zero crossings of", program_.witnesses.ops);
     WriteOps("after each step", program_.each_step.ops);
-    WriteOps("after each step asks", program_.each_step_monitors);
+    WriteOps("monitors after each step", program_.each_step_monitors);
     std::string restarts;
     for (const CalculationInfo& info : program_.calculations) {
       const Source& source = *info.source;
@@ -159,7 +159,7 @@ class Description {
       if (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kUpdate)
         restarts += fmt::format("{}{}", restarts.empty() ? "" : ", ", source.path());
     }
-    if (!restarts.empty()) text_ += fmt::format("  starts again after: {}\n", restarts);
+    if (!restarts.empty()) text_ += fmt::format("  restarts after: {}\n", restarts);
   }
 
   void WriteOps(const char* what, const internal::OpList& ops) {

@@ -80,7 +80,7 @@ const Source& Diagram::Find(std::string_view path) const {
   ForEachBlock(blocks_, [&](const System& block) {
     for (const Source* source : block.sources()) {
       names.push_back(source->path());
-      // A state and the output that shows it have the same name: prefer the port.
+      // A state and the output that shows it may have the same name: prefer the output.
       if (names.back() == path && (found == nullptr || source->kind() == SourceKind::kOutput)) found = source;
     }
   });

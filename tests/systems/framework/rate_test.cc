@@ -58,13 +58,11 @@ TEST(RateTest, WhatIsNoRateIsRefused) {
 }
 
 TEST(RateTest, WhatIsNoFractionOfTwelveDigitsIsRefused) {
-  EXPECT_THAT(
-      [] { Hz(0.03141592653589793); },
-      ThrowsMessage<ParameterError>(AllOf(HasSubstr("a rate of 0.03141592653589793 Hz is no fraction"),
-                                          HasSubstr("up to 1000000"), HasSubstr("round it"))));
-  EXPECT_THAT(
-      [] { Seconds(0.01414213562373095); },
-      ThrowsMessage<ParameterError>(HasSubstr("a sample period of 0.01414213562373095 s is no fraction")));
+  EXPECT_THAT([] { Hz(0.03141592653589793); },
+              ThrowsMessage<ParameterError>(AllOf(HasSubstr("a rate of 0.03141592653589793 Hz"),
+                                                  HasSubstr("up to 1000000"), HasSubstr("round it"))));
+  EXPECT_THAT([] { Seconds(0.01414213562373095); },
+              ThrowsMessage<ParameterError>(HasSubstr("a sample period of 0.01414213562373095 s")));
   EXPECT_NEAR(Hz(31.41592653589793).hz(), 31.41592653589793, 1e-10);  // a large number is one soon
 }
 
