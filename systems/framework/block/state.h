@@ -264,8 +264,8 @@ class Monitor : public Calculated<Verdict> {
   using Value = Verdict;
   template <class When, class... A, class F>
   requires(std::is_same_v<When, Sampled> || std::is_same_v<When, EachStep>)
-  Monitor(Leaf* owner, std::string name, When when, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
+      Monitor(Leaf* owner, std::string name, When when, UsesList<A...> uses, F function,
+              std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger(when);
     Calculate(std::move(uses), std::move(function), tag);
