@@ -130,7 +130,7 @@ struct Trigger {
   Trigger(const Witness& witness);
 
   When when = When::kAlways;
-  Sampled sampled{Rate(1, 1)};
+  Sampled sampled{Rate::FromPeriod(1, 1)};
   const Witness* witness = nullptr;
 };
 

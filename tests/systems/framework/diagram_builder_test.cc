@@ -447,9 +447,9 @@ TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
 
 TEST(DiagramBuilderTest, IncommensurableRatesAreRefused) {
   DiagramBuilder builder;
-  builder.Add<Counter>("a", Sampled{Rate(1, 999983)});
-  builder.Add<Counter>("b", Sampled{Rate(1, 999979)});
-  builder.Add<Counter>("c", Sampled{Rate(1, 999961)});
+  builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 999983)});
+  builder.Add<Counter>("b", Sampled{Rate::FromPeriod(1, 999979)});
+  builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 999961)});
   EXPECT_THAT([&] { builder.Build(); }, ThrowsMessage<BuildError>(AllOf(
                                             HasSubstr("'a.next n'"), HasSubstr("'c.next n'"),
                                             HasSubstr("no common tick"), HasSubstr("round their periods"))));
@@ -457,9 +457,9 @@ TEST(DiagramBuilderTest, IncommensurableRatesAreRefused) {
 
 TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
   DiagramBuilder builder;
-  auto& a = builder.Add<Counter>("a", Sampled{Rate(1, 99991)});
-  auto& b = builder.Add<Counter>("b", Sampled{Rate(100003, 1000000)});
-  auto& c = builder.Add<Counter>("c", Sampled{Rate(1, 1000)});
+  auto& a = builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 99991)});
+  auto& b = builder.Add<Counter>("b", Sampled{Rate::FromPeriod(100003, 1000000)});
+  auto& c = builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 1000)});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   simulator.RunTo(1);
