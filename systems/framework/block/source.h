@@ -94,7 +94,6 @@ struct Slot {
 
 /// The kind of a Source, which decides where its value is kept and when it is computed.
 enum class SourceKind {
-  kTime,
   kInput,       ///< an input port; its driver provides the value
   kOutput,      ///< an output port with a calculation, or with a driver (a state, an inner port)
   kContinuous,  ///< a continuous state

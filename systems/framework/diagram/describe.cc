@@ -1,12 +1,9 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 
-#include <cxxabi.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <memory>
 #include <typeinfo>
 
 namespace tenon {
@@ -17,9 +14,7 @@ using internal::Program;
 
 /// The class of a block as written in code, without Tenon's namespaces.
 std::string ClassName(const System& block) {
-  const std::unique_ptr<char, decltype(&std::free)> name(
-      abi::__cxa_demangle(typeid(block).name(), nullptr, nullptr, nullptr), &std::free);
-  std::string text = name ? name.get() : typeid(block).name();
+  std::string text = internal::Demangled(typeid(block).name());
   for (const std::string ours : {"tenon::", "(anonymous namespace)::", "internal::"}) {
     for (std::size_t at; (at = text.find(ours)) != std::string::npos;) text.erase(at, ours.size());
   }
@@ -83,7 +78,6 @@ const char* KindName(SourceKind kind) {
       return "monitor";
     case SourceKind::kPublish:
       return "publish";
-    case SourceKind::kTime:
     case SourceKind::kDerivative:
       break;
   }

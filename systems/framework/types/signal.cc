@@ -302,10 +302,7 @@ Finiteness FinitenessOf(const TypeInfo& type, const void* value) {
   ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
     if (!IsReal(kind)) return;
     WithKind(kind, data, [&](const auto* first) {
-      // The sum of 0 x is 0 unless one is not finite.
-      double zero = 0;
-      for (std::size_t i = 0; i < count; ++i) zero += 0 * static_cast<double>(first[i]);
-      if (zero == 0) return;
+      if (AllFinite(first, count)) return;
       for (std::size_t i = 0; i < count; ++i) {
         if (std::isnan(first[i])) worst = Finiteness::kNan;
       }

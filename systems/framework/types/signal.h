@@ -104,6 +104,15 @@ void Load(bool& value, Archive& archive);  ///< throws RunError for a byte that 
 
 void SetZero(const TypeInfo& type, void* value);
 
+/// True if all numbers are finite.
+template <class T>
+bool AllFinite(const T* numbers, std::size_t count) {
+  // The sum of 0 x is 0 if and only if every x is finite.
+  double zero = 0;
+  for (std::size_t i = 0; i < count; ++i) zero += 0 * static_cast<double>(numbers[i]);
+  return zero == 0;
+}
+
 /// A value of type T with every number in it zero.
 template <class T>
 T Zeroed() {

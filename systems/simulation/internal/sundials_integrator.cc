@@ -91,13 +91,6 @@ bool HasFeedingTicks(const internal::Program& program) {
                      [](const internal::SampleGroup& group) { return group.feeds; });
 }
 
-bool AllFinite(const double* values, int size) {
-  // The sum of 0 x is 0 if and only if every x is finite.
-  double zero = 0;
-  for (int i = 0; i < size; ++i) zero += 0 * values[i];
-  return zero == 0;
-}
-
 /// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.
 double EvenStep(double remaining, double wanted) {
   if (std::isinf(remaining)) return wanted;
@@ -240,7 +233,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   live = true;
   edition = context.edition_;
   interpolant.Restart();
-  if (!AllFinite(solver.states(), program.num_continuous)) ThrowNonFiniteState(time);
+  if (!internal::AllFinite(solver.states(), before.size())) ThrowNonFiniteState(time);
   solver.Restart(time, end, step);
 }
 
@@ -475,7 +468,7 @@ void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
   context.CalcRunDerivatives(std::min(t, last_instant), x, xdot);
-  if (AllFinite(xdot, program.num_continuous)) return;
+  if (internal::AllFinite(xdot, before.size())) return;
   throw RunError(
       fmt::format("{} at t = {} s, inside an integrator step: the run cannot continue; check that "
                   "block and its inputs",
@@ -519,7 +512,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     thrown = std::current_exception();
     return -1;
   }
-  if (AllFinite(ydot, size)) {
+  if (internal::AllFinite(ydot, before.size())) {
     if (checks_stages) KeepStage(t, ydot);
     not_finite.clear();
     return 0;

@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/source.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -98,13 +99,9 @@ struct TickPlan {
 
 /// Returns whether the numbers are finite; `memory` is a context's.
 inline bool AllFinite(const std::byte* memory, std::span<const ScalarRun> doubles) {
-  // The sum of 0 x is 0 if and only if every x is finite.
-  double zero = 0;
-  for (const ScalarRun& run : doubles) {
-    const auto* x = reinterpret_cast<const double*>(memory + run.offset);
-    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
-  }
-  return zero == 0;
+  return std::ranges::all_of(doubles, [&](const ScalarRun& run) {
+    return AllFinite(reinterpret_cast<const double*>(memory + run.offset), run.count);
+  });
 }
 
 /// A Witness with its updates, or a Kink, which has none.

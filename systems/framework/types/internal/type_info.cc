@@ -1,5 +1,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <cxxabi.h>
 #include <fmt/core.h>
@@ -92,13 +93,6 @@ std::string MatrixName(int rows, int cols, const std::string& scalar) {
   return fmt::format("Mat<{}, {}{}>", Extent(rows), Extent(cols), of);
 }
 
-std::string Demangled(const char* name) {
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
-                                                    std::free);
-  return status == 0 ? text.get() : name;
-}
-
 /// Removes namespaces, and writes matrices among template arguments like MatrixName.
 std::string Shortened(std::string name) {
   static const std::regex kNamespaces(R"(tenon::|\(anonymous namespace\)::)");
@@ -113,6 +107,13 @@ std::string Shortened(std::string name) {
 }
 
 }  // namespace
+
+std::string Demangled(const char* name) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
+                                                    std::free);
+  return status == 0 ? text.get() : name;
+}
 
 std::string TypeName(const TypeInfo& type) {
   switch (type.kind) {
@@ -129,6 +130,20 @@ std::string TypeName(const TypeInfo& type) {
     default:
       return Shortened(Demangled(type.id->name()));
   }
+}
+
+AnyValue::Memory AnyValue::Allocate(const TypeInfo& type) {
+  const auto alignment = static_cast<std::align_val_t>(type.alignment);
+  return {::operator new(type.size, alignment), {alignment}};
+}
+
+AnyValue::AnyValue(const TypeInfo& type, const void* model) : type_(type), memory_(Allocate(type)) {
+  type.copy_construct(get(), model);
+}
+
+AnyValue::AnyValue(const TypeInfo& type, std::byte content) : type_(type), memory_(Allocate(type)) {
+  std::memset(get(), static_cast<int>(content), type.size);
+  type.construct(get());
 }
 
 std::size_t SizeOf(ScalarKind kind) {
@@ -150,32 +165,6 @@ void StoreInteger(ScalarKind kind, void* value, long long integer) {
 
 namespace {
 
-/// A value made by `T value;` in memory filled with the byte `content`.
-class Made {
- public:
-  Made(const TypeInfo& type, int content) : type_(type), memory_(::operator new(type.size, alignment())) {
-    std::memset(memory_, content, type.size);
-    try {
-      type.construct(memory_);
-    } catch (...) {
-      ::operator delete(memory_, alignment());
-      throw;
-    }
-  }
-  ~Made() {
-    type_.destroy(memory_);
-    ::operator delete(memory_, alignment());
-  }
-  Made(const Made&) = delete;
-  Made& operator=(const Made&) = delete;
-  const std::byte* memory() const { return static_cast<const std::byte*>(memory_); }
-
- private:
-  std::align_val_t alignment() const { return std::align_val_t(type_.alignment); }
-  const TypeInfo& type_;
-  void* memory_;
-};
-
 /// Number of elements of a vector or items of an array; 0 if there is none or it is known only at run time.
 std::size_t NumNamed(const TypeInfo& type) {
   if (type.kind == Kind::kArray) return type.count;
@@ -195,12 +184,13 @@ void CheckElementNames(const TypeInfo& type) {
 /// Members that a constructor leaves uninitialised differ if the memory differed before.
 void CheckMembersAreWritten(const TypeInfo& type) {
   if (type.kind != Kind::kStruct || type.construct == nullptr) return;
-  const Made one(type, 0x00), other(type, 0xa5);
+  const AnyValue one(type, std::byte{0x00}), other(type, std::byte{0xa5});
+  const auto *first = static_cast<const std::byte*>(one.get()),
+             *second = static_cast<const std::byte*>(other.get());
   for (const Field& field : type.fields) {
     for (const ScalarRun& run : field.type().runs) {
       const std::size_t offset = field.offset + run.offset;
-      if (std::memcmp(one.memory() + offset, other.memory() + offset, run.count * SizeOf(run.kind)) == 0)
-        continue;
+      if (std::memcmp(first + offset, second + offset, run.count * SizeOf(run.kind)) == 0) continue;
       throw BuildError(
           fmt::format("member '{}' of {} is uninitialised in `{} value;`. Give it a value where "
                       "it is declared: `= 0`, `= Vec<3>::Zero()`; braces do not make an Eigen matrix zero",

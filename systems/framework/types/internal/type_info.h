@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
@@ -159,9 +160,34 @@ struct TypeInfo {
   bool fixed = false;
 };
 
+/// The name of a class in C++, from std::type_info::name.
+std::string Demangled(const char* name);
 /// The type as written in code without namespaces: "LeggedState", "Vec<12>", "Mat<3, 3>",
 /// "std::vector<Shape>". X stands for a number of rows or columns that is known only at run time.
 std::string TypeName(const TypeInfo& type);
+
+/// A value whose type is known only at run time.
+class AnyValue {
+ public:
+  /// A copy of `model`.
+  AnyValue(const TypeInfo& type, const void* model);
+  /// A default constructed value, in memory filled with the byte `content`; needs TypeInfo::construct.
+  AnyValue(const TypeInfo& type, std::byte content);
+  ~AnyValue() { type_.destroy(get()); }
+  AnyValue(const AnyValue&) = delete;
+  AnyValue& operator=(const AnyValue&) = delete;
+  void* get() const { return memory_.get(); }
+
+ private:
+  struct Free {
+    std::align_val_t alignment;
+    void operator()(void* memory) const { ::operator delete(memory, alignment); }
+  };
+  using Memory = std::unique_ptr<void, Free>;
+  static Memory Allocate(const TypeInfo& type);
+  const TypeInfo& type_;
+  Memory memory_;
+};
 
 /// Visits every number in a value, in order; see Walk.
 class ValueVisitor {
