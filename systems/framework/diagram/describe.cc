@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <iterator>
 #include <typeinfo>
 
 namespace tenon {
@@ -46,43 +46,12 @@ std::string When(const Source& source) {
   return "";
 }
 
-const char* KindName(SourceKind kind) {
-  switch (kind) {
-    case SourceKind::kInput:
-      return "input";
-    case SourceKind::kOutput:
-      return "output";
-    case SourceKind::kContinuous:
-      return "continuous state";
-    case SourceKind::kDiscrete:
-      return "discrete state";
-    case SourceKind::kParameter:
-      return "parameter";
-    case SourceKind::kUpdate:
-      return "update";
-    case SourceKind::kShared:
-      return "shared";
-    case SourceKind::kScratch:
-      return "scratch";
-    case SourceKind::kWorkspace:
-      return "workspace";
-    case SourceKind::kRandom:
-      return "random";
-    case SourceKind::kWitness:
-      return "witness";
-    case SourceKind::kKink:
-      return "kink";
-    case SourceKind::kNextJump:
-      return "next jump";
-    case SourceKind::kMonitor:
-      return "monitor";
-    case SourceKind::kPublish:
-      return "publish";
-    case SourceKind::kDerivative:
-      break;
-  }
-  return "derivative";
-}
+/// Names of the kinds, in the order of SourceKind.
+constexpr const char* kKindNames[] = {"input",          "output",    "continuous state", "derivative",
+                                      "discrete state", "parameter", "update",           "shared",
+                                      "scratch",        "workspace", "random",           "witness",
+                                      "kink",           "next jump", "monitor",          "publish"};
+static_assert(std::size(kKindNames) == static_cast<std::size_t>(SourceKind::kPublish) + 1);
 
 class Description {
  public:
@@ -106,8 +75,9 @@ class Description {
         if (source->driver() != nullptr) from = fmt::format(" <- {}", source->driver()->path());
         const bool open = source->kind() == SourceKind::kInput && source->driver() == nullptr;
         if (open) from = source->is_optional() ? ", has a default" : ", open";
-        text_ += fmt::format("{}  {} {}: {}{}{}{}\n", indent, KindName(source->kind()), source->name(),
-                             source->type_name(), Units(*source), When(*source), from);
+        text_ +=
+            fmt::format("{}  {} {}: {}{}{}{}\n", indent, kKindNames[static_cast<std::size_t>(source->kind())],
+                        source->name(), source->type_name(), Units(*source), When(*source), from);
       }
       if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
         WriteBlocks(nested->blocks(), indent + "  ");
