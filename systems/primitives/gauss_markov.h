@@ -43,12 +43,9 @@ class GaussMarkov final : public LeafSystem<GaussMarkovParams<T>> {
  public:
   using LeafSystem<GaussMarkovParams<T>>::LeafSystem;
   using LeafSystem<GaussMarkovParams<T>>::params;
-  Parameter<T> standard_deviation{this,
-                                  {"standard_deviation", params.unit, params.elements},
-                                  params.standard_deviation,
-                                  "standard deviation of y"};
-  Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "time in which the correlation of y falls by 63 %"};
+  Parameter<T> standard_deviation{
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "correlation time"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

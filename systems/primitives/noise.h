@@ -43,10 +43,8 @@ class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
-  Parameter<T> standard_deviation{this,
-                                  {"standard_deviation", params.unit, params.elements},
-                                  params.standard_deviation,
-                                  "standard deviation of y"};
+  Parameter<T> standard_deviation{
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
   Random random{this, "random"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
@@ -76,10 +74,8 @@ class AddNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
-  Parameter<T> standard_deviation{this,
-                                  {"standard_deviation", params.unit, params.elements},
-                                  params.standard_deviation,
-                                  "standard deviation of the noise"};
+  Parameter<T> standard_deviation{
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   Random random{this, "random"};
   OutputPort<T> y{this,

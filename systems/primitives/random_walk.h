@@ -47,11 +47,9 @@ class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
   Parameter<T> density{this,
                        {"density", internal::Per(params.unit, "sqrt(s)"), params.elements},
                        params.density,
-                       "density of the integrated noise"};
-  Parameter<T> start_deviation{this,
-                               {"start_deviation", params.unit, params.elements},
-                               params.start_deviation,
-                               "standard deviation of y at the start"};
+                       "noise density"};
+  Parameter<T> start_deviation{
+      this, {"start_deviation", params.unit, params.elements}, params.start_deviation, "initial deviation"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

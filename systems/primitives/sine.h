@@ -47,10 +47,8 @@ class Sine final : public LeafSystem<SineParams<T>> {
   using LeafSystem<SineParams<T>>::params;
   Parameter<T> amplitude{
       this, {"amplitude", params.unit, params.elements}, params.amplitude, "amplitude of y"};
-  Parameter<T> angular_frequency{this,
-                                 {"angular_frequency", "rad/s", params.elements},
-                                 params.angular_frequency,
-                                 "angular frequency of y"};
+  Parameter<T> angular_frequency{
+      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency, "frequency of y"};
   Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase, "phase of y at t = 0"};
   Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset, "mean of y"};
   OutputPort<T> y{this,

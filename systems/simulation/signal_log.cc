@@ -76,8 +76,7 @@ void CsvLog::Row(std::span<const double> row) {
   if (buffer_.size() - used_ < longest_row_) Flush();
   char* end = buffer_.data() + used_;
   for (const double& value : row) {
-    // Nine digits exceed the precision of any sensor, and halve the file compared with 17. Time has 15
-    // digits.
+    // Nine digits exceed the precision of any sensor, in half the file of 17. Time has 15 digits.
     end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
     *end++ = ',';
   }
@@ -100,9 +99,8 @@ void CsvLog::DropFrom(double time, bool after) {
 std::size_t CsvLog::FindRow(double time, bool after) const {
   std::ifstream file(file_.path(), std::ios::binary);
   std::string row;
-  const double rounding = 1e-14 * std::abs(time);  // of times in the file
-  std::size_t kept = first_row_,
-              dropped = file_.size();  // row beginnings: tested, known to be dropped
+  const double rounding = 1e-14 * std::abs(time);         // of times in the file
+  std::size_t kept = first_row_, dropped = file_.size();  // the row to be found begins in [kept, dropped]
   while (kept < dropped) {
     std::size_t begin = kept + (dropped - kept) / 2;
     file.seekg(static_cast<std::streamoff>(begin));

@@ -63,8 +63,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   if (options_.seed && *options_.seed != context_->seed()) {
     throw ParameterError(
         fmt::format("SimulatorOptions: seed = {} applies to a context that the simulator creates, but "
-                    "the given context has seed {}: "
-                    "give the seed to Diagram::CreateContext",
+                    "the given context has seed {}: give the seed to Diagram::CreateContext",
                     *options_.seed, context_->seed()));
   }
   if (options_.profile) profiler_ = std::make_unique<Profiler>(program_.calculations.size());
