@@ -528,9 +528,8 @@ void Simulator::Fire(std::size_t witness) {
                       plan.witness->path(), what, now));
     }
     throw RunError(fmt::format(
-        "events of witness '{}' {} at t = {} s: its updates must move the state away from the "
-        "crossing. Add a Mode for the motion that follows (rest, contact), and enter it when events "
-        "are frequent",
+        "events of witness '{}' {} at t = {} s: its updates must move the state away from the crossing. Add "
+        "a Mode for the motion that follows (rest, contact), and enter it when events are frequent",
         plan.witness->path(), what, now));
   }
   if (plan.is_kink) {

@@ -90,10 +90,9 @@ auto Uses(const S&... sources) {
     };
     (append(sources), ...);
   } else {
-    static_assert(
-        internal::kFalse<UsesList<S...>>,
-        "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. Constants "
-        "in `params` need not be declared.");
+    static_assert(internal::kFalse<UsesList<S...>>,
+                  "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. "
+                  "Constants in `params` need not be declared.");
   }
   return uses;
 }

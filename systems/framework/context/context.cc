@@ -95,10 +95,9 @@ void Context::CheckOwned(const Source& source) const {
   for (const auto& block : diagram_->blocks()) {
     if (block.get() == top) return;
   }
-  throw RunError(
-      fmt::format("'{}' is not part of this context's diagram: use ports of the blocks that were "
-                  "added to its builder",
-                  source.path()));
+  throw RunError(fmt::format(
+      "'{}' is not part of this context's diagram: use ports of the blocks that were added to its builder",
+      source.path()));
 }
 
 void Context::CheckReadable(const Source& source) const {

@@ -14,9 +14,8 @@ namespace internal {
 void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const {
   if (!built_) return;
   throw BuildError(fmt::format(
-      "{}({}): {} already built and cannot change: call it before Build, or use "
-      "another builder",
-      call, subject.empty() ? "" : "'" + subject + "'",
+      "{}({}): {} already built and cannot change: call it before Build, or use another builder", call,
+      subject.empty() ? "" : "'" + subject + "'",
       self_ == nullptr ? "this builder has" : fmt::format("the diagram with '{}' is", self_->path())));
 }
 
@@ -158,8 +157,7 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
   for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
   if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
     throw BuildError(
-        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in "
-                    "this order",
+        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in this order",
                     in.path(), out.path()));
   }
   if (in.driver_ != nullptr && in.driver_ != &output) {
@@ -174,8 +172,7 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
   }
   if (!read) {
     throw BuildError(
-        fmt::format("'{}' has no readers, so '{}' cannot be inserted there: give a port that is "
-                    "connected",
+        fmt::format("'{}' has no readers, so '{}' cannot be inserted there: give a port that is connected",
                     output.path(), in.owner().path()));
   }
   in.SetDriver(output);

@@ -469,10 +469,9 @@ void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, 
   ++interpolant_evaluations;
   context.CalcRunDerivatives(std::min(t, last_instant), x, xdot);
   if (internal::AllFinite(xdot, before.size())) return;
-  throw RunError(
-      fmt::format("{} at t = {} s, inside an integrator step: the run cannot continue; check that "
-                  "block and its inputs",
-                  context.DescribeNonFinite(), t));
+  throw RunError(fmt::format(
+      "{} at t = {} s, inside an integrator step: the run cannot continue; check that block and its inputs",
+      context.DescribeNonFinite(), t));
 }
 
 void SundialsIntegrator::Run::Count(double step) {

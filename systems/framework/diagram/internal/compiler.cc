@@ -172,10 +172,9 @@ void Compiler::ThrowLoop(const std::vector<const Source*>& trail, const Source& 
   throw BuildError(fmt::format(
       "algebraic loop: {}'{}'. Every hop needs the value of the next at the same instant. Break the loop {}",
       hops, again.path(),
-      sampled
-          ? "with a UnitDelay in front of one of the sampled inputs."
-          : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind a "
-            "UnitDelay."));
+      sampled ? "with a UnitDelay in front of one of the sampled inputs."
+              : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind "
+                "a UnitDelay."));
 }
 
 void Compiler::Place(Source& source, std::size_t& end) {

@@ -77,10 +77,9 @@ void Compiler::CheckMembers(const System& block) {
 
 void Compiler::CheckSpec(const Source& source) {
   if (source.name().empty() || source.name().find_first_of(". \t\n,\"'") != std::string::npos) {
-    Fault(
-        fmt::format("a member of '{}' cannot be named '{}': give a name without dots, commas, blanks and "
-                    "quotes",
-                    source.owner().path(), source.name()));
+    Fault(fmt::format(
+        "a member of '{}' cannot be named '{}': give a name without dots, commas, blanks and quotes",
+        source.owner().path(), source.name()));
   }
   const Spec& spec = source.spec();
   if (spec.units.empty() && spec.elements.empty()) return;
@@ -196,8 +195,7 @@ void Compiler::CheckReplacement(const System& block) {
   }
   if (text.empty()) return;
   Fault(
-      fmt::format("the block that replaced '{}' has other ports: {}. Connect these ports, or Disconnect "
-                  "them",
+      fmt::format("the block that replaced '{}' has other ports: {}. Connect these ports, or Disconnect them",
                   block.path(), text));
 }
 
