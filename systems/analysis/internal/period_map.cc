@@ -207,7 +207,7 @@ PeriodMap::End PeriodMap::Run(const Eigen::VectorXd& from) const {
   std::shared_ptr<MemoryLog> log;
   if (ticks_ && !outputs_.empty()) {
     const Rational common = CommonPeriod(start_->diagram().program().groups);
-    log = simulator.AddLog(Rate(common.numerator, common.denominator), outputs_);
+    log = simulator.AddLog(Rate::FromPeriod(common.numerator, common.denominator), outputs_);
   }
   RunToBefore(simulator, time + period);
   if (log != nullptr) {

@@ -163,9 +163,9 @@ TEST(AnalysisTest, InputsWithoutValueAreRefused) {
   const auto diagram = builder.BuildWithOpenInputs();
   const auto context = diagram->CreateContext();
   EXPECT_THAT([&] { Linearize(*context, {}, {}); },
-              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque' is open and has no value")));
+              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque'")));
   EXPECT_THAT([&] { FindEquilibrium(*context, {.free_inputs = {&pendulum.torque}}); },
-              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque' is open and has no value")));
+              ThrowsMessage<RunError>(HasSubstr("input 'pendulum.torque'")));
 }
 
 TEST(AnalysisTest, DiagramsWithoutStatesAreLinearizedToo) {

@@ -387,7 +387,7 @@ TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
   const auto diagram = builder.BuildWithOpenInputs();
   EXPECT_TRUE(Throws<RunError>(
       [&] { LinearizeDiscrete(*diagram->CreateContext(), {&cart.force}, {}, {.period = 1}); },
-      "'cart.force' is open and has no value"));
+      "input 'cart.force'"));
 }
 
 /// Ends the run beyond `limit`, at ticks.

@@ -221,8 +221,7 @@ TEST(ComposeTest, InsertRefusesWhatMakesNoSense) {
   auto& loop = builder.Add<Shipped>("loop");
   auto& delay = AddDelay(builder);
   auto& other = builder.Add<SampleDelay<double>>("other");
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(delay.y, other.u, other.y); },
-                                 "nothing reads 'delay.y'", "other"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(delay.y, other.u, other.y); }, "'delay.y'", "'other'"));
   builder.Connect(loop.servo.u, other.u);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.pd.u, other.u, other.y); }, "'other.u'",
                                  "connected to 'loop.servo.u' already"));
@@ -257,26 +256,26 @@ TEST(ComposeTest, ABuilderThatHasBuiltIsDone) {
   const auto diagram = builder.Build();
   const std::size_t size = diagram->CreateContext()->Save().size();
 
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd"); }, "Add('pd')", "built already"));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd", {.kp = 3}); }, "Add('pd')", "built already"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd"); }, "Add('pd')", "already built"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Pd>("pd", {.kp = 3}); }, "Add('pd')", "already built"));
   EXPECT_TRUE(
       Throws<BuildError>([&] { builder.AddFunction("f", Uses(builder.time), [](double t) { return t; }); },
-                         "AddFunction('f')", "built already"));
+                         "AddFunction('f')", "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.u, delay.u); }, "Connect('delay.u')",
-                                 "built already"));
+                                 "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.u, delay.u, IgnoreUnits{}); },
-                                 "Connect('delay.u')", "built already"));
+                                 "Connect('delay.u')", "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Bang>(loop.servo.pd, 5.0); },
-                                 "Replace('loop.servo.pd')", "built already"));
+                                 "Replace('loop.servo.pd')", "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Pd>(loop.servo.pd, {.kp = 3}); },
-                                 "Replace('loop.servo.pd')", "built already"));
+                                 "Replace('loop.servo.pd')", "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Insert(loop.servo.u, delay.u, delay.y); }, "Insert('delay.u')",
-                                 "built already"));
+                                 "already built"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(delay.u); }, "Disconnect('delay.u')",
-                                 "built already", "another builder"));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "Build()", "built already"));
+                                 "already built", "another builder"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "Build()", "already built"));
   EXPECT_TRUE(
-      Throws<BuildError>([&] { builder.BuildWithOpenInputs(); }, "BuildWithOpenInputs()", "built already"));
+      Throws<BuildError>([&] { builder.BuildWithOpenInputs(); }, "BuildWithOpenInputs()", "already built"));
   // Nor does what is nested in the diagram change.
   EXPECT_TRUE(Throws<BuildError>([&] { loop.servo.Add<Pd>("pd2"); }, "Add('pd2')", "'loop.servo'"));
   EXPECT_TRUE(Throws<BuildError>([&] { loop.servo.Disconnect(loop.servo.pd.x); },

@@ -34,14 +34,14 @@ TEST(DescribeTest, NamesBlocksPortsUnitsAndRates) {
 
 TEST(DescribeTest, TellsTheOrderAtEachTick) {
   EXPECT_TRUE(Has("every 1 ms, restarts the integrator\n    computes: pd.u\n"));
-  EXPECT_TRUE(Has("every 100 ms from 50 ms, reads only\n    updates: counter.next n\n"));
+  EXPECT_TRUE(Has("every 100 ms from 50 ms, does not restart the integrator\n    updates: counter.next n\n"));
   EXPECT_TRUE(Has("all together\n    computes: pd.u\n"));
 }
 
 TEST(DescribeTest, TellsWhatTheIntegratorDoes) {
   EXPECT_TRUE(Has("Integration of 2 states\n"));
   EXPECT_TRUE(Has("at each stage: cart.d/dt x\n"));
-  EXPECT_TRUE(Has("starts again after: pd.u\n"));
+  EXPECT_TRUE(Has("restarts after: pd.u\n"));
 }
 
 }  // namespace

@@ -57,8 +57,8 @@ TEST(DiagramBuilderTest, UnconnectedInputOfNestedDiagramNamesBothEnds) {
   DiagramBuilder builder;
   builder.Add<Chest>("chest");
   EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("input 'chest.in' is not connected"),
-                                              HasSubstr("meant to feed 'chest.box.map.u'"))));
+              ThrowsMessage<BuildError>(
+                  AllOf(HasSubstr("input 'chest.in' is not connected"), HasSubstr("'chest.box.map.u'"))));
 }
 
 TEST(DiagramBuilderTest, UnconnectedInnerInputIsNamed) {
@@ -182,7 +182,7 @@ TEST(DiagramBuilderTest, WrongDirectionIsRefused) {
   auto& b = builder.Add<Map>("b", kSame);
   EXPECT_THAT(
       [&] { builder.Connect(a.u, b.u); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'a.u' cannot be the source"), HasSubstr("the wrong way"))));
+      ThrowsMessage<BuildError>(AllOf(HasSubstr("'a.u' cannot be the source"), HasSubstr("direction"))));
   EXPECT_THAT([&] { builder.Connect(a.y, b.y); },
               ThrowsMessage<BuildError>(HasSubstr("'b.y' cannot be the target")));
 }
@@ -238,7 +238,7 @@ TEST(DiagramBuilderTest, BadNamesAreRefused) {
     EXPECT_THAT(
         [&] { builder.Add<Map>(name, kSame); },
         ThrowsMessage<BuildError>(AllOf(HasSubstr("a block cannot be named '" + std::string(name) + "'"),
-                                        HasSubstr("no dot, comma or blank"))));
+                                        HasSubstr("dots, commas and blanks"))));
   }
 }
 
@@ -383,9 +383,8 @@ TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {
     ContinuousState<HalfDescribed> x{this, "x"};
     TimeDerivative<HalfDescribed> dx{x, Uses(x), [](const HalfDescribed& x) { return x; }};
   };
-  EXPECT_THAT(BuildWith<Block>(),
-              ThrowsMessage<BuildError>(
-                  AllOf(HasSubstr("'block.x' holds more than"), HasSubstr("list all members in Fields()"))));
+  EXPECT_THAT(BuildWith<Block>(), ThrowsMessage<BuildError>(AllOf(
+                                      HasSubstr("'block.x'"), HasSubstr("list all members in Fields()"))));
 }
 
 TEST(DiagramBuilderTest, OffsetNeedsAnInitialValue) {
@@ -448,9 +447,9 @@ TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
 
 TEST(DiagramBuilderTest, IncommensurableRatesAreRefused) {
   DiagramBuilder builder;
-  builder.Add<Counter>("a", Sampled{Rate(1, 999983)});
-  builder.Add<Counter>("b", Sampled{Rate(1, 999979)});
-  builder.Add<Counter>("c", Sampled{Rate(1, 999961)});
+  builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 999983)});
+  builder.Add<Counter>("b", Sampled{Rate::FromPeriod(1, 999979)});
+  builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 999961)});
   EXPECT_THAT([&] { builder.Build(); }, ThrowsMessage<BuildError>(AllOf(
                                             HasSubstr("'a.next n'"), HasSubstr("'c.next n'"),
                                             HasSubstr("no common tick"), HasSubstr("round their periods"))));
@@ -458,9 +457,9 @@ TEST(DiagramBuilderTest, IncommensurableRatesAreRefused) {
 
 TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
   DiagramBuilder builder;
-  auto& a = builder.Add<Counter>("a", Sampled{Rate(1, 99991)});
-  auto& b = builder.Add<Counter>("b", Sampled{Rate(100003, 1000000)});
-  auto& c = builder.Add<Counter>("c", Sampled{Rate(1, 1000)});
+  auto& a = builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 99991)});
+  auto& b = builder.Add<Counter>("b", Sampled{Rate::FromPeriod(100003, 1000000)});
+  auto& c = builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 1000)});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
   simulator.RunTo(1);

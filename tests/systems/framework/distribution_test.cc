@@ -50,7 +50,7 @@ TEST(DistributionTest, RefusesWhatMakesNoSense) {
       [] {
         Distribution::Named("lognormal", {0, -1})->Validate();
       },
-      "lognormal: [0, -1]", "standard deviation, and not negative"));
+      "lognormal: [0, -1]", "standard deviation"));
 }
 
 }  // namespace

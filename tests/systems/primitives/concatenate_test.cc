@@ -93,8 +93,7 @@ TEST(ConcatenateTest, DoesNotAllocate) {
 TEST(ConcatenateTest, RefusesWrongNumbersOfNamesAndSizesThatAreNotFixed) {
   EXPECT_TRUE(Throws<ParameterError>([] { Concatenate<double, double> block({.ports = {"height"}}); },
                                      "ports has 1 entries, but there are 2 signals"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Split<double, Eigen::VectorXd> block; },
-                                     "'y_1' has a size that is known at run time only"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Split<double, Eigen::VectorXd> block; }, "'y_1'"));
 }
 
 }  // namespace

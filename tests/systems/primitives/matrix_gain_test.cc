@@ -56,7 +56,7 @@ TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "u has 2 elements", "gain has 3 columns"));
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->gain, Eigen::MatrixXd::Ones(3, 3)); },
                                      "'block.gain' is 2 x 3, but the value is 3 x 3",
-                                     "its size is that of its initial value"));
+                                     "its size cannot change"));
 }
 
 }  // namespace

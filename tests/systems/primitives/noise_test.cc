@@ -130,8 +130,7 @@ struct Scan {
 };
 
 TEST(NoiseTest, RefusesTypesWithoutAFixedSize) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { AddNoise<Scan> block; }, "standard_deviation", "known at run time only"));
+  EXPECT_TRUE(Throws<ParameterError>([] { AddNoise<Scan> block; }, "standard_deviation", "fixed size"));
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST(SignalFaultTest, CarriesVectorsOfARunTimeSize) {
   EXPECT_THAT(rig.Fix(rig->u, Eigen::Vector3d(1, 2, 3)).Tick()[rig->y], IsNear(Eigen::Vector3d(1, 2, 0), 0));
   EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->u, Eigen::Vector2d(1, 2)).Tick(); },
                                "u has 2 numbers, but `initial` has 3"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Fault block({.kind = Kind::kLoss}); }, "give `initial` its size"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Fault block({.kind = Kind::kLoss}); }, "size of `initial`"));
 }
 
 // The run ends where the NaN arises, not where it leads to.
@@ -199,9 +199,9 @@ TEST(SignalFaultTest, RefusesNonsense) {
   EXPECT_TRUE(refuses({.samples = 0}, "samples"));
   EXPECT_TRUE(refuses({.probability = 1.5}, "probability"));
   EXPECT_TRUE(refuses({.affected = {"angles"}}, "'angles': it has angle.0, angle.1, count, valid"));
-  EXPECT_TRUE(refuses({.kind = Kind::kNan, .affected = {"count"}}, "'count' is no real number"));
+  EXPECT_TRUE(refuses({.kind = Kind::kNan, .affected = {"count"}}, "'count' is not a real number"));
   EXPECT_TRUE(Throws<ParameterError>([] { SignalFault<int> block({.kind = Kind::kOffset, .size = 1}); },
-                                     "no number in the signal"));
+                                     "stuck, late or lost"));
 }
 
 }  // namespace

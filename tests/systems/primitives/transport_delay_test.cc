@@ -104,7 +104,7 @@ TEST(TransportDelayTest, DoesNotAllocate) {
 TEST(TransportDelayTest, RefusesBadParameters) {
   for (const double bad : {0.0, -1.0, 0.0009, kNan, std::numeric_limits<double>::infinity()}) {
     EXPECT_TRUE(Throws<ParameterError>([&] { TransportDelay<> block({.delay = bad}); },
-                                       "delay must be finite", "sample more often"));
+                                       "delay must be finite", "higher rate"));
   }
   EXPECT_TRUE(
       Throws<ParameterError>([] { TransportDelay<> block({.initial = kNan}); }, "initial must be finite"));

@@ -63,7 +63,7 @@ TEST(RunProfileTest, MustBeAskedFor) {
   DiagramBuilder builder;
   builder.Add<Oscillator>("oscillator");
   const Simulator simulator(builder.Build());
-  EXPECT_TRUE(Throws<RunError>([&] { static_cast<void>(simulator.Profile()); }, ".profile = true"));
+  EXPECT_TRUE(Throws<RunError>([&] { static_cast<void>(simulator.Profile()); }, "SimulatorOptions::profile"));
 }
 
 }  // namespace

@@ -721,8 +721,8 @@ TEST(SimulatorTest, AStallCanEndTheRun) {
   builder.Add<Stalls>("stalls");
   Simulator simulator(builder.Build(),
                       {.real_time_rate = 1, .late_policy = LatePolicy::kStop, .late_tolerance = 0.03});
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "the tick at t = 0.0",
-                               "s late, allowed are 0.03 s", "real_time_rate = 1", "late_policy"));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "the tick at t = 0.0", "s late, but 0.03 s",
+                               "real_time_rate = 1", "late_policy"));
   EXPECT_EQ(simulator.real_time().missed, 1);
   EXPECT_EQ(simulator.real_time().missed_time, simulator.context().time());
 }
@@ -746,8 +746,7 @@ TEST(SimulatorTest, OpenInputMustBeFixed) {
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
   Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("input 'cart.force' is open"), HasSubstr("fix it"))));
+  EXPECT_THAT([&] { simulator.RunTo(1); }, ThrowsMessage<RunError>(HasSubstr("input 'cart.force'")));
   simulator.context().Set(cart.force, 4.0);
   simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1, 1e-9);
@@ -765,7 +764,7 @@ TEST(SimulatorTest, SampledNanIsReportedWhereItArises) {
   Simulator simulator(*diagram);
   EXPECT_THAT([&] { simulator.RunTo(1); },
               ThrowsMessage<RunError>(AllOf(HasSubstr("'root.y' is"), HasSubstr("nan at t = 0.26 s"),
-                                            HasSubstr("check that block and what feeds it"))));
+                                            HasSubstr("check that block"))));
 }
 
 TEST(SimulatorTest, ContinuousNanIsReportedAtTheFirstPort) {
@@ -879,7 +878,7 @@ TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
     context.Set(oscillator.x, {0, 0});
     return {};
   });
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a monitor has changed the context"));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a monitor changed the context"));
   EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddMonitor({}); }, "AddMonitor"));
 }
 

@@ -173,12 +173,12 @@ TEST(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
   refused({.method = Method::kStabilized, .order = 4}, "choose 2 to 3");
   refused({.method = Method::kBdf, .order = 6}, "choose 1 to 5");
   refused({.method = Method::kAdams, .order = 13}, "choose 1 to 12");
-  refused({.rtol = 0}, "rtol = 0 must be positive");
-  refused({.rtol = std::nan("")}, "rtol = nan must be positive");
-  refused({.atol = -1}, "atol = -1 must be positive");
-  refused({.state_atol = {{"plant.x", 0}}}, "atol = 0 of 'plant.x' must be positive");
-  refused({.fixed_step = -0.1}, "fixed_step = -0.1 s must not be negative");
-  refused({.max_step = -0.1}, "max_step = -0.1 s must not be negative");
+  refused({.rtol = 0}, "`rtol` must be positive, but is 0");
+  refused({.rtol = std::nan("")}, "`rtol` must be positive, but is nan");
+  refused({.atol = -1}, "`atol` must be positive, but is -1");
+  refused({.state_atol = {{"plant.x", 0}}}, "`atol` of 'plant.x' must be positive, but is 0");
+  refused({.fixed_step = -0.1}, "`fixed_step` must not be negative, but is -0.1 s");
+  refused({.max_step = -0.1}, "`max_step` must not be negative, but is -0.1 s");
   refused({.method = Method::kBdf, .fixed_step = 0.1}, "fixed_step is for Runge-Kutta methods");
   EXPECT_THAT(
       [&] {

@@ -713,7 +713,7 @@ TEST(YamlDrawTest, RefusesDistributionsThatMakeNoSense) {
   };
   EXPECT_THAT(error("mass_kg: {uniform: [3, 2]}"),
               AllOf(StartsWith("load.yaml:1:20: "), HasSubstr("the lower bound first")));
-  EXPECT_THAT(error("mass_kg: {normal: [3, -2]}"), HasSubstr("the standard deviation, and not negative"));
+  EXPECT_THAT(error("mass_kg: {normal: [3, -2]}"), HasSubstr("standard deviation"));
   EXPECT_THAT(error("mass_kg: {normal: 3}"), HasSubstr("expected a list of 2"));
 }
 
