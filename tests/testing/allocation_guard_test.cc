@@ -32,13 +32,6 @@ class AllocationGuardTest : public ::testing::Test {
   }
 };
 
-TEST_F(AllocationGuardTest, CountsNothingWhereNothingIs) {
-  const AllocationGuard guard;
-  double buffer[100] = {};
-  sink = buffer;
-  EXPECT_EQ(guard.count(), 0);
-}
-
 TEST_F(AllocationGuardTest, CountsNew) {
   const AllocationGuard guard;
   const std::unique_ptr<int> one = std::make_unique<int>(1);
@@ -79,13 +72,6 @@ TEST_F(AllocationGuardTest, LeavesAllocationAsItIs) {
   auto* zeros = static_cast<unsigned char*>(std::calloc(1000, 1));
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(zeros[i], 0);
   std::free(zeros);
-}
-
-TEST_F(AllocationGuardTest, CountsEigen) {
-  const AllocationGuard guard;
-  const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100);
-  sink = const_cast<double*>(vector.data());
-  EXPECT_EQ(guard.count(), 1);
 }
 
 TEST_F(AllocationGuardTest, CountsFromItsOwnBeginning) {

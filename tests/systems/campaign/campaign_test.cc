@@ -1,12 +1,8 @@
 #include <tenon/systems/campaign/campaign.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/simulation.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <atomic>
 #include <cmath>

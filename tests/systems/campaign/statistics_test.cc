@@ -1,9 +1,6 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
 #include <vector>
@@ -22,7 +19,7 @@ TEST(WilsonIntervalTest, GivesThePublishedIntervals) {
   EXPECT_EQ(WilsonInterval(29, 29, 0.95).high, 1);
 }
 
-// The ends are where the score test is on the edge: |p - p̂| = z sqrt(p (1 - p) / n).
+// At the ends, the score test is at its limit: |p - p̂| = z sqrt(p (1 - p) / n).
 TEST(WilsonIntervalTest, ItsEndsSolveTheEquationOfTheScoreTest) {
   const double z = 1.6448536269514722;  // 90 %
   for (const std::size_t k : {3U, 17U, 40U}) {

@@ -1,21 +1,14 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gtest/gtest.h>
-
 #include <string>
 
 namespace tenon::describe_test {
 namespace {
 
 std::string Describe() {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  auto& pd = builder.Add<Pd>("pd");
-  auto& slow = builder.Add<Counter>("counter", Sampled{Hz(10), 0.05});
-  static_cast<void>(slow);
-  builder.Connect(cart.state, pd.x);
-  builder.Connect(pd.u, cart.force);
-  return builder.Build()->Describe();
+  PdLoop loop;
+  loop.builder.Add<Counter>("counter", Sampled{Hz(10), 0.05});
+  return loop.builder.Build()->Describe();
 }
 
 bool Has(const std::string& line) {

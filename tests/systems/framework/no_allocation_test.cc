@@ -1,7 +1,4 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-
-#include <gtest/gtest.h>
 
 namespace tenon::no_allocation_test {
 namespace {
@@ -40,7 +37,7 @@ class Everything final : public LeafSystem<void> {
   Verdict Check(const Vec<2>& x) const { return x.norm() > 100 ? Verdict("far away") : Verdict(); }
 };
 
-/// Of the explicit methods: the implicit ones allocate inside SUNDIALS, for each Jacobian.
+/// Explicit methods only: with the implicit ones, SUNDIALS allocates for each Jacobian.
 TEST(NoAllocationTest, RunningAllocatesNothing) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   DiagramBuilder builder;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kCount = 200000;
 
-/// Mean, variance, skewness and kurtosis of what `draw` gives.
+/// Mean, variance, skewness and kurtosis of draw().
 template <class F>
 std::array<double, 4> Moments(F draw) {
   std::vector<double> values(kCount);
@@ -58,7 +58,7 @@ TEST(RandomStreamTest, UniformFillsItsRange) {
 }
 
 TEST(RandomStreamTest, IsTheSameOnEveryMachine) {
-  // xoshiro256++ with the state that SplitMix64 makes of seed 0; first outputs as of the authors' C code.
+  // xoshiro256++ with the state that SplitMix64 makes of seed 0; the first outputs of the authors' C code.
   RandomStream stream(0);
   EXPECT_EQ(stream.Next(), 0x53175d61490b23dfu);
   EXPECT_EQ(stream.Next(), 0x61da6f3dc380d507u);

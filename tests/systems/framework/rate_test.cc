@@ -1,6 +1,7 @@
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +10,6 @@
 
 namespace tenon::rate_test {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 TEST(RateTest, DecimalsAreTakenAsWritten) {
   EXPECT_EQ(Hz(1000), Rate::FromPeriod(1, 1000));
@@ -44,35 +41,25 @@ TEST(RateTest, IsReduced) {
 TEST(RateTest, WhatIsNoRateIsRefused) {
   for (const double bad :
        {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THAT([&] { Hz(bad); }, ThrowsMessage<ParameterError>(AllOf(
-                                      HasSubstr(" Hz is not positive and finite"), HasSubstr("above 0 Hz"))));
-    EXPECT_THAT([&] { Seconds(bad); },
-                ThrowsMessage<ParameterError>(
-                    AllOf(HasSubstr(" s is not positive and finite"), HasSubstr("above 0 s"))));
+    EXPECT_TRUE(Throws<ParameterError>([&] { Hz(bad); }, " Hz"));
+    EXPECT_TRUE(Throws<ParameterError>([&] { Seconds(bad); }, " s"));
     EXPECT_THROW(Milliseconds(bad), ParameterError);
   }
-  EXPECT_THAT([] { Rate::FromPeriod(0, 5); },
-              ThrowsMessage<ParameterError>(HasSubstr("0/5 s is not positive")));
-  EXPECT_THAT([] { Rate::FromPeriod(1, -5); },
-              ThrowsMessage<ParameterError>(HasSubstr("1/-5 s is not positive")));
-  EXPECT_THAT([] { Hz(1e10); },
-              ThrowsMessage<ParameterError>(HasSubstr("a rate of 10000000000 Hz is out of range")));
+  EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(0, 5); }, "0/5 s"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Rate(1, -5); }, "1/-5 s"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Hz(1e10); }, "10000000000 Hz"));
 }
 
 TEST(RateTest, WhatIsNoFractionOfTwelveDigitsIsRefused) {
-  EXPECT_THAT([] { Hz(0.03141592653589793); },
-              ThrowsMessage<ParameterError>(AllOf(HasSubstr("a rate of 0.03141592653589793 Hz"),
-                                                  HasSubstr("up to 1000000"), HasSubstr("round it"))));
-  EXPECT_THAT([] { Seconds(0.01414213562373095); },
-              ThrowsMessage<ParameterError>(HasSubstr("a sample period of 0.01414213562373095 s")));
+  EXPECT_TRUE(Throws<ParameterError>([] { Hz(0.03141592653589793); }, "0.03141592653589793 Hz"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Seconds(0.01414213562373095); }, "0.01414213562373095 s"));
   EXPECT_NEAR(Hz(31.41592653589793).hz(), 31.41592653589793, 1e-10);  // a large number is one soon
 }
 
 TEST(RateTest, OffsetsMayBeZero) {
   EXPECT_EQ(internal::ToRational(0, "an offset"), (internal::Rational{0, 1}));
   EXPECT_EQ(internal::ToRational(0.0125, "an offset"), (internal::Rational{1, 80}));
-  EXPECT_THAT([] { internal::ToRational(-1, "an offset"); },
-              ThrowsMessage<ParameterError>(HasSubstr("an offset of -1 s is out of range")));
+  EXPECT_TRUE(Throws<ParameterError>([] { internal::ToRational(-1, "an offset"); }, "an offset of -1 s"));
 }
 
 }  // namespace

@@ -1,10 +1,7 @@
-// What tools ask ports and states.
+// Properties of ports and states that tools read.
 
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace tenon::source_test {
 namespace {
