@@ -54,6 +54,15 @@ Eigen::Matrix3d DirectionRate(const CableKinematics& cables, int i, double tensi
   return rate;
 }
 
+/// Adds the part of cable i to d(W u)/dtheta, six rows; `rate` is its DirectionRate().
+template <class Columns>
+void AddWrenchByTurn(const CableKinematics& cables, int i, double tension, const Eigen::Matrix3d& rate,
+                     Columns&& columns) {
+  const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
+  columns.template topRows<3>() += rate * arm;
+  columns.template bottomRows<3>() += arm * rate * arm + tension * CrossMatrix(cables.direction.col(i)) * arm;
+}
+
 }  // namespace
 
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
@@ -120,24 +129,20 @@ Vector6d GravityWrench(const CdprDescription& robot) {
 }
 
 Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension) {
-  Eigen::Matrix<double, 6, 3> jacobian = Eigen::Matrix<double, 6, 3>::Zero();
-  for (int i = 0; i < cables.num_cables(); ++i) {
-    const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
-    const Eigen::Matrix3d turn = DirectionRate(cables, i, tension[i]);
-    jacobian.topRows<3>() += turn * arm;
-    jacobian.bottomRows<3>() += arm * turn * arm + tension[i] * CrossMatrix(cables.direction.col(i)) * arm;
-  }
-  return jacobian;
+  Eigen::Matrix<double, 6, 3> by_turn = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int i = 0; i < cables.num_cables(); ++i)
+    AddWrenchByTurn(cables, i, tension[i], DirectionRate(cables, i, tension[i]), by_turn);
+  return by_turn;
 }
 
 Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension) {
   Matrix6d jacobian = Matrix6d::Zero();
   for (int i = 0; i < cables.num_cables(); ++i) {
-    const Eigen::Matrix3d turn = DirectionRate(cables, i, tension[i]);
-    jacobian.topLeftCorner<3, 3>() -= turn;
-    jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * turn;
+    const Eigen::Matrix3d rate = DirectionRate(cables, i, tension[i]);
+    jacobian.topLeftCorner<3, 3>() -= rate;
+    jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * rate;
+    AddWrenchByTurn(cables, i, tension[i], rate, jacobian.rightCols<3>());
   }
-  jacobian.rightCols<3>() = CalcWrenchByTurn(cables, tension);
   return jacobian;
 }
 

@@ -16,47 +16,50 @@ constexpr const char* kOnlyEstimated =
 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
                                         const std::vector<CdprFault>& faults) {
-  const int num_cables = loop.plant.params.robot.num_cables();
-  const OutputPort<CableVector>& controller = loop.mpc != nullptr ? loop.mpc->command : loop.pd->command;
-  const Rate rate = loop.mpc != nullptr ? loop.mpc->params.command_rate : loop.pd->params.rate;
-  FaultPoint<CableVector> command(controller, {loop.drive}, rate, CableVector::Zero(num_cables));
+  CdprWorld& world = loop.world;
+  CdprObserver& observer = loop.observer;
+  CdprControl& control = loop.control;
+  const int num_cables = world.plant.params.robot.num_cables();
+  const Rate rate = control.rate();
+  FaultPoint<CableVector> command(control.command(), {&world.command}, rate, CableVector::Zero(num_cables));
   FaultPoint<CdprReference> reference(kOnlyPd);
   FaultPoint<PoseMeasurement> pose(kOnlyEstimated);
   FaultPoint<ImuMeasurement> imu(kOnlyEstimated);
   FaultPoint<PlatformEstimate> estimate(kOnlyEstimated);
   std::vector<InputPort<CableSignals>*> length_readers;
-  if (loop.pd != nullptr) length_readers.push_back(&loop.pd->cables);
-  if (loop.estimator != nullptr) length_readers.push_back(&loop.estimator->cables);
-  if (loop.load != nullptr) length_readers.push_back(&loop.load->cables);
-  if (loop.broken_cables != nullptr) length_readers.push_back(&loop.broken_cables->cables);
-  FaultPoint<CableSignals> lengths(*loop.told_cables, length_readers, loop.reference.params.rate,
+  if (control.pd != nullptr) length_readers.push_back(&control.pd->cables);
+  if (observer.estimator != nullptr) length_readers.push_back(&observer.estimator->cables);
+  if (observer.load != nullptr) length_readers.push_back(&observer.load->cables);
+  if (observer.broken_cables != nullptr) length_readers.push_back(&observer.broken_cables->cables);
+  FaultPoint<CableSignals> lengths(world.cables, length_readers, loop.reference.params.rate,
                                    CableSignals::Zero(num_cables));
-  if (loop.pd != nullptr) {
+  if (control.pd != nullptr) {
     InputPort<CdprReference>& reader =
-        loop.balancer != nullptr ? loop.balancer->reference : loop.pd->reference;
+        control.balancer != nullptr ? control.balancer->reference : control.pd->reference;
     reference = {loop.reference.reference, {&reader}, rate, loop.reference.params.path->At(0)};
   }
-  if (loop.estimator != nullptr) {
-    std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.estimator->inertial};
+  if (observer.estimator != nullptr) {
+    std::vector<InputPort<ImuMeasurement>*> imu_readers{&observer.estimator->inertial};
     std::vector<InputPort<PlatformEstimate>*> estimate_readers;
-    if (loop.mpc != nullptr) estimate_readers.push_back(&loop.mpc->estimate);
-    if (loop.load != nullptr) {
-      imu_readers.push_back(&loop.load->inertial);
-      estimate_readers.push_back(&loop.load->estimate);
+    if (control.mpc != nullptr) estimate_readers.push_back(&control.mpc->estimate);
+    if (observer.load != nullptr) {
+      imu_readers.push_back(&observer.load->inertial);
+      estimate_readers.push_back(&observer.load->estimate);
     }
-    pose = {*loop.told_pose, {&loop.estimator->pose}, loop.pose_sensor.params.rate};
-    imu = {*loop.told_inertial, imu_readers, loop.imu.params.rate};
-    estimate = {loop.estimator->estimate, estimate_readers, loop.estimator->params.rate};
+    pose = {world.pose, {&observer.estimator->pose}, world.pose_sensor.params.rate};
+    imu = {world.inertial, imu_readers, world.imu.params.rate};
+    estimate = {observer.estimator->estimate, estimate_readers, observer.estimator->params.rate};
   }
 
   FaultInserter inserter(builder);
-  FaultChain<CableFaults> chain(loop.plant.faults);
+  FaultChain<CableFaults> chain(world.plant.faults);
   const auto insert = [&](const Fault& fault, const std::string& name, CableFaultKind kind) {
-    auto& block = builder.Add<CableFault>(name, {.kind = kind,
-                                                 .num_cables = num_cables,
-                                                 .cables = fault.Indices("cable", controller.elements()),
-                                                 .schedule = fault.schedule(),
-                                                 .rate = rate});
+    auto& block =
+        builder.Add<CableFault>(name, {.kind = kind,
+                                       .num_cables = num_cables,
+                                       .cables = fault.Indices("cable", control.command().elements()),
+                                       .schedule = fault.schedule(),
+                                       .rate = rate});
     chain.Append(builder, block.faults, block.others);
     inserter.signals.push_back(&block.acting);
   };

@@ -19,8 +19,8 @@ int main() {
   auto& loop = builder.Add<tenon::CdprLoop>("loop", params);
   tenon::Simulator simulator(builder.Build(), tenon::RecommendedOptions(loop));
   simulator.RunTo(1);
-  const tenon::CdprDescription& robot = loop.plant.params.robot;
-  const auto& cables = simulator.context().Eval(loop.plant.cables);
+  const tenon::CdprDescription& robot = loop.world.plant.params.robot;
+  const auto& cables = simulator.context().Eval(loop.world.plant.cables);
   std::printf("'%s' of %g kg hangs on %d cables that pull with %.2f N each\n", robot.name.c_str(), robot.mass,
               robot.num_cables(), cables.tension[0]);
   // By symmetry each cable bears a quarter of the weight: T = m g / (4 sin of its slope), the cable from

@@ -29,7 +29,7 @@ struct Cell {
   explicit Cell(const CdprLoopParams& params)
       : loop(builder.Add<CdprLoop>("loop", params)), diagram(builder.Build()) {}
   Eigen::Vector3d Position(Simulator& simulator) const {
-    return simulator.context().Eval(loop.plant.platform).p_WB;
+    return simulator.context().Eval(loop.world.plant.platform).p_WB;
   }
   DiagramBuilder builder;
   CdprLoop& loop;
@@ -39,8 +39,8 @@ struct Cell {
 TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
   const Cell cell(Circle());
   Simulator simulator(*cell.diagram, kOptions);
-  const auto log = simulator.AddLog(Hz(100), {&cell.loop.plant.platform, &cell.loop.reference.reference,
-                                              &cell.loop.command, &cell.loop.plant.cables});
+  const auto log = simulator.AddLog(Hz(100), {&cell.loop.world.plant.platform, &cell.loop.reference.reference,
+                                              &cell.loop.command, &cell.loop.world.plant.cables});
   EXPECT_FALSE(simulator.AdvanceTo(12).ended);
   for (const char* axis : {"x", "y", "z"}) {
     const std::vector<double> is = log->column(std::string("loop.plant.platform.p_WB.") + axis);
