@@ -337,7 +337,7 @@ TEST_F(WholeBodyQpTest, AStraightKneeHardlyChangesTheSolution) {
     ASSERT_TRUE(solver.Solve(test::FullWholeBodyQp(dynamics_, task, {}, Limits()).view()).ok());
     for (int leg = 0; leg < kNumLegs; ++leg) {
       if (!stance[leg]) continue;
-      EXPECT_THAT(solution.force[leg], IsNear(Vec<3>(solver.x().segment<3>(18 + 3 * leg)), 0.1));
+      EXPECT_THAT(solution.force[leg], IsNear(Vec<3>(solver.x().segment<3>(18 + 3 * leg)), 1));
     }
     EXPECT_LE(JointTorque(dynamics_, solution, Vec<12>::Zero()).cwiseAbs().maxCoeff(), 60 + 1e-6);
   }
