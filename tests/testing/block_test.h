@@ -26,4 +26,14 @@ template <class Block, class... Keys>
   return Throws<ParameterError>([&] { Block block(params); }, keys...);
 }
 
+/// The number of heap allocations of `call`; 0 in builds that do not count them.
+///
+///     EXPECT_EQ(Allocations([&] { rig.RunTo(1); }), 0);
+template <class F>
+long Allocations(const F& call) {
+  const AllocationGuard guard;
+  call();
+  return guard.count();
+}
+
 }  // namespace tenon
