@@ -35,17 +35,14 @@ TEST(StandingTest, FeetTouchASlopeAndTheCoMIsOverThem) {
   }
 }
 
-TEST(StandingTest, SaysWhichLegDoesNotReach) {
+TEST(StandingTest, NamesTheLegThatDoesNotReach) {
   QuadrupedDescription robot = test::DogBot();
   JointDescription& hip = robot.legs[kRearLeft].joints[1];
   hip.lower = robot.stance[7] - 0.1;
   hip.upper = robot.stance[7] + 0.1;
-  StandingOn(robot, {.p_W = {0, 0, 0}, .slope = {0.05, 0}});
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        StandingOn(robot, {.p_W = {0, 0, 0}, .slope = {0.4, 0}});
-      },
-      "the rear_left leg of 'dogbot' does not reach ground of slope (0.4, 0)"));
+  const GroundPlane gentle{.p_W = {0, 0, 0}, .slope = {0.05, 0}}, steep{.p_W = {0, 0, 0}, .slope = {0.4, 0}};
+  EXPECT_NO_THROW(StandingOn(robot, gentle));
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingOn(robot, steep); }, "rear_left", "dogbot"));
 }
 
 }  // namespace
