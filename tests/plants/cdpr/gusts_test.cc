@@ -17,8 +17,8 @@ TEST(GustsTest, RiseToTheirPeaksAndFallAndAddUp) {
 }
 
 TEST(GustsTest, RefuseNonsense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Gusts gusts({{{{1, 0, 0}, 0, 0}}}); }, "duration = 0 s"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Gusts gusts({{{{1, 0, 0}, NAN, 1}}}); }, "start is not finite"));
+  EXPECT_TRUE(Refuses<Gusts>({{{{1, 0, 0}, 0, 0}}}, "duration"));
+  EXPECT_TRUE(Refuses<Gusts>({{{{1, 0, 0}, NAN, 1}}}, "start"));
 }
 
 }  // namespace
