@@ -36,14 +36,11 @@ TEST(ReferenceGeneratorTest, DoesNotAllocate) {
                                         StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
   TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path});
   rig.RunTo(0.1);
-  const AllocationGuard guard;
-  rig.RunTo(0.2);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(ReferenceGeneratorTest, NeedsAPath) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "no path given", "EquilibriumPath"));
+  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "path"));
 }
 
 }  // namespace
