@@ -1,10 +1,6 @@
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/block_test.h>
-
-#include <functional>
-#include <string>
 
 namespace tenon::admittance_filter_test {
 namespace {
@@ -159,7 +155,7 @@ TEST(AdmittanceFilterTest, DoesNotWindUp) {
     EXPECT_THAT(shortly.Tick().velocity, IsNear(for_long.Tick().velocity, 1e-9)) << n;
 }
 
-// A person slower than the command is followed for ever, at f_d + D (commanded speed - speed of the person).
+// A person slower than the command is led at the tension f_d + D (commanded speed - speed of the person).
 TEST(AdmittanceFilterTest, HoldsTheTensionOfASlowPerson) {
   Filter filter;
   double tension = 0;
@@ -211,44 +207,18 @@ TEST(AdmittanceFilterTest, StandsAtOnceAndStartsFromRest) {
 TEST(AdmittanceFilterTest, DoesNotAllocate) {
   Filter filter;
   filter.Run(2);
-  AllocationGuard guard;
-  filter.Run(100);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { filter.Run(100); }), 0);
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {
-  const auto refuses = [](const std::function<void(AdmittanceGains&)>& change, const std::string& a,
-                          const std::string& b) {
-    AdmittanceGains params;
-    change(params);
-    return Throws<ParameterError>([&] { AdmittanceFilter block({params}); }, a, b);
-  };
-  EXPECT_TRUE(refuses([](auto& p) { p.desired_tension = 0; }, "desired_tension = 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.mass = -1; }, "mass = -1 kg", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping = 0; }, "damping = 0 N s/m", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness = -1 N/m", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.min_forward = -0.1; }, "min_forward = -0.1 m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_left = NAN; }, "max_left = nan m/s", "negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration = 0 m/s^2", "positive"));
-  EXPECT_TRUE(
-      refuses([](auto& p) { p.max_forward = 0.01; }, "max_forward = 0.01 m/s", "above min_forward = 0.03"));
-}
-
-TEST(AdmittanceFilterTest, IsReadFromYaml) {
-  const auto params = YamlDocument::Parse(
-                          "{desired_tension_N: 25, mass_kg: 5, damping_N_s_per_m: 50, stiffness_N_per_m: 80, "
-                          "min_forward_m_per_s: 0.01, max_forward_m_per_s: 0.3, max_left_m_per_s: 0.04, "
-                          "acceleration_m_per_s2: 0.2}",
-                          "filter.yaml")
-                          .Read<AdmittanceGains>();
-  EXPECT_EQ(params.desired_tension, 25);
-  EXPECT_EQ(params.mass, 5);
-  EXPECT_EQ(params.damping, 50);
-  EXPECT_EQ(params.stiffness, 80);
-  EXPECT_EQ(params.min_forward, 0.01);
-  EXPECT_EQ(params.max_forward, 0.3);
-  EXPECT_EQ(params.max_left, 0.04);
-  EXPECT_EQ(params.acceleration, 0.2);
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.desired_tension = 0}}, "desired_tension"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.mass = -1}}, "mass"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.damping = 0}}, "damping"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.stiffness = -1}}, "stiffness"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.min_forward = -0.1}}, "min_forward"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_forward = 0.01}}, "max_forward", "min_forward"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_left = NAN}}, "max_left"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.acceleration = 0}}, "acceleration"));
 }
 
 TEST(AdmittanceFilterTest, GainsAreSetInARun) {
@@ -269,15 +239,12 @@ TEST(AdmittanceFilterTest, GainsAreSetInARun) {
     ASSERT_EQ(found.offset, expected.offset) << n;
     ASSERT_NE(plain.Tick().velocity, expected.velocity) << n;
   }
-  // From one tick to the next, also what is computed from them.
+  // Gains that change during a run act from the next tick on.
   set.rig().Set(set.rig()->gains, {});
   set.Run(1000);
   EXPECT_NEAR(set.Tick().velocity[0], plain.Run(2000).velocity[0], 1e-9);
 
-  AdmittanceGains wrong = gains;
-  wrong.mass = 0;
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, wrong); }, "mass = 0 kg", "positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, {.mass = 0}); }, "mass"));
 }
 
 }  // namespace
