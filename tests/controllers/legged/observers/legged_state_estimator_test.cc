@@ -15,9 +15,9 @@ using test::Standing;
 
 constexpr double kPeriod = 1e-3, kGravity = 9.81;
 
-/// A robot that sways on its feet: the trunk's motion in closed form, the joints such that every foot, a
-/// sphere, rolls without sliding on the plane z = 0, which is that its material point in contact has no
-/// velocity.
+/// A robot that sways on its feet. The trunk moves in closed form; the joints follow such that every
+/// spherical foot rolls on the plane z = 0 without sliding: the velocity of its material point in contact is
+/// zero.
 class SwayingRobot {
  public:
   explicit SwayingRobot(const QuadrupedDescription& robot, double size = 1)
@@ -31,7 +31,7 @@ class SwayingRobot {
     x.qd = Speeds(time_, q_);
     return x;
   }
-  /// Of the trunk's origin.
+  /// The acceleration of the trunk's origin.
   Vec<3> Acceleration() const {
     const double a = -kSway * kSway * size_, s = std::sin(kSway * time_);
     return a * s * kAmplitude;
@@ -70,11 +70,10 @@ class SwayingRobot {
   Vec<12> Speeds(double t, const Vec<12>& q) const {
     LeggedState x = Trunk(t);
     x.q = q;
-    QuadrupedDynamics dynamics;
-    model_.Calc(x, &dynamics);
+    const QuadrupedDynamics dynamics = test::DynamicsOf(model_, x);
     Vec<12> speeds;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      Vec<3> contact = dynamics.feet[static_cast<std::size_t>(leg)].p_W;
+      Vec<3> contact = dynamics.feet[leg].p_W;
       contact[2] -= robot_.foot_radius;
       const Vec<3> carried = x.v_W + x.w_W.cross(contact - x.p_WB);
       speeds.segment<3>(3 * leg) = -test::Solve(dynamics.LegJacobian(leg, contact), carried);
@@ -119,7 +118,7 @@ void Feed(Rig& rig, const ImuMeasurement& imu, const LeggedState& x, const Conta
   rig.Fix(rig->imu, imu).Fix(rig->joints, {x.q, x.qd}).Fix(rig->schedule, schedule).Tick();
 }
 
-TEST(LeggedStateEstimatorTest, StartsWhereItIsTold) {
+TEST(LeggedStateEstimatorTest, StartsInItsInitialState) {
   SwayingRobot robot(DogBot());
   Rig rig(Params(robot, DogBot()));
   const LeggedState x = robot.State();
@@ -156,8 +155,8 @@ double VelocityError(const QuadrupedDescription& description, double foot_radius
   return velocity;
 }
 
-// What remains is the IMU's lag of half a period: it acts in steps. Of feet that are taken for points the
-// filter would believe that they stand where in truth they roll.
+// The remaining error is half a period of the IMU, whose samples are held. Without the radius of the feet the
+// filter would take rolling feet for standing ones.
 TEST(LeggedStateEstimatorTest, FollowsAMotionInClosedForm) {
   for (const QuadrupedDescription& robot : {DogBot(), A1()}) {
     const double velocity = VelocityError(robot, robot.foot_radius);
@@ -166,8 +165,8 @@ TEST(LeggedStateEstimatorTest, FollowsAMotionInClosedForm) {
   }
 }
 
-// In the air nothing but the IMU speaks: a constant rate turns by rate times time, exactly, and the fall is a
-// parabola.
+// In the air only the IMU is used: a constant rate turns the trunk by exactly rate times time, and the fall
+// is a parabola.
 TEST(LeggedStateEstimatorTest, IntegratesTheGyroscopeInTheAir) {
   LeggedStateEstimatorParams params;
   params.robot = DogBot();
@@ -190,7 +189,7 @@ TEST(LeggedStateEstimatorTest, IntegratesTheGyroscopeInTheAir) {
   EXPECT_EQ(rig[rig->diagnostics].feet, 0);
 }
 
-TEST(LeggedStateEstimatorTest, AnImuAnywhereOnTheTrunkTellsTheSame) {
+TEST(LeggedStateEstimatorTest, AnImuAnywhereOnTheTrunkGivesTheSameEstimate) {
   SwayingRobot robot(DogBot(), 0.5);
   LeggedStateEstimatorParams params = Params(robot, DogBot());
   Rig at_origin(params);
@@ -207,7 +206,7 @@ TEST(LeggedStateEstimatorTest, AnImuAnywhereOnTheTrunkTellsTheSame) {
   }
 }
 
-// As noisy as the sensors are told to be.
+// Sensors with the noise that the filter assumes.
 TEST(LeggedStateEstimatorTest, FiltersNoiseWhileStanding) {
   SwayingRobot robot(DogBot(), 0);
   LeggedStateEstimatorParams params = Params(robot, DogBot());
@@ -227,13 +226,13 @@ TEST(LeggedStateEstimatorTest, FiltersNoiseWhileStanding) {
     believed += rig[rig->diagnostics].velocity_deviation.squaredNorm() / kTicks;
   }
   EXPECT_LT(std::sqrt(squares), 3e-3);
-  // The feet are better here than it believes: they do not wander.
+  // The filter assumes that the feet wander, which they do not here.
   EXPECT_LT(std::sqrt(squares), 1.2 * std::sqrt(believed));
   EXPECT_LT(std::sqrt(believed), 5e-3);
   EXPECT_LT(Turn(rig[rig->state], x).norm(), 5e-3);
 }
 
-// The trunk turns, or a bias of the accelerometer across it would look like a tilt.
+// The trunk turns, because at rest a horizontal bias of the accelerometer looks like a tilt.
 TEST(LeggedStateEstimatorTest, EstimatesBiases) {
   SwayingRobot robot(DogBot(), 0.7);
   LeggedStateEstimatorParams params = Params(robot, DogBot());
@@ -254,8 +253,8 @@ TEST(LeggedStateEstimatorTest, EstimatesBiases) {
   EXPECT_LT((rig[rig->state].v_W - robot.State().v_W).norm(), 0.02);
 }
 
-// A foot that does not stand, or has just landed, has no say.
-TEST(LeggedStateEstimatorTest, FeetThatDoNotStandAreNotHeard) {
+// A foot that does not stand or has just landed does not affect the estimate.
+TEST(LeggedStateEstimatorTest, OnlyStandingFeetCount) {
   for (const ContactState state : {ContactState::kSwing, ContactState::kLate, ContactState::kSearching}) {
     SwayingRobot robot(DogBot(), 0.5);
     Rig still(Params(robot, DogBot())), kicking(Params(robot, DogBot()));
@@ -276,7 +275,7 @@ TEST(LeggedStateEstimatorTest, FeetThatDoNotStandAreNotHeard) {
   }
 }
 
-// A standing foot is moved by 3 cm in one tick: the estimate lets it go, and does not follow.
+// A standing foot moves by 3 cm in one tick: the filter anchors it anew instead of following it.
 TEST(LeggedStateEstimatorTest, AFootThatSlipsIsAnchoredAnew) {
   SwayingRobot robot(DogBot(), 0);
   Rig rig(Params(robot, DogBot()));
@@ -294,35 +293,24 @@ TEST(LeggedStateEstimatorTest, DoesNotAllocate) {
   SwayingRobot robot(DogBot());
   Rig rig(Params(robot, DogBot()));
   Feed(rig, robot.Imu(), robot.State(), AllStand());
-  AllocationGuard guard;
-  rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(Allocations([&] { rig.Tick(); }), 0);
 }
 
-TEST(LeggedStateEstimatorTest, RefusesWhatMakesNoSense) {
-  const auto with = [](auto&& change) {
-    return [change] {
-      LeggedStateEstimatorParams params;
-      params.robot = DogBot();
-      change(params);
-      LeggedStateEstimator estimator(params);
-    };
+TEST(LeggedStateEstimatorTest, RefusesNonsense) {
+  const auto refuses = [](const auto& change, const char* key) {
+    LeggedStateEstimatorParams params;
+    params.robot = DogBot();
+    change(params);
+    return Refuses<LeggedStateEstimator>(params, key);
   };
-  using P = LeggedStateEstimatorParams;
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.robot.contact.stiffness = 0; }),
-                                     "robot.contact.stiffness = 0 N/m", "LoadQuadruped"));
-  EXPECT_TRUE(
-      Throws<ParameterError>(with([](P& p) { p.noise.foot = -1; }), "noise.foot = -1", "must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.start.attitude = 0; }), "start.attitude = 0",
-                                     "say how much it may be off"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.outlier = NAN; }), "outlier = nan"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.settle_time = -0.1; }), "settle_time = -0.1 s",
-                                     "0 trusts a foot"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.initial.q_WB.setZero(); }),
-                                     "initial.q_WB is no rotation", "unit quaternion"));
-  EXPECT_TRUE(
-      Throws<ParameterError>(with([](P& p) { p.initial.v_W[0] = INFINITY; }), "where the robot starts"));
-  EXPECT_TRUE(Throws<ParameterError>(with([](P& p) { p.gravity = NAN; }), "gravity = nan"));
+  EXPECT_TRUE(refuses([](auto& p) { p.robot.contact.stiffness = 0; }, "robot.contact.stiffness"));
+  EXPECT_TRUE(refuses([](auto& p) { p.noise.foot = -1; }, "noise.foot"));
+  EXPECT_TRUE(refuses([](auto& p) { p.start.attitude = 0; }, "start.attitude"));
+  EXPECT_TRUE(refuses([](auto& p) { p.outlier = NAN; }, "outlier"));
+  EXPECT_TRUE(refuses([](auto& p) { p.settle_time = -0.1; }, "settle_time"));
+  EXPECT_TRUE(refuses([](auto& p) { p.initial.q_WB.setZero(); }, "initial.q_WB"));
+  EXPECT_TRUE(refuses([](auto& p) { p.initial.v_W[0] = INFINITY; }, "starts"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity"));
 }
 
 TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
@@ -346,11 +334,9 @@ TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
   }
   EXPECT_EQ(set[set->state].v_W, built[built->state].v_W);
   EXPECT_NE(plain[plain->state].v_W, built[built->state].v_W);
-  ContactAidedNoise wrong = changed.noise;
-  wrong.encoder = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, wrong); }, "noise.encoder = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->outlier, 0); }, "outlier = 0"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time = -1 s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, {.encoder = 0}); }, "noise.encoder"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->outlier, 0); }, "outlier"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time"));
 }
 
 }  // namespace

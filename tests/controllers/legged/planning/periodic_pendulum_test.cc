@@ -101,7 +101,7 @@ TEST(PeriodicPendulumTest, WithoutPhasesItRests) {
 TEST(PeriodicPendulumTest, RefusesTooManyPhases) {
   PeriodicPendulum pendulum;
   for (int k = 0; k < 8; ++k) pendulum.Add(0.1, {0, 0});
-  EXPECT_TRUE(Throws<RunError>([&] { pendulum.Add(0.1, {0, 0}); }, "more than 8 phases", "swing together"));
+  EXPECT_TRUE(Throws<RunError>([&] { pendulum.Add(0.1, {0, 0}); }, "8 phases"));
 }
 
 TEST(PlanarPathTest, GoesInCirclesAndLines) {
