@@ -45,15 +45,14 @@ TEST(BoxNewton, SolvesRandomProblemsToTheOptimalityConditions) {
   std::mt19937 generator(1);
   int held = 0;
   BoxNewton<5> box;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const auto problem = RandomProblem<5>(generator, 5);
-    Eigen::Matrix<double, 5, 1> x;
-    x.setZero();
+    Eigen::Matrix<double, 5, 1> x = 3 * problem.g;  // may be out of bounds
     ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
     ExpectOptimal(problem, x);
     held += 5 - static_cast<int>(box.free().sum());
   }
-  EXPECT_GT(held, 500);
+  EXPECT_GT(held, 100);
 }
 
 TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
@@ -61,9 +60,8 @@ TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
   BoxNewton<Eigen::Dynamic> box(7);
   auto problem = RandomProblem<Eigen::Dynamic>(generator, 7);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
-  const AllocationGuard guard;
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(
+      Allocations([&] { ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x)); }), 0);
   ExpectOptimal(problem, x);
 }
 
@@ -81,16 +79,6 @@ TEST(BoxNewton, SensitivityIsThatOfTheSolution) {
   const Eigen::Vector3d y(1e-4, -2e-4, 3e-4);
   ASSERT_TRUE(box.Solve(problem.H, problem.g + G * y, problem.lower, problem.upper, moved));
   EXPECT_THAT(moved, IsNear(x + K.transpose() * y, 1e-12));
-}
-
-TEST(BoxNewton, StartsFromAnywhere) {
-  std::mt19937 generator(4);
-  const auto problem = RandomProblem<4>(generator, 4);
-  BoxNewton<4> box;
-  Eigen::Vector4d a = problem.upper, b = Eigen::Vector4d(100, -100, 100, -100);
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, a));
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, b));
-  EXPECT_THAT(a, IsNear(b, 1e-12));
 }
 
 TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
@@ -115,7 +103,7 @@ TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
   ExpectOptimal(problem, x);
 }
 
-// What is not convex may be so where it counts: with the entries at their bounds held.
+// H need not be convex along entries that are at their bounds.
 TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0.2, 1), lower(-1, -1), upper(1, 1), g(0.1, -3);
@@ -124,7 +112,7 @@ TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   EXPECT_THAT(x, IsNear(Eigen::Vector2d(-0.1, 1), 1e-12));
 }
 
-TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
+TEST(BoxNewton, RefusesProblemsThatAreNotConvexOrNotFinite) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0, 0), lower(-1, -1), upper(1, 1), g(0.1, 0.1);
   Eigen::Matrix2d H = Eigen::Vector2d(1, -1).asDiagonal();

@@ -8,7 +8,7 @@
 namespace tenon::internal::lanes_test {
 namespace {
 
-/// How many units in the last place `value` is off.
+/// The error of `value` in units in the last place.
 double Units(double value, long double expected) {
   const double magnitude = std::abs(static_cast<double>(expected));
   const double unit = std::nextafter(magnitude, INFINITY) - magnitude;
@@ -26,7 +26,7 @@ TENON_VECTOR_CLONES void SinesAndCosines(const double* angles, double* sines, do
 TEST(Lanes, SineAndCosineOfAnyAngleUpToAMillion) {
   std::mt19937 generator(1);
   double worst = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     double angles[4], sines[4], cosines[4];
     int lane = 0;
     for (const double range : {0.8, 10.0, 1e3, 1e6}) {
@@ -45,7 +45,7 @@ TEST(Lanes, SineAndCosineOfAnyAngleUpToAMillion) {
   EXPECT_LT(worst, 3);
 }
 
-TEST(Lanes, SineAndCosineOfWhatIsTooLargeAreNotFinite) {
+TEST(Lanes, SineAndCosineOfLargeAnglesAreNotFinite) {
   const double infinity = INFINITY;
   double sines[4], cosines[4];
   for (const double angle : {1.1e6, -1.1e6, 1e300, infinity, std::nan("")}) {
