@@ -176,7 +176,7 @@ TEST(KinoCentroidalModel, IsNotFiniteOutsideItsRange) {
   CentroidalState x = SomeState(), next;
   model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
   EXPECT_TRUE(next.allFinite());
-  for (const double angle : {1.1e6, -1e300, INFINITY}) {
+  for (const double angle : {1.1e6, -1e300, std::numeric_limits<double>::infinity()}) {
     x[11] = angle;
     model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
     EXPECT_FALSE(next.allFinite()) << angle;
