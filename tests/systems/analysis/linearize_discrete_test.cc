@@ -218,7 +218,7 @@ TEST(LinearizeDiscreteTest, HeldSamplesThatAreRenewedBeforeTheyAreReadCarryNothi
   context->Set(cart.force, 0.0);
   EXPECT_THAT(LinearizeDiscrete(*context, {}, {}).states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&early.y}}); },
-                               "'early.y' carries nothing on over t = 0.01 s",
+                               "'early.y' is not a state at t = 0.01 s",
                                "held samples that are read before"));
 }
 
@@ -282,8 +282,7 @@ TEST(LinearizeDiscreteTest, FlipsAreNamed) {
   EXPECT_EQ(model.flips[0].moved, "cart.x.position");
   EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}); },
-                               "'latch.side' turns over when 'cart.x.position' moves",
-                               "choose another time"));
+                               "'latch.side' changes when 'cart.x.position' is varied", "another time"));
   context->Set(cart.x, Vec<2>(0.31, 0));
   EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}));
 }
@@ -338,7 +337,7 @@ TEST(LinearizeDiscreteTest, StatesCanBeChosen) {
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {}, {.states = {&loop.cart.state}});
   EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&loop.pd.u}}); },
-                               "'pd.u' carries nothing on over t = 0 s",
+                               "'pd.u' is not a state at t = 0 s",
                                "continuous and discrete states, Scratch"));
 }
 
@@ -362,7 +361,7 @@ TEST(LinearizeDiscreteTest, WithoutSamplesAPeriodIsNeeded) {
   builder.Add<Oscillator>("plant");
   const auto diagram = builder.Build();
   EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*diagram->CreateContext(), {}, {}); },
-                                     "samples nothing", "give options.period"));
+                                     "has no samples", "give options.period"));
 }
 
 TEST(LinearizeDiscreteTest, PeriodsThatHaveNoCommonOne) {
@@ -379,7 +378,7 @@ TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.u}, {}); },
-                               "input 'pd.u' is sampled", "give an open input"));
+                               "input 'pd.u' is sampled", "use an open input"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.x}, {}); },
                                "'pd.x' is connected to 'cart.x'"));
   DiagramBuilder builder;

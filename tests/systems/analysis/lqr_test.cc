@@ -227,20 +227,20 @@ TEST(LqrTest, ModesOutOfReachAreNamed) {
   const Matrix2d A = Vector2d(0.5, 2).asDiagonal();
   EXPECT_TRUE(
       refuses([&] { Lqr(A, first, unit, kOne); },
-              "Lqr: the mode with eigenvalue 2 does not decay, and B does not reach it: (A, B) is not "
+              "Lqr: the mode with eigenvalue 2 does not decay and is not controllable by B: (A, B) is not "
               "stabilisable"));
-  EXPECT_TRUE(refuses([&] { DiscreteLqr(A, first, unit, kOne); }, "eigenvalue 2 does not decay, and B"));
+  EXPECT_TRUE(refuses([&] { DiscreteLqr(A, first, unit, kOne); }, "eigenvalue 2 does not decay and "));
   EXPECT_TRUE(refuses([&] { Lqr(A, Vector2d(1, 1), weighs_first, kOne); },
-                      "eigenvalue 2 does not decay, and Q does not weigh it: (A, Q) is not detectable"));
+                      "eigenvalue 2 does not decay and has no weight in Q: (A, Q) is not detectable"));
   EXPECT_TRUE(refuses([&] { Kalman(A, first.transpose(), unit, kOne); },
-                      "eigenvalue 2 does not decay, and C does not show it: (A, C) is not detectable"));
+                      "eigenvalue 2 does not decay and is not observable by C: (A, C) is not detectable"));
   EXPECT_TRUE(refuses([&] { DiscreteKalman(A, Eigen::RowVector2d(1, 1), weighs_first, kOne); },
-                      "eigenvalue 2 does not decay, and Q does not move it: (A, Q) is not stabilisable"));
+                      "eigenvalue 2 does not decay and is not excited by Q: (A, Q) is not stabilisable"));
   // A drift, and an oscillation that nobody damps.
   const Matrix2d turn = (Matrix2d() << 0, 3, -3, 0).finished();
   EXPECT_TRUE(refuses([&] { Lqr(turn, 0 * first, unit, kOne); }, "eigenvalue 0 + 3 i does not decay"));
   EXPECT_TRUE(refuses([&] { Lqr(DoubleIntegrator(), first, unit, kOne); },
-                      "eigenvalue 0 does not decay, and B does not reach it"));
+                      "eigenvalue 0 does not decay and is not controllable by B"));
 }
 
 TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
@@ -251,7 +251,7 @@ TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
     const MatrixXd B = MatrixXd::Identity(n, n).rightCols(1), Q = MatrixXd::Identity(n, n);
     for (const auto& design : {Lqr, DiscreteLqr}) {
       EXPECT_TRUE(Throws<ParameterError>([&] { design(A, B, Q, kOne, {}); },
-                                         "eigenvalue 2 does not decay, and B does not reach it"))
+                                         "eigenvalue 2 does not decay and is not controllable by B"))
           << n;
     }
   }

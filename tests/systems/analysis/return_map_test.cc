@@ -190,9 +190,9 @@ TEST(ReturnMapTest, WrongDirectionsAreRefused) {
       [&] {
         ReturnMap(*context, {.neutral = {{{"cart.x.position", 1}}, {{"cart.x.position", 2}}}});
       },
-      "neutral directions are zero or depend linearly"));
+      "neutral directions are zero or linearly dependent"));
   EXPECT_TRUE(Throws<ParameterError>([&] { ReturnMap(*context, {.neutral = {{}}}); },
-                                     "neutral directions are zero or depend linearly"));
+                                     "neutral directions are zero or linearly dependent"));
   EXPECT_TRUE(Throws<ParameterError>([&] { ReturnMap(*context, {.map = {.period = 0.005}}); },
                                      "period = 0.005 s is no multiple"));
 }
