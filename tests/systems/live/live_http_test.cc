@@ -11,7 +11,6 @@
 #include <thread>
 
 namespace tenon::internal::live_http_test {
-namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -178,5 +177,4 @@ TEST(LiveChannel, AClientIsThereAsLongAsItListens) {
   EXPECT_FALSE(channel.IsConnected("me"));
 }
 
-}  // namespace
 }  // namespace tenon::internal::live_http_test

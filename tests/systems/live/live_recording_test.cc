@@ -6,7 +6,6 @@
 #include <fstream>
 
 namespace tenon::live_recording_test {
-namespace {
 
 class LiveRecordingTest : public testing::Test {
  protected:
@@ -65,5 +64,4 @@ TEST_F(LiveRecordingTest, AnotherDiagramIsRefused) {
   EXPECT_TRUE(Throws<ParameterError>([&] { Replay(other, {0, {}, {}, false}); }, "the recording has no end"));
 }
 
-}  // namespace
 }  // namespace tenon::live_recording_test

@@ -10,7 +10,6 @@
 #include <optional>
 
 namespace tenon::live_server_test {
-namespace {
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -357,5 +356,4 @@ TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
   EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
 }
 
-}  // namespace
 }  // namespace tenon::live_server_test

@@ -13,7 +13,6 @@
 #include <thread>
 
 namespace tenon::lcm_test {
-namespace {
 
 using internal::LcmBus;
 using internal::LcmType;
@@ -314,5 +313,4 @@ TEST(LcmTest, RefusesWhatItCannotOpen) {
       test::Refuses<LcmInput<double>>({.channel = "X", .url = kUrl, .timeout_s = -1}, "timeout_s = -1"));
 }
 
-}  // namespace
 }  // namespace tenon::lcm_test

@@ -17,7 +17,6 @@
 #include <thread>
 
 namespace tenon::udp_test {
-namespace {
 
 using test::Cloud;
 using test::Everything;
@@ -443,5 +442,4 @@ TEST(UdpInputTest, ASnapshotHasWhatWasTakenAndRefused) {
   EXPECT_EQ(rig[rig->y], 1);
 }
 
-}  // namespace
 }  // namespace tenon::udp_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::trajectory_test {
-namespace {
 
 TEST(TrajectoryTest, ReproducesACubic) {
   const auto p = [](double t) -> Vec<2> { return {1 + t * t * t, 2 * t - t * t}; };
@@ -60,5 +59,4 @@ TEST(TrajectoryTest, RefusesBadPoints) {
       test::Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, 1}, .end_velocity = test::kNan}, "finite"));
 }
 
-}  // namespace
 }  // namespace tenon::trajectory_test

@@ -12,7 +12,6 @@
 #include <filesystem>
 
 namespace tenon::campaign_report_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -136,5 +135,4 @@ TEST_F(CampaignPageTest, ShowsItAll) {
   std::filesystem::remove(file);
 }
 
-}  // namespace
 }  // namespace tenon::campaign_report_test

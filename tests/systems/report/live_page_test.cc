@@ -19,7 +19,6 @@
 #include <thread>
 
 namespace tenon::live_page_test {
-namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -461,5 +460,4 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   EXPECT_THAT(browser.complaints(), Each(HasSubstr("400 (Bad Request)"))) << "what was refused alone";
 }
 
-}  // namespace
 }  // namespace tenon::live_page_test

@@ -11,7 +11,6 @@
 #include <cmath>
 
 namespace tenon::report_page_test {
-namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -401,5 +400,4 @@ TEST_F(RunPageTest, RunsSideBySide) {
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
-}  // namespace
 }  // namespace tenon::report_page_test

@@ -11,7 +11,6 @@
 #include <sstream>
 
 namespace tenon::report_test {
-namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -563,5 +562,4 @@ TEST(Base64Test, AgreesWithOthers) {
   EXPECT_THROW(internal::FromBase64<float>("AA-gwMDh5EvNzMw9"), std::out_of_range);
 }
 
-}  // namespace
 }  // namespace tenon::report_test

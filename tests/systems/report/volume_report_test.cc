@@ -10,7 +10,6 @@
 #include <filesystem>
 
 namespace tenon::volume_report_test {
-namespace {
 
 using ::testing::Each;
 using ::testing::IsEmpty;
@@ -97,5 +96,4 @@ TEST_F(VolumeReportTest, RefusesPartsWithOtherQuantities) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-}  // namespace
 }  // namespace tenon::volume_report_test

@@ -20,7 +20,6 @@
 #include <thread>
 
 namespace tenon::background_log_test {
-namespace {
 
 using ::testing::EndsWith;
 
@@ -165,5 +164,4 @@ TEST(BackgroundLogTest, EndOfTheDiskEndsTheRunBehindAWholeRow) {
   std::filesystem::remove(file);
 }
 
-}  // namespace
 }  // namespace tenon::background_log_test

@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace tenon::dense_output_test {
-namespace {
 
 struct Case {
   Method method;
@@ -197,5 +196,4 @@ TEST(DenseOutput, ReadingTicksAskNoWitness) {
   EXPECT_EQ(calls(true), calls(false));
 }
 
-}  // namespace
 }  // namespace tenon::dense_output_test

@@ -16,7 +16,6 @@
 #include <vector>
 
 namespace tenon::hybrid_test {
-namespace {
 
 constexpr double kG = 9.81;  // m/s^2
 
@@ -450,5 +449,4 @@ TEST(HybridErrorTest, TheMessageOfAStiffSystemRecommendsAnotherMethod) {
   EXPECT_TRUE(Throws<RunError>([&] { Simulate(params, {.max_steps = 2000}, 0, 1); }, "stiff", "kBdf"));
 }
 
-}  // namespace
 }  // namespace tenon::hybrid_test

@@ -4,7 +4,6 @@
 #include <chrono>
 
 namespace tenon::run_profile_test {
-namespace {
 
 /// Takes a quarter of a millisecond at each tick.
 double Busy(double u) {
@@ -59,5 +58,4 @@ TEST(RunProfileTest, MustBeAskedFor) {
   EXPECT_TRUE(Throws<RunError>([&] { static_cast<void>(simulator.Profile()); }, ".profile = true"));
 }
 
-}  // namespace
 }  // namespace tenon::run_profile_test

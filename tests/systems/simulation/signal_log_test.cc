@@ -11,7 +11,6 @@
 #include <sstream>
 
 namespace tenon::signal_log_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -304,5 +303,4 @@ TEST_F(SignalLogTest, WhatWasHeldComesToAllOtherLogsWhereOneCannotBeWritten) {
   EXPECT_EQ(gathered->rows(), 11U);
 }
 
-}  // namespace
 }  // namespace tenon::signal_log_test

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 namespace tenon::simulator_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -682,5 +681,4 @@ TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
   EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddMonitor({}); }, "AddMonitor"));
 }
 
-}  // namespace
 }  // namespace tenon::simulator_test

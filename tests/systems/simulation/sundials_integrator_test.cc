@@ -4,7 +4,6 @@
 #include <tuple>
 
 namespace tenon::sundials_integrator_test {
-namespace {
 
 constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
 
@@ -266,5 +265,4 @@ TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
   EXPECT_NEAR(simulator.context().Eval(tank.level), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
 }
 
-}  // namespace
 }  // namespace tenon::sundials_integrator_test

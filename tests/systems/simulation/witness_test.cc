@@ -4,7 +4,6 @@
 #include <vector>
 
 namespace tenon::witness_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -185,5 +184,4 @@ TEST(WitnessTest, AWitnessMayReadAnotherOneOfAnyBlock) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::witness_test
