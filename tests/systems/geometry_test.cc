@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 namespace tenon::geometry_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -48,5 +47,4 @@ TEST(GeometryTest, ConstantsAndMotionSurviveSaveAndRestore) {
   EXPECT_EQ(geometry[1].kind, ShapeKind::kBox);
 }
 
-}  // namespace
 }  // namespace tenon::geometry_test

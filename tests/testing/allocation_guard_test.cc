@@ -12,7 +12,6 @@
 #include <vector>
 
 namespace tenon::allocation_guard_test {
-namespace {
 
 /// A place that the compiler must believe to be read, so that it cannot leave out the allocation.
 void* volatile sink;
@@ -107,5 +106,4 @@ TEST(AllocationGuardWithoutCountingTest, CountsZero) {
   EXPECT_EQ(guard.count(), 0);
 }
 
-}  // namespace
 }  // namespace tenon::allocation_guard_test

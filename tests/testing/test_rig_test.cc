@@ -9,7 +9,6 @@
 #include <cmath>
 
 namespace tenon::test_rig_test {
-namespace {
 
 struct PdParams {
   double kp = 10;  // N/m
@@ -127,5 +126,4 @@ TEST(TestRigTest, RefusesTicksWithoutSampleTimes) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "no tick", "use RunTo"));
 }
 
-}  // namespace
 }  // namespace tenon::test_rig_test

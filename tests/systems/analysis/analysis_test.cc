@@ -6,7 +6,6 @@
 #include <functional>
 
 namespace tenon::analysis_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -261,5 +260,4 @@ TEST(AnalysisTest, LinearizesWhateverIsSmooth) {
   EXPECT_NEAR(AtPoint([](double x) { return std::tanh(1e4 * x); }, 0, 0).Model().A(0, 0), 1e4, 1);
 }
 
-}  // namespace
 }  // namespace tenon::analysis_test

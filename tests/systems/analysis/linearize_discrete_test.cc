@@ -7,7 +7,6 @@
 #include <limits>
 
 namespace tenon::linearize_discrete_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -394,5 +393,4 @@ TEST(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
   EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.states = {&delay.x}}));
 }
 
-}  // namespace
 }  // namespace tenon::linearize_discrete_test

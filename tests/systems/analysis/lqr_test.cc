@@ -13,7 +13,6 @@
 #include <functional>
 
 namespace tenon::lqr_test {
-namespace {
 
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
@@ -216,5 +215,4 @@ TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::lqr_test

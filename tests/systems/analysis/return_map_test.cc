@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace tenon::return_map_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -179,5 +178,4 @@ TEST(ReturnMapTest, WrongDirectionsAreRefused) {
       Throws<ParameterError>([&] { ReturnMap(*context, {.map = {.period = 0.005}}); }, "period = 0.005 s"));
 }
 
-}  // namespace
 }  // namespace tenon::return_map_test

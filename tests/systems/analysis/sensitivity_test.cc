@@ -8,7 +8,6 @@
 #include <limits>
 
 namespace tenon::sensitivity_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -123,5 +122,4 @@ TEST(SensitivityTest, RunsThatFailAreNamed) {
   EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, failing); }, "it fell"));
 }
 
-}  // namespace
 }  // namespace tenon::sensitivity_test

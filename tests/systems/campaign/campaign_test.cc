@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 namespace tenon::campaign_test {
-namespace {
 
 using ::testing::HasSubstr;
 
@@ -116,5 +115,4 @@ TEST(ForEachRunTest, TheFirstErrorEndsItAndIsThrown) {
   EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(1, 0, stop); }, "jobs = 0 must be positive"));
 }
 
-}  // namespace
 }  // namespace tenon::campaign_test

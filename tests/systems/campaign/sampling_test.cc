@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace tenon::sampling_test {
-namespace {
 
 TEST(LatinHypercubeTest, HasOnePointInEachInterval) {
   RandomStream random(1);
@@ -53,5 +52,4 @@ TEST(SobolTest, OfNothingIsNothingAndDimensionsEnd) {
   EXPECT_TRUE(Throws<ParameterError>([] { Sobol(10, 100'000); }, "latin_hypercube"));
 }
 
-}  // namespace
 }  // namespace tenon::sampling_test

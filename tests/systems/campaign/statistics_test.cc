@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace tenon::statistics_test {
-namespace {
 
 // 81 of 263, 15 of 148: table I of Newcombe, Statistics in Medicine 17 (1998), method 3.
 TEST(WilsonIntervalTest, GivesThePublishedIntervals) {
@@ -73,5 +72,4 @@ TEST(RankCorrelationTest, OfNothingIsNothing) {
   EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}));
 }
 
-}  // namespace
 }  // namespace tenon::statistics_test

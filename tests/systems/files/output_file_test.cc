@@ -7,7 +7,6 @@
 #include <filesystem>
 
 namespace tenon::output_file_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -44,5 +43,4 @@ TEST_F(OutputFileTest, GrowsByWholeTexts) {
   EXPECT_EQ(test::FileText(file_), "");
 }
 
-}  // namespace
 }  // namespace tenon::output_file_test

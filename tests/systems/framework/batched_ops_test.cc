@@ -16,7 +16,6 @@
 #include <vector>
 
 namespace tenon::batched_ops_test {
-namespace {
 
 /// The calculations of one evaluation of the derivatives, as Describe() lists them.
 std::string AtEachStage(const Diagram& diagram) {
@@ -279,5 +278,4 @@ TEST(BatchedOpsTest, EachCountsForItselfInAProfile) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::batched_ops_test

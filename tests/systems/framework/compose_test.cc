@@ -6,7 +6,6 @@
 #include <optional>
 
 namespace tenon::compose_test {
-namespace {
 
 /// A diagram of a library: a PD controller inside a nested diagram drives a cart.
 struct ServoParams {
@@ -253,5 +252,4 @@ TEST(ComposeBuilderTest, ABuilderKnowsNoBlocksOfTheOneThatWasThereBefore) {
   EXPECT_TRUE(Throws<BuildError>([&] { builder->Replace<Bang>(loop.servo.pd, 5.0); }, "'loop.servo.pd'"));
 }
 
-}  // namespace
 }  // namespace tenon::compose_test

@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::context_test {
-namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -423,5 +422,4 @@ TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
   EXPECT_NE(two[0], two[1]);
 }
 
-}  // namespace
 }  // namespace tenon::context_test

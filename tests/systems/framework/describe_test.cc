@@ -3,7 +3,6 @@
 #include <string>
 
 namespace tenon::describe_test {
-namespace {
 
 std::string Describe() {
   PdLoop loop;
@@ -37,5 +36,4 @@ TEST(DescribeTest, TellsWhatTheIntegratorDoes) {
   EXPECT_TRUE(Has("restarts after: pd.u\n"));
 }
 
-}  // namespace
 }  // namespace tenon::describe_test

@@ -1,7 +1,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::diagram_builder_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -440,5 +439,4 @@ TEST(DiagramBuilderTest, FindGivesTheNearestName) {
   EXPECT_THAT(diagram->ContinuousStateNames(), ElementsAre("cart.x.position", "cart.x.velocity"));
 }
 
-}  // namespace
 }  // namespace tenon::diagram_builder_test

@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace tenon::distribution_test {
-namespace {
 
 /// The mean and the standard deviation of of(x) over many draws x.
 std::pair<double, double> Moments(const Distribution& distribution, double (*of)(double)) {
@@ -53,5 +52,4 @@ TEST(DistributionTest, RefusesWhatMakesNoSense) {
       "lognormal: [0, -1]"));
 }
 
-}  // namespace
 }  // namespace tenon::distribution_test

@@ -6,7 +6,6 @@
 #include <fstream>
 
 namespace tenon::graphviz_test {
-namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -75,5 +74,4 @@ TEST(GraphvizTest, DotAcceptsIt) {
   std::filesystem::remove(messages);
 }
 
-}  // namespace
 }  // namespace tenon::graphviz_test

@@ -1,7 +1,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::no_allocation_test {
-namespace {
 
 /// Continuous and discrete states, two rates, noise, scratch, a witness, monitors and updates after each
 /// step.
@@ -62,5 +61,4 @@ TEST(NoAllocationTest, RunningAllocatesNothing) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::no_allocation_test

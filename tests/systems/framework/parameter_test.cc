@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace tenon::parameter_test {
-namespace {
 
 /// Limits of the force of Servo.
 struct Limits {
@@ -186,5 +185,4 @@ TEST(ParameterTest, RunsWithoutAllocating) {
   EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.2); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::parameter_test

@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::publish_test {
-namespace {
 
 /// Notes the times at which it publishes.
 class Reporter final : public LeafSystem<std::vector<double>*> {
@@ -117,5 +116,4 @@ TEST(PublishTest, EvaluationsDoNotPublish) {
   EXPECT_TRUE(book.empty());
 }
 
-}  // namespace
 }  // namespace tenon::publish_test

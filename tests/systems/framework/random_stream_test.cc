@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::random_stream_test {
-namespace {
 
 constexpr int kCount = 200000;
 
@@ -96,5 +95,4 @@ TEST(RandomStreamTest, ACopyGoesOnAlike) {
   static_assert(std::is_trivially_copyable_v<RandomStream>);
 }
 
-}  // namespace
 }  // namespace tenon::random_stream_test

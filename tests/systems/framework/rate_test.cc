@@ -9,7 +9,6 @@
 #include <limits>
 
 namespace tenon::rate_test {
-namespace {
 
 TEST(RateTest, DecimalsAreTakenAsWritten) {
   EXPECT_EQ(Hz(1000), Rate::FromPeriod(1, 1000));
@@ -62,5 +61,4 @@ TEST(RateTest, OffsetsMayBeZero) {
   EXPECT_TRUE(Throws<ParameterError>([] { internal::ToRational(-1, "an offset"); }, "an offset of -1 s"));
 }
 
-}  // namespace
 }  // namespace tenon::rate_test

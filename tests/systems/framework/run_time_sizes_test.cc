@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace tenon::run_time_sizes_test {
-namespace {
 
 /// x_i' = -i x_i + u from 1, for i = 1 … n; at t = 1 the first is set to 5.
 struct DecayParams {
@@ -85,5 +84,4 @@ TEST(RunTimeSizesTest, RunsWithoutAllocating) {
   EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::run_time_sizes_test

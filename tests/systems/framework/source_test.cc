@@ -4,7 +4,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon::source_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -42,5 +41,4 @@ TEST(SourceTest, UsesTheEntriesOfAList) {
   EXPECT_THAT(adder.y.uses(), ElementsAre(&adder.weights, &adder.u[0], &adder.u[1]));
 }
 
-}  // namespace
 }  // namespace tenon::source_test

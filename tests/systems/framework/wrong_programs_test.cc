@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 namespace tenon::wrong_programs_test {
-namespace {
 
 template <class Block, class... Args>
 auto Adding(Args&&... args) {
@@ -416,5 +415,4 @@ TEST(WrongProgramsTest, SnapshotsOfEqualContextsAreEqualBytes) {
   EXPECT_EQ(one->Save(), other->Save());
 }
 
-}  // namespace
 }  // namespace tenon::wrong_programs_test

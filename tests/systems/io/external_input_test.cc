@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::external_input_test {
-namespace {
 
 using Input = ExternalInput<double>;
 
@@ -94,5 +93,4 @@ TEST(ExternalInputTest, TakesOverWithoutAllocating) {
   EXPECT_EQ(rig[rig->y], 99);
 }
 
-}  // namespace
 }  // namespace tenon::external_input_test

@@ -4,7 +4,6 @@
 #include <vector>
 
 namespace tenon::adder_test {
-namespace {
 
 TEST(AdderTest, Weighs) {
   TestRig<Adder<Vec<2>>> rig({.weights = {1, -1, 0.5}});
@@ -44,5 +43,4 @@ TEST(AdderTest, WeightsAreSetInARun) {
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'"));
 }
 
-}  // namespace
 }  // namespace tenon::adder_test

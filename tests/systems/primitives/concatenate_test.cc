@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::concatenate_test {
-namespace {
 
 struct Trunk {
   double height = 0;
@@ -81,5 +80,4 @@ TEST(ConcatenateTest, RefusesWrongNumbersOfNamesAndSizesThatAreNotFixed) {
   EXPECT_TRUE(Throws<ParameterError>([] { Split<double, Eigen::VectorXd> block; }, "'y_1'"));
 }
 
-}  // namespace
 }  // namespace tenon::concatenate_test

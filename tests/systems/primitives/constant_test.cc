@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::constant_test {
-namespace {
 
 TEST(ConstantSourceTest, GivesItsValue) {
   TestRig<ConstantSource<Vec<2>>> rig({.value = {1, 2}, .unit = "N"});
@@ -23,5 +22,4 @@ TEST(ConstantSourceTest, IsSetInARun) {
   EXPECT_EQ(rig.RunTo(2)[rig->y], 5);
 }
 
-}  // namespace
 }  // namespace tenon::constant_test

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::discrete_derivative_test {
-namespace {
 
 using Params = DiscreteDerivativeParams;
 
@@ -36,5 +35,4 @@ TEST(DiscreteDerivativeTest, RefusesABadTimeConstant) {
     EXPECT_TRUE(Refuses<DiscreteDerivative<>>({.time_constant = bad}, "time_constant"));
 }
 
-}  // namespace
 }  // namespace tenon::discrete_derivative_test

@@ -6,7 +6,6 @@
 #include <cmath>
 
 namespace tenon::discrete_low_pass_test {
-namespace {
 
 TEST(DiscreteLowPassTest, StepResponse) {
   TestRig<DiscreteLowPass<>> rig({.time_constant = 0.3, .initial = 1, .rate = Hz(10)});
@@ -50,5 +49,4 @@ TEST(DiscreteLowPassTest, TheTimeConstantIsSetInARun) {
       Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "positive"));
 }
 
-}  // namespace
 }  // namespace tenon::discrete_low_pass_test

@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::discrete_transfer_function_test {
-namespace {
 
 using Params = DiscreteTransferFunctionParams;
 
@@ -56,5 +55,4 @@ TEST(DiscreteTransferFunctionTest, RefusesBadCoefficients) {
   EXPECT_TRUE(Refuses<DiscreteTransferFunction>({.denominator = {1, NAN}}, "coefficients"));
 }
 
-}  // namespace
 }  // namespace tenon::discrete_transfer_function_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::gain_test {
-namespace {
 
 TEST(GainTest, Multiplies) {
   TestRig<Gain<>> rig({.gain = -2.5});
@@ -26,5 +25,4 @@ TEST(GainTest, IsSetInARun) {
   EXPECT_EQ(rig->y.elements()[1].name, "z");
 }
 
-}  // namespace
 }  // namespace tenon::gain_test

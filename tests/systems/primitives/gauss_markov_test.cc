@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::gauss_markov_test {
-namespace {
 
 TEST(GaussMarkovTest, IsCorrelatedAsItSays) {
   constexpr double kTime = 0.02;  // 1000 Hz: a correlation of exp(-lag / 20)
@@ -58,5 +57,4 @@ TEST(GaussMarkovTest, RefusesBadParameters) {
     EXPECT_TRUE(Refuses<GaussMarkov<>>({.time_constant = bad}, "time_constant"));
 }
 
-}  // namespace
 }  // namespace tenon::gauss_markov_test

@@ -9,7 +9,6 @@
 #include <cmath>
 
 namespace tenon::held_lag_test {
-namespace {
 
 TEST(HeldLagTest, AStepIsAnExponential) {
   constexpr double kLag = 0.004;
@@ -52,5 +51,4 @@ TEST(HeldLagTest, RefusesALagOfNothing) {
   EXPECT_TRUE(Refuses<HeldLag<>>({.time_constant = 0}, "time_constant"));
 }
 
-}  // namespace
 }  // namespace tenon::held_lag_test

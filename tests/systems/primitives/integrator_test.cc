@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace tenon::integrator_test {
-namespace {
 
 TEST(IntegratorTest, Integrates) {
   TestRig<Integrator<Vec<2>>> rig({.initial = {1, 2}});
@@ -31,5 +30,4 @@ TEST(IntegratorTest, RefusesAnInitialValueThatIsNotFinite) {
   EXPECT_TRUE(Refuses<Integrator<>>({.initial = NAN}, "initial"));
 }
 
-}  // namespace
 }  // namespace tenon::integrator_test

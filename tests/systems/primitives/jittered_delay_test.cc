@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace tenon::jittered_delay_test {
-namespace {
 
 /// The output of a delay whose input is 1 at the first tick and 0 afterwards.
 std::vector<double> ImpulseThrough(const JitteredDelayParams<>& params, int ticks) {
@@ -89,5 +88,4 @@ TEST(JitteredDelayTest, RefusesMessagesFromTheFuture) {
   EXPECT_TRUE(Refuses<JitteredDelay<>>({.delay = 11}, "delay"));
 }
 
-}  // namespace
 }  // namespace tenon::jittered_delay_test

@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace tenon::low_pass_filter_test {
-namespace {
 
 TEST(LowPassFilterTest, StepResponse) {
   TestRig<LowPassFilter<Vec<2>>> rig({.time_constant = 0.5, .initial = {1, 0}});
@@ -40,5 +39,4 @@ TEST(LowPassFilterTest, TheTimeConstantIsSetInARun) {
   EXPECT_EQ(rig.diagram().ContinuousStateNames()[1], "block.y.z");
 }
 
-}  // namespace
 }  // namespace tenon::low_pass_filter_test

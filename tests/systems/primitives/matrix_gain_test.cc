@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::matrix_gain_test {
-namespace {
 
 TEST(MatrixGainTest, MultipliesVectorsOfAnySize) {
   Eigen::MatrixXd gain(2, 3);
@@ -44,5 +43,4 @@ TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
       Throws<ParameterError>([&] { rig.Set(rig->gain, Eigen::MatrixXd::Ones(3, 3)); }, "'block.gain'"));
 }
 
-}  // namespace
 }  // namespace tenon::matrix_gain_test

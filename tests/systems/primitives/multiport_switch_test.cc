@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::multiport_switch_test {
-namespace {
 
 enum class Gait { kStand, kTrot, kPace };
 
@@ -33,5 +32,4 @@ TEST(MultiportSwitchTest, RefusesToChooseFromNothing) {
   EXPECT_TRUE(Refuses<MultiportSwitch<>>({.count = 0}, "count"));
 }
 
-}  // namespace
 }  // namespace tenon::multiport_switch_test

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 namespace tenon::mux_test {
-namespace {
 
 TEST(MuxTest, NamesTheElements) {
   TestRig<Mux<2>> rig({.units = "m, rad", .elements = "height, pitch"});
@@ -32,5 +31,4 @@ TEST(DemuxTest, UndoesMux) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(context->Eval(demux.y[i]), i + 1);
 }
 
-}  // namespace
 }  // namespace tenon::mux_test

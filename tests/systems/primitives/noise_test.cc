@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::noise_test {
-namespace {
 
 // random_stream_test checks the distribution of the numbers of a stream.
 TEST(WhiteNoiseTest, IsItsDeviationTimesTheNextNormalNumber) {
@@ -88,5 +87,4 @@ TEST(NoiseTest, RefusesTypesWithoutAFixedSize) {
   EXPECT_TRUE(Throws<ParameterError>([] { AddNoise<Scan> block; }, "standard_deviation"));
 }
 
-}  // namespace
 }  // namespace tenon::noise_test

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::pid_test {
-namespace {
 
 using Params = PidParams<>;
 
@@ -80,5 +79,4 @@ TEST(PidTest, RefusesBadParameters) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->upper, -2); }, "'block.upper'"));
 }
 
-}  // namespace
 }  // namespace tenon::pid_test

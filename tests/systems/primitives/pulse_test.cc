@@ -8,7 +8,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::pulse_test {
-namespace {
 
 TEST(PulseTest, IsAStepAPulseOrASquareWave) {
   const auto at = [](PulseParams<> params, double t) {
@@ -89,5 +88,4 @@ TEST(KinkTest, ATrajectoryEndsStepsAtItsTimes) {
   EXPECT_NEAR(simulator.context().Eval(integral.y), 0, 1e-9);  // from rest to rest
 }
 
-}  // namespace
 }  // namespace tenon::pulse_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::quantizer_test {
-namespace {
 
 TEST(QuantizerTest, RoundsToTheNearestStep) {
   TestRig<Quantizer<Vec<3>>> rig({.step = {0.25, 2, 1}});
@@ -16,5 +15,4 @@ TEST(QuantizerTest, RefusesABadStep) {
     EXPECT_TRUE(Refuses<Quantizer<>>({.step = bad}, "step"));
 }
 
-}  // namespace
 }  // namespace tenon::quantizer_test

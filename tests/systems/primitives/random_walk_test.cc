@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::random_walk_test {
-namespace {
 
 TEST(RandomWalkTest, VarianceGrowsWithTimeWhateverTheRate) {
   for (const double rate : {10.0, 100.0}) {
@@ -43,5 +42,4 @@ TEST(RandomWalkTest, RefusesBadParameters) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::random_walk_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::rate_limiter_test {
-namespace {
 
 TEST(RateLimiterTest, RampsToItsInput) {
   TestRig<RateLimiter<>> rig({.falling = -20, .rising = 10, .rate = Hz(10), .unit = "m"});
@@ -38,5 +37,4 @@ TEST(RateLimiterTest, RefusesBadLimits) {
   EXPECT_TRUE(Refuses<RateLimiter<>>({.initial = NAN}, "initial"));
 }
 
-}  // namespace
 }  // namespace tenon::rate_limiter_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::sample_delay_test {
-namespace {
 
 TEST(SampleDelayTest, DelaysByItsSamples) {
   for (const int samples : {1, 2, 5}) {
@@ -39,5 +38,4 @@ TEST(SampleDelayTest, RefusesLessThanOneSample) {
   for (const int bad : {0, -3}) EXPECT_TRUE(Refuses<SampleDelay<>>({.samples = bad}, "samples"));
 }
 
-}  // namespace
 }  // namespace tenon::sample_delay_test

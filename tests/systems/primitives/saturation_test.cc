@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::saturation_test {
-namespace {
 
 TEST(SaturationTest, IsOpenByDefault) {
   TestRig<Saturation<>> rig({.upper = 2});
@@ -36,5 +35,4 @@ TEST(SaturationTest, LimitsAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->upper, -3); }, "'block.upper'"));
 }
 
-}  // namespace
 }  // namespace tenon::saturation_test

@@ -6,7 +6,6 @@
 #include <cmath>
 
 namespace tenon::signal_fault_test {
-namespace {
 
 using ::testing::ElementsAre;
 using Kind = SignalFaultKind;
@@ -196,5 +195,4 @@ TEST(SignalFaultTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<SignalFault<int>>({.kind = Kind::kOffset, .size = 1}, "number"));
 }
 
-}  // namespace
 }  // namespace tenon::signal_fault_test

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::sine_test {
-namespace {
 
 TEST(SineTest, HasItsDerivatives) {
   TestRig<Sine<>> rig({.amplitude = 2, .angular_frequency = 3, .phase = 0.5, .offset = 1, .unit = "m"});
@@ -38,5 +37,4 @@ TEST(SineTest, RefusesWhatIsNotFinite) {
   EXPECT_TRUE(Refuses<Sine<>>({.offset = NAN}, "offset"));
 }
 
-}  // namespace
 }  // namespace tenon::sine_test

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::state_space_test {
-namespace {
 
 /// The oscillator q'' = -4 q + u, its position and velocity.
 StateSpaceParams Oscillator() {
@@ -106,5 +105,4 @@ TEST(DiscreteStateSpaceTest, DoesNotAllocate) {
   EXPECT_EQ(AllocationsOf([&] { rig.RunTo(1); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::state_space_test

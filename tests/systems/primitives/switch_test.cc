@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::switch_test {
-namespace {
 
 TEST(SwitchTest, Selects) {
   TestRig<Switch<Vec<2>>> rig;
@@ -29,5 +28,4 @@ TEST(ThresholdSwitchTest, TheThresholdIsSetInARun) {
   EXPECT_EQ(rig[rig->y], -1);
 }
 
-}  // namespace
 }  // namespace tenon::switch_test

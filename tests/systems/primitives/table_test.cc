@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::table_test {
-namespace {
 
 TEST(TableTest, InterpolatesAndClamps) {
   TestRig<Table<>> rig({.u = {-1, 0, 2, 3}, .y = {5, 1, 2, -4}});
@@ -31,5 +30,4 @@ TEST(TableTest, RefusesBadPoints) {
   EXPECT_TRUE(Refuses<Table<>>({.u = {0, 1}, .y = {0, NAN}}, "finite"));
 }
 
-}  // namespace
 }  // namespace tenon::table_test

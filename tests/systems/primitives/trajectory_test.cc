@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::trajectory_test {
-namespace {
 
 TEST(TrajectoryTest, ReproducesACubic) {
   const auto p = [](double t) -> Vec<2> { return {1 + t * t * t, 2 * t - t * t}; };
@@ -59,5 +58,4 @@ TEST(TrajectoryTest, RefusesBadPoints) {
   EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, 1}, .end_velocity = NAN}, "finite"));
 }
 
-}  // namespace
 }  // namespace tenon::trajectory_test

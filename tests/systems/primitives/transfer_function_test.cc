@@ -9,7 +9,6 @@
 #include <numbers>
 
 namespace tenon::transfer_function_test {
-namespace {
 
 using Params = TransferFunctionParams;
 
@@ -107,5 +106,4 @@ TEST(TransferFunctionTest, RefusesBadCoefficients) {
   EXPECT_TRUE(Refuses<TransferFunction<2>>({.denominator = {1, NAN, 2}}, "coefficients"));
 }
 
-}  // namespace
 }  // namespace tenon::transfer_function_test

@@ -7,7 +7,6 @@
 #include <vector>
 
 namespace tenon::transport_delay_test {
-namespace {
 
 using Params = TransportDelayParams<>;
 
@@ -95,5 +94,4 @@ TEST(TransportDelayTest, RefusesBadParameters) {
   EXPECT_TRUE(Refuses<TransportDelay<>>({.initial = NAN}, "initial"));
 }
 
-}  // namespace
 }  // namespace tenon::transport_delay_test

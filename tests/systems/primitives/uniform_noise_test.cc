@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tenon::uniform_noise_test {
-namespace {
 
 TEST(UniformNoiseTest, HasItsMomentsAndLimits) {
   TestRig<UniformNoise<Vec<2>>> rig({.lower = {-1, 4}, .upper = {3, 5}, .unit = "m, N"});
@@ -38,5 +37,4 @@ TEST(UniformNoiseTest, RefusesBadLimits) {
   EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = NAN}, "lower"));
 }
 
-}  // namespace
 }  // namespace tenon::uniform_noise_test

@@ -5,7 +5,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::unit_delay_test {
-namespace {
 
 TEST(UnitDelayTest, DelaysByOneSample) {
   TestRig<UnitDelay<>> rig({.initial = -1, .rate = Hz(100)});
@@ -46,5 +45,4 @@ TEST(UnitDelayTest, BreaksLoopsOfSampledBlocks) {
   EXPECT_EQ(count(true), 11);
 }
 
-}  // namespace
 }  // namespace tenon::unit_delay_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::zero_order_hold_test {
-namespace {
 
 TEST(ZeroOrderHoldTest, SamplesAFunctionOfTime) {
   DiagramBuilder builder;
@@ -26,5 +25,4 @@ TEST(ZeroOrderHoldTest, HasFeedthrough) {
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "hold.y"));
 }
 
-}  // namespace
 }  // namespace tenon::zero_order_hold_test

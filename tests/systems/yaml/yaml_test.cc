@@ -13,7 +13,6 @@
 #include <set>
 
 namespace tenon::yaml_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -628,5 +627,4 @@ TEST(YamlDrawTest, RefusesDistributionsThatMakeNoSense) {
   EXPECT_THAT(error("mass_kg: {normal: 3}"), StartsWith("load.yaml:1:19: "));
 }
 
-}  // namespace
 }  // namespace tenon::yaml_test
