@@ -1,5 +1,5 @@
-// A case is one run, bit by bit, whether its app reads it from the scenario or a program says no more than
-// the case does: all else is the library's default.
+// A program that sets only the keys of a case and uses the defaults of the library gives the run of the app,
+// bit for bit.
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
@@ -28,7 +28,7 @@ namespace {
 
 using Bits = std::vector<std::uint64_t>;
 
-/// The signals that an app logs in a run of 1.5 s.
+/// The signals that an app logs in 1.5 s.
 template <class Loop, class Figures>
 Bits Log(const auto& params, const std::function<SimulatorOptions(const Loop&)>& options) {
   DiagramBuilder builder;
@@ -48,7 +48,7 @@ Scenario Read(const std::string& name, const std::string& app) {
   return LoadScenario(name, {}, app).template Read<Scenario>();
 }
 
-/// `by_app` makes the parameters of a scenario.
+/// Compares the parameters that `by_app` makes of a scenario with those of `by_hand`.
 template <class Loop, class Figures>
 void ExpectSameRun(const auto& scenario, const auto& by_app, const auto& by_hand) {
   const Bits app =
@@ -123,7 +123,7 @@ TEST(SameRunTest, D1) {
   ExpectSameRun<CdprLoop, CdprFigures>(Read<CdprScenario>("D1", "tenon-cdpr"), MakeLoopParams, params);
 }
 
-// Under a PD that is told the load, whose estimate has bandwidths of its own.
+// A PD controller with the load estimator.
 TEST(SameRunTest, D1WithPd) {
   CdprLoopParams params;
   params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));

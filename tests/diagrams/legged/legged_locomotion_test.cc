@@ -1,4 +1,4 @@
-// The blocks of LeggedLocomotion meet at ports alone: each can be another one, a function even.
+// Each block of LeggedLocomotion can be replaced by another one, for example by a function.
 
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
@@ -25,15 +25,15 @@ enum class Replaced {
   kWholeBody
 };
 
-/// What a second of trotting on the spot comes to.
+/// Figures of one second of trotting on the spot.
 struct Trot {
-  double lift = 0;    ///< highest that a foot came above its place [m]
-  double height = 0;  ///< of the CoM above where it stood, at the end [m]
-  double yaw = 0;     ///< of the trunk at the end [rad]
+  double lift = 0;    ///< largest height of a foot above its place [m]
+  double height = 0;  ///< final height of the CoM above its initial one [m]
+  double yaw = 0;     ///< final yaw of the trunk [rad]
   LeggedState end;
 };
 
-/// A step on the spot, 3 cm high, that aims 1 cm into the ground, to press on it.
+/// A step on the spot, 3 cm high, that ends 1 cm below the ground, so that the foot presses on it.
 FootReference Step(const Vec<3>& place, const LegContact& leg, double swing) {
   FootReference foot{place, Vec<3>::Zero(), Vec<3>::Zero()};
   if (leg.stance()) return foot;
@@ -70,14 +70,15 @@ QuadrupedWorldParams Outside(const QuadrupedDescription& robot) {
   return outside;
 }
 
-/// What the locomotion is given besides the robot's state.
+/// The inputs of the locomotion except those from the robot.
 struct Given {
   const OutputPort<WalkCommand>& command;
   const OutputPort<WrenchEstimate>& wrench;
   const OutputPort<LegForceEstimate>& leg_forces;
 };
 
-/// A trot on the spot, told of a force `felt` [N] on the trunk and of a hundredth of its size on all joints.
+/// A trot on the spot with an estimated force `felt` [N] on the trunk and a hundredth of it [N m] on each
+/// joint.
 Given AddGiven(DiagramBuilder& builder, const Vec<3>& felt) {
   return {builder.AddFunction({"command"}, Uses(builder.time),
                               [](double) { return WalkCommand{.gait = Gait::kTrot}; }),
@@ -88,7 +89,7 @@ Given AddGiven(DiagramBuilder& builder, const Vec<3>& felt) {
           })};
 }
 
-/// The controller wired by hand, with one block as a function that does what no block of ours does.
+/// The controller wired by hand, with one block replaced by a function.
 Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   const QuadrupedDescription robot = test::DogBot();
   const LeggedLocomotionParams params = MakeLocomotion(robot);
@@ -100,7 +101,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   const auto [command, wrench, leg_forces] = AddGiven(builder, felt);
 
   const OutputPort<ContactSchedule>* schedule = nullptr;
-  if (replaced == Replaced::kScheduler) {  // does not listen: all feet stand
+  if (replaced == Replaced::kScheduler) {  // ignores the command: all feet stand
     schedule =
         &builder.AddFunction({"scheduler"}, Uses(builder.time), [](double) { return ContactSchedule(); });
   } else {
@@ -111,7 +112,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   }
 
   const OutputPort<GroundPlane>* ground = nullptr;
-  if (replaced == Replaced::kGroundEstimator) {  // believes in ground that is 2 cm lower
+  if (replaced == Replaced::kGroundEstimator) {  // ground that is 2 cm lower
     ground = &builder.AddFunction({"ground_estimator"}, Uses(builder.time), [](double) {
       return GroundPlane{.p_W = {0, 0, -0.02}, .slope = {0, 0}};
     });
@@ -163,7 +164,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
     feet = &planner.feet;
   }
 
-  if (replaced == Replaced::kTrunkPlanner) {  // looks to the left
+  if (replaced == Replaced::kTrunkPlanner) {  // turned to the left
     body = &builder.AddFunction({"trunk_planner"}, Uses(*body), [](const BodyReference& reference) {
       BodyReference turned = reference;
       turned.q_WB = QuaternionProduct(QuaternionFromRotationVector(Vec<3>(0, 0, 0.1)), reference.q_WB);
@@ -179,7 +180,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   }
 
   if (replaced == Replaced::kWholeBody) {
-    // The feet carry the weight of the nominal stance, and a joint PD the rest.
+    // Gravity compensation of the nominal stance, and a joint PD controller.
     const Vec<12> hold = dynamics.gravity.tail<12>();
     const auto& torque =
         builder.AddFunction({"whole_body", "N m"}, Sampled{Hz(1000)}, Uses(world.joints),
@@ -201,7 +202,7 @@ Trot TrotWith(Replaced replaced, const Vec<3>& felt = Vec<3>::Zero()) {
   return Observe(robot, world, *builder.Build());
 }
 
-// The robot does what the function says, and all else as before.
+// Each replacement changes only its part of the motion.
 TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
   for (const Replaced replaced :
        {Replaced::kNone, Replaced::kScheduler, Replaced::kGroundEstimator, Replaced::kComPlanner,
@@ -218,11 +219,10 @@ TEST(LeggedLocomotionTest, EachBlockCanBeAFunction) {
   }
 }
 
-// The nested diagram is those six blocks and nothing else: wired by hand they do the same, bit for bit, what
-// they are told of disturbances included.
+// Wired by hand, the six blocks give the numbers of the nested diagram, bit for bit, with disturbances too.
 TEST(LeggedLocomotionTest, IsItsSixBlocks) {
   const QuadrupedDescription robot = test::DogBot();
-  const Vec<3> felt(5, 60, -10);  // moves the footholds too
+  const Vec<3> felt(5, 60, -10);  // large enough to move the footholds
   DiagramBuilder builder;
   auto& world = builder.Add<QuadrupedWorld>("world", Outside(robot));
   auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(robot));

@@ -1,5 +1,4 @@
-// The whole-body controller's quadratic programmes, as they come up in a walk with the plant, against a
-// solver in exact arithmetic.
+// The quadratic programmes of the whole-body controller in a walk, against a solver in exact arithmetic.
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
@@ -16,7 +15,7 @@ TEST(WalkingQp, AgreesWithExactArithmetic) {
   const test::TrotLoop trot;
   const WholeBodyController& controller = trot.loop->locomotion.whole_body;
   WholeBodyQpParams reduced = controller.params.gains.qp, full = reduced;
-  // Little friction, so that feet are at the pyramids' edges.
+  // With little friction the pyramid constraints are active.
   reduced.friction = full.friction = 0.08;
   full.eliminate = false;
   const Vec<12> limit = WholeBodyController::TorqueLimit(controller.params.robot);
