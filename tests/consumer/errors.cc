@@ -1,4 +1,4 @@
-// Errors that a library throws are caught as what they are, in a program that hides its own symbols.
+// A program with hidden symbols can catch the errors of the libraries by their type.
 
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/systems/simulation.h>

@@ -1,5 +1,5 @@
-// An observer of one's own in the loop of a walking quadruped, from the installed package: a spring balance
-// that takes the whole error of the CoM for the work of a force.
+// A user's observer in the loop of a walking quadruped, from the installed package: a spring balance that
+// estimates a vertical force from the height of the trunk.
 
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>

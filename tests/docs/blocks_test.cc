@@ -1,4 +1,4 @@
-// What docs/ says of blocks and diagrams is what they are.
+// The generated pages of docs/ are up to date.
 
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/headers.h>
@@ -42,7 +42,7 @@ TEST(BlocksTest, EveryBlockOfThePublicHeadersIsInTheCatalogue) {
   EXPECT_EQ(blocks, known.size());
 }
 
-TEST(BlocksTest, HeadersTellWhatBlocksAreFor) {
+TEST(BlocksTest, HeadersHaveSummaries) {
   const auto declarations = ReadHeaders(kSource);
   EXPECT_EQ(declarations.at("Gain").header, "systems/primitives/gain.h");
   EXPECT_EQ(declarations.at("Gain").summary, "A factor.");
@@ -55,8 +55,8 @@ TEST(BlocksTest, HeadersTellWhatBlocksAreFor) {
   }
 }
 
-TEST(BlocksTest, ParametersSayWhatTheyAre) {
-  // Ratios, counts, flags; and a gain whose unit depends on how it is read.
+TEST(BlocksTest, ParametersHaveDescriptionsAndUnits) {
+  // Ratios, counts and flags, and a gain whose unit depends on its use.
   const std::set<std::string> no_unit{"early_touchdown_phase",
                                       "friction",
                                       "outlier",
@@ -79,7 +79,7 @@ TEST(BlocksTest, ParametersSayWhatTheyAre) {
         ++count;
         const std::string name = entry.title + "." + source->name();
         EXPECT_FALSE(static_cast<const internal::ParameterSource*>(source)->description().empty()) << name;
-        // Of primitives, units are given by who uses them.
+        // The units of a primitive are those of its signals.
         const bool generic =
             entry.title.find('<') != std::string::npos || entry.title.ends_with("StateSpace");
         if (generic || no_unit.contains(source->name())) continue;
@@ -91,7 +91,7 @@ TEST(BlocksTest, ParametersSayWhatTheyAre) {
   EXPECT_GT(count, 60);
 }
 
-/// That a file of the source tree is what it would be if it were written now.
+/// Expects that a file of the source tree has the text that would be generated now.
 void ExpectUpToDate(const char* file, const std::string& text) {
   const auto found = ReadLines(std::ifstream(kSource / file));
   const auto wanted = ReadLines(std::istringstream(text));
@@ -113,16 +113,16 @@ TEST(ScenarioPageTest, KeysAndMeaningsAreUpToDate) {
 
 TEST(ScenarioPageTest, DocstringsAreFoundWhereverTheyStand) {
   const std::string meanings = WriteMeanings(kSource);
-  for (const char* line : {"  PathScenario:\n",
-                           "    ramp_s: \"time in which the circle's speed is reached\"\n",  // behind it
-                           "    attitude_rad: \"Roll, pitch, yaw all along the path",        // above
-                           "    desired_tension_N: \"f_d\"\n",  // another member's name; without its unit
-                           "    about: \"When a robot counts as fallen.\"\n"})
+  for (const char* line :
+       {"  PathScenario:\n",
+        "    ramp_s: \"time in which the circle's speed is reached\"\n",  // behind the member
+        "    attitude_rad: \"Roll, pitch, yaw all along the path",        // above the member
+        "    desired_tension_N: \"f_d\"\n",                               // without the unit of the key
+        "    about: \"When a robot counts as fallen.\"\n"})
     EXPECT_NE(meanings.find(line), meanings.npos) << line;
 }
 
-// A key without a docstring is one that nobody understands.
-TEST(ScenarioPageTest, EveryKeyIsTold) {
+TEST(ScenarioPageTest, EveryKeyHasADocstring) {
   std::istringstream page(WriteScenarioKeys());
   int keys = 0;
   for (std::string line; std::getline(page, line);) {

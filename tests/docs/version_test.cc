@@ -1,4 +1,4 @@
-// The version stands in CMakeLists.txt; what repeats it says the same.
+// All files that repeat the version of CMakeLists.txt agree with it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -18,22 +18,12 @@
 
 namespace tenon {
 
-/// Whether the constructor of a Block throws a ParameterError that names all the `keys`.
+/// Returns whether the constructor of a Block throws a ParameterError that names all the `keys`.
 ///
 ///     EXPECT_TRUE(Refuses<Pd>({.kp = -1}, "kp"));
 template <class Block, class... Keys>
 ::testing::AssertionResult Refuses(const internal::ParamsOf<Block>& params, const Keys&... keys) {
   return Throws<ParameterError>([&] { Block block(params); }, keys...);
-}
-
-/// The number of heap allocations of `call`; 0 in builds that do not count them.
-///
-///     EXPECT_EQ(Allocations([&] { rig.RunTo(1); }), 0);
-template <class F>
-long Allocations(const F& call) {
-  const AllocationGuard guard;
-  call();
-  return guard.count();
 }
 
 }  // namespace tenon

@@ -1,4 +1,4 @@
-// Whoever controls, the sensors err alike: what --compare compares are controllers, not draws.
+// The errors of the sensors do not depend on the controller, so --compare compares only controllers.
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
@@ -16,7 +16,7 @@ struct Errors {
   std::vector<Eigen::Vector3d> position, angular_velocity;
 };
 
-/// What the sensors add to the truth, 0.2 s of D1.
+/// Errors of the sensors in the first 0.2 s of D1.
 Errors ErrorsUnder(CdprController controller) {
   auto scenario = LoadScenario("D1", {}, "tenon-cdpr").Read<CdprScenario>();
   scenario.controller = controller;

@@ -7,7 +7,7 @@ namespace {
 
 using Texts = std::pair<std::string, std::string>;
 
-TEST(BesideTest, TakesAsManyDigitsAsTellThemApart) {
+TEST(BesideTest, TakesEnoughDigitsToDiffer) {
   EXPECT_EQ(Beside(7.1234, 5), Texts("7.12", "5"));
   EXPECT_EQ(Beside(5.0004, 5), Texts("5.0004", "5"));
   EXPECT_EQ(Beside(4.9999996, 5, 4), Texts("4.9999996", "5"));

@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The cart of live_diagram.h gets 5 N for 1 m/s, and neither goes sideways nor turns.
+// The cart of live_diagram.h gets 5 N per 1 m/s; it cannot move sideways or turn.
 TEST(LiveTerminalTest, KeysSteerTheRun) {
   test::LiveCart cart;
   Simulator simulator(*cart.diagram);

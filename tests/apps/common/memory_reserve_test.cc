@@ -12,21 +12,21 @@
 namespace tenon::apps {
 namespace {
 
-constexpr rlim_t kLimit = 96 << 20;  // of addresses [bytes]
+constexpr rlim_t kLimit = 96 << 20;  // of address space [bytes]
 
-/// What this process has; terabytes under a sanitizer.
+/// Address space of this process [bytes]; terabytes under a sanitizer.
 rlim_t Addresses() {
   rlim_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// As an operator new that finds no memory.
+/// Like operator new without memory.
 void FindNoMemory() {
   std::get_new_handler()();
 }
 
-/// Lists in a list: taken apart, it needs one more of all that it holds.
+/// Nested lists, whose destructor needs memory for each element.
 void FillMemory(nlohmann::json& lists) {
   for (;;) {
     lists.push_back(nlohmann::json::array());
@@ -34,7 +34,7 @@ void FillMemory(nlohmann::json& lists) {
   }
 }
 
-TEST(MemoryReserveTest, WhoFindsNoMemoryIsGivenItOnce) {
+TEST(MemoryReserveTest, TheReserveIsGivenOnce) {
   const MemoryReserve reserve;
   EXPECT_FALSE(MemoryReserve::given());
   EXPECT_NO_THROW(FindNoMemory());

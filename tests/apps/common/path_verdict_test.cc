@@ -35,7 +35,7 @@ TEST(PathVerdictTest, IsNullWithoutAPath) {
   EXPECT_TRUE(summary.finished());
 }
 
-TEST(PathVerdictTest, APartOfTheLengthIsAllowed) {
+TEST(PathVerdictTest, AllowsAShareOfTheLength) {
   PathVerdict verdict(0.1, 3);
   verdict.Add(1, 0.3, 0.1);
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
@@ -50,7 +50,7 @@ TEST(PathVerdictTest, APartOfTheLengthIsAllowed) {
             "the path was not followed: the robot left it by 0.30004 m, more than 0.3 m, at 2 s");
 }
 
-TEST(PathVerdictTest, AndAPartOfHalfATurn) {
+TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
   PathVerdict verdict(0.1, 3);
   verdict.Add(1, 0, 2 * std::numbers::pi - 0.3);  // 0.3 to the other side
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
@@ -60,7 +60,7 @@ TEST(PathVerdictTest, AndAPartOfHalfATurn) {
               HasSubstr("the heading deviated by 0.4 rad, more than 0.314 rad, at 2 s"));
 }
 
-// A turn on the spot has no length of which the position could be a part.
+// A turn on the spot has no length, so only the heading is judged.
 TEST(PathVerdictTest, WithoutLengthTheHeadingCounts) {
   PathVerdict verdict(0.1, 0);
   verdict.Add(1, 0.5, 0);

@@ -12,7 +12,7 @@ std::string Said(const std::string& text) {
   return ::testing::internal::GetCapturedStderr();
 }
 
-TEST(SayTest, NothingReachesATerminalButText) {
+TEST(SayTest, ControlCharactersDoNotReachATerminal) {
   EXPECT_EQ(Said("warning: na\xc3\xafve\n"), "warning: na\xc3\xafve\n");
   EXPECT_EQ(Said("\033[31mred\r\n"), "\\x1b[31mred\\x0d\n");
   EXPECT_EQ(Said("\xc2\x9b"
@@ -23,7 +23,7 @@ TEST(SayTest, NothingReachesATerminalButText) {
   EXPECT_EQ(Said("cut \xe2\x80"), "cut \\xe2\\x80") << "a character without its end";
 }
 
-TEST(SayTest, LinesThatAreDrawnKeepWhatMovesTheCursor) {
+TEST(SayTest, DrawnLinesKeepControlSequences) {
   ::testing::internal::CaptureStderr();
   Draw("\r\033[K");
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "\r\033[K");

@@ -71,8 +71,8 @@ TEST(ScenarioKeysTest, EveryKeyWithTypeUnitAndDefault) {
   for (const auto& [key, what] : expected) EXPECT_EQ(keys[key], what) << key;
 }
 
-// Those of the robot that a scenario names.
-TEST(ScenarioKeysTest, FilesHaveTheirOwn) {
+// The keys of the robot file that a scenario names.
+TEST(ScenarioKeysTest, ListsTheKeysOfAFile) {
   std::map<std::string, std::string> keys;
   for (const ScenarioKey& key : KeysOfFile("robots", {"{file: dogbot, foot_radius_m: 0.03}"}, "robot"))
     keys[key.key] = key.type + "; " + key.unit + "; " + key.initial;
@@ -81,7 +81,7 @@ TEST(ScenarioKeysTest, FilesHaveTheirOwn) {
   EXPECT_TRUE(KeysOfFile("hardware/legged", {"none"}, "hardware").empty());
 }
 
-// What the table names can be set: nothing but what Read takes stands in it.
+// Read takes the keys of the table.
 TEST(ScenarioKeysTest, KeysAreThoseThatAreRead) {
   auto document = YamlDocument::Parse("app: a\ncase: b\n", "scenario.yaml");
   document.Set("push.duration_s", "2");

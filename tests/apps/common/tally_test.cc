@@ -7,7 +7,7 @@
 namespace tenon::apps::tally_test {
 namespace {
 
-TEST(TallyTest, SaysNothingOfNothing) {
+TEST(TallyTest, IsEmptyWithoutValues) {
   const Tally none;
   EXPECT_EQ(none.min(), std::nullopt);
   EXPECT_EQ(none.max(), std::nullopt);
@@ -15,7 +15,7 @@ TEST(TallyTest, SaysNothingOfNothing) {
   EXPECT_EQ(none.rms(), std::nullopt);
 }
 
-TEST(TallyTest, KnowsTheUsualFigures) {
+TEST(TallyTest, HasMinMaxMeanAndRms) {
   Tally tally;
   for (const double value : {-3.0, -1.0, -2.0}) tally.Add(value);
   EXPECT_EQ(tally.min(), -3);
@@ -32,7 +32,7 @@ TEST(TimeQuantilesTest, AreExactToOnePercent) {
     EXPECT_NEAR(*times.Quantile(share) / (1e-6 * (1 + share * 999)), 1, 0.01) << share;
 }
 
-TEST(TimeQuantilesTest, TakeWhatLiesOutsideAtTheirEnds) {
+TEST(TimeQuantilesTest, ClampValuesOutsideTheirRange) {
   TimeQuantiles times;
   times.Add(0);
   EXPECT_NEAR(*times.Quantile(1), 1e-9, 1e-11);

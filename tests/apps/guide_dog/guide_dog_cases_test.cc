@@ -1,4 +1,4 @@
-// The goals of the guide dog's cases, with DogBot and the observers in the loop.
+// The goals of the cases of the guide dog, with DogBot and the observers in the loop.
 
 #include <tenon/tests/apps/run_case.h>
 
@@ -13,7 +13,7 @@ using test::Case;
 
 class GuideDogCasesTest : public test::CaseTest {
  protected:
-  /// Runs a scenario, which must reach its end.
+  /// Runs a scenario, which must finish.
   Case RunCase(const std::string& arguments) const {
     const Case run = Run(TENON_GUIDE_DOG, arguments);
     EXPECT_TRUE(run.finished()) << arguments << ": " << run.summary.at("end_reason");
@@ -63,15 +63,15 @@ TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
   }
 }
 
-// A foot that meets the side of a block is held there by the friction of its own push: with seed 2 the robot
-// falls, unless the step reflex frees it. With seed 5 it falls or not as the compiler rounds.
-TEST_F(GuideDogCasesTest, TheStepReflexBringsC3OverBlocks) {
+// A foot that hits the side of a block is held there by friction, and with seed 2 the robot falls unless the
+// step reflex frees the foot. With seed 5 the result depends on rounding.
+TEST_F(GuideDogCasesTest, TheStepReflexIsNeededForC3Blocks) {
   for (const char* scenario : {"C3-blocks --seed 2", "C3-blocks --seed 5"})
     EXPECT_TRUE(Run(TENON_GUIDE_DOG, scenario).finished()) << scenario;
   EXPECT_FALSE(Run(TENON_GUIDE_DOG, "C3-blocks --seed 2 --set walk.step.reflex.enabled=false").finished());
 }
 
-// 150 N more from 10 s to 10.3 s: some centimetres, which are made good within a second.
+// 150 N more from 10 s to 10.3 s displace the robot by some centimetres; it recovers within a second.
 TEST_F(GuideDogCasesTest, APersonWhoStumblesDoesNotPullTheRobotOver) {
   const double largest = RunCase("C1-stumble")["com_error_max_m"];
   EXPECT_GT(largest, 0.01) << "it was felt";
@@ -84,8 +84,8 @@ TEST_F(GuideDogCasesTest, APersonWhoStumblesDoesNotPullTheRobotOver) {
   }
 }
 
-// Noise on torque, foot force and accelerometer, and 60 s on a slack leash after the person has stopped the
-// robot.
+// Torque, foot force and accelerometer are noisy; after the person stops the robot the leash is slack for 60
+// s.
 TEST_F(GuideDogCasesTest, DoesNotStartByItselfInNoise) {
   const Case run = RunCase(
       "C1 --duration 82 --set 'person.phases=[{activity: follow, duration_s: 15, speed_m_per_s: 0.07}]' "

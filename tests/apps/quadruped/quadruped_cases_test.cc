@@ -1,5 +1,5 @@
-// The goals of the quadruped's cases, seeds 1 and 2 where there is something random. A goal that is missed is
-// expected to be missed, by name: who reaches it will hear of it here.
+// The goals of the cases of the quadruped, with seeds 1 and 2 if the case is random. A test whose name begins
+// with Missed expects that a goal is missed; it fails once the goal is reached.
 
 #include <tenon/tests/apps/run_case.h>
 
@@ -10,13 +10,13 @@ namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-/// Upper bounds. A bound of a median over seeds is one of each seed here.
+/// Upper bounds, which hold for each seed.
 struct Goal {
   const char* name;
   const char* arguments;
   double com = kAny;   ///< error of the CoM [mm]
-  double foot = kAny;  ///< of the feet [mm]
-  double grf = kAny;   ///< of the ground's forces [N]
+  double foot = kAny;  ///< error of the feet [mm]
+  double grf = kAny;   ///< error of the ground forces [N]
   int seeds = 1;
   friend void PrintTo(const Goal& goal, std::ostream* out) { *out << goal.arguments; }
 };
@@ -108,7 +108,7 @@ TEST_F(QuadrupedCasesTest, A3AtOtherPhasesInOtherDirections) {
   sweep("A3-160", 50, kAny);
 }
 
-// Two periods of the force: the observers of the literature err more, all with the same gait and gains.
+// Two periods of the force. With the same gait and gains the observers of the literature have larger errors.
 TEST_F(QuadrupedCasesTest, A2) {
   for (const int force : {20, 60}) {
     const auto run = [&](const std::string& observer) {
@@ -130,13 +130,13 @@ TEST_F(QuadrupedCasesTest, OursIsBestInTheFootErrorOfA2At20N) {
             RunCase("A2 --duration 12.6 --observer ndo_m").largest_foot_error());
 }
 
-// Blocks in the way, and, with 493, more push than friction holds.
+// The path crosses blocks; with seed 493 the push exceeds the friction.
 TEST_F(QuadrupedCasesTest, B3FinishesWithSeedsThatOnceFell) {
   EXPECT_TRUE(RunCase("B3-minus --seed 3").finished());
   EXPECT_TRUE(RunCase("B3-minus --seed 493").finished());
 }
 
-// It finishes without the drives' speed limits, by torques that no drive has.
+// Without the speed limits of the drives the run finishes, with torques that no drive has.
 TEST_F(QuadrupedCasesTest, MissedThatB3PlusFinishesWithSeed341) {
   EXPECT_FALSE(RunCase("B3-plus --seed 341").finished());
 }

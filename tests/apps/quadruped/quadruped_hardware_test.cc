@@ -19,7 +19,7 @@ QuadrupedWorldParams WorldWith(const HardwareScenario& hardware) {
   return world;
 }
 
-TEST(QuadrupedHardwareTest, TheIdealOneIsNotThere) {
+TEST(QuadrupedHardwareTest, IdealHardwareAddsNothing) {
   const QuadrupedWorldParams world = WorldWith(LoadHardware({"ideal"}));
   EXPECT_FALSE(world.hardware.command_delay || world.hardware.drive_errors || world.hardware.drive_lag ||
                world.hardware.imu_errors || world.hardware.foot_sensing != FootSensing::kWorld);
@@ -48,7 +48,7 @@ TEST(QuadrupedHardwareTest, DrivesAreRatedByTheRobotsOwnTorque) {
   EXPECT_NEAR(world.foot_sensor.error.absolute, 0.01 * weight, 1e-9);
 }
 
-/// From sensor to torque: the sensors' sample and the link's delay.
+/// Delay from sensor to torque: the latency of the sensors and the delay of the link.
 TEST(QuadrupedHardwareTest, RoughIsTwiceStandard) {
   const HardwareScenario standard = LoadHardware({"standard"}), rough = LoadHardware({"rough"});
   const auto delay = [](const HardwareScenario& hardware) {
@@ -65,14 +65,14 @@ TEST(QuadrupedHardwareTest, RoughIsTwiceStandard) {
   EXPECT_EQ(*rough.sensors.foot_force.noise_ratio, 2 * *standard.sensors.foot_force.noise_ratio);
 }
 
-TEST(QuadrupedHardwareTest, MayBeAShippedOneWithWhatDiffers) {
+TEST(QuadrupedHardwareTest, AMapChangesKeysOfShippedHardware) {
   const HardwareScenario own = LoadHardware({"{file: standard, link: {delay_s: 0.004}}"});
   EXPECT_EQ(own.link.delay_s, 0.004);
   EXPECT_EQ(own.link.jitter_s, 0.0005);
   EXPECT_EQ(own.drives.bandwidth_hz, 40);
 }
 
-TEST(QuadrupedHardwareTest, WhatAScenarioSaysOfASensorGoesBeforeKeyByKey) {
+TEST(QuadrupedHardwareTest, KeysOfAScenarioOverrideThoseOfTheHardware) {
   SensorScenario own;
   own.imu.acceleration_noise_m_per_s2 = 0.5;
   own.foot_force.mounted = FootSensing::kWorld;
@@ -83,32 +83,29 @@ TEST(QuadrupedHardwareTest, WhatAScenarioSaysOfASensorGoesBeforeKeyByKey) {
   EXPECT_EQ(both.sensors.encoders.bits, 14);
 }
 
-TEST(QuadrupedHardwareTest, TheEstimatorBelievesInDataSheetsAndInNothingPerfect) {
+TEST(QuadrupedHardwareTest, TheEstimatorAssumesTheNoiseOfTheDataSheets) {
   const ContactAidedNoise ideal = BelievedNoise(LoadHardware({"ideal"})),
                           standard = BelievedNoise(LoadHardware({"standard"}));
   EXPECT_GT(ideal.encoder, 0);
   EXPECT_GT(ideal.specific_force, 0);
   EXPECT_EQ(standard.specific_force, 0.038);
   EXPECT_NEAR(standard.encoder, 2 * std::numbers::pi / 16384 / std::sqrt(12), 1e-12)
-      << "evenly within a step";
+      << "uniform within a quantization step";
 }
 
-TEST(QuadrupedHardwareTest, RefusesWhatNoRobotHasWithItsPlace) {
-  const auto refused = [](const std::string& text, const std::string& place, const std::string& what) {
-    return Throws<ParameterError>([&] { YamlDocument::Parse(text, "own.yaml").Read<HardwareScenario>(); },
-                                  place, what);
-  };
-  EXPECT_TRUE(refused("link: {delay_s: 0.001, jitter_s: 0.002}",
-                      "own.yaml:1:", "jitter_s = 0.002 must be from 0 to delay_s"));
-  EXPECT_TRUE(refused("drives: {bandwidth_hz: 0}", "own.yaml:1:", "bandwidth_hz"));
-  EXPECT_TRUE(refused("drives: {friction_ratio: 2}", "own.yaml:1:", "friction_ratio"));
-  EXPECT_TRUE(
-      refused("drives: {rotor_acceleration_rad_per_s2: 0}", "own.yaml:1:", "rotor_acceleration_rad_per_s2"));
-  EXPECT_TRUE(refused("sensors: {encoders: {bits: 0}}", "own.yaml:1:", "bits"));
-  EXPECT_TRUE(refused("sensors: {imu: {misalignment_rad: -1}}", "own.yaml:1:", "misalignment_rad"));
-  EXPECT_TRUE(refused("sensors: {torque: {latency_samples: -1}}", "own.yaml:1:", "latency_samples"));
-  EXPECT_TRUE(Throws<ParameterError>([] { LoadHardware({"standart"}); }, "there is no 'standart' in hardware",
-                                     "'standard'"));
+TEST(QuadrupedHardwareTest, RefusesBadKeysWithTheirPlace) {
+  for (const auto& [text, key] :
+       {std::pair{"link: {delay_s: 0.001, jitter_s: 0.002}", "link.jitter_s"},
+        {"drives: {bandwidth_hz: 0}", "drives.bandwidth_hz"},
+        {"drives: {friction_ratio: 2}", "drives.friction_ratio"},
+        {"drives: {rotor_acceleration_rad_per_s2: 0}", "drives.rotor_acceleration_rad_per_s2"},
+        {"sensors: {encoders: {bits: 0}}", "sensors.encoders.bits"},
+        {"sensors: {imu: {misalignment_rad: -1}}", "sensors.imu.misalignment_rad"},
+        {"sensors: {torque: {latency_samples: -1}}", "sensors.torque.latency_samples"}})
+    EXPECT_TRUE(Throws<ParameterError>(
+        [&, text = text] { YamlDocument::Parse(text, "own.yaml").Read<HardwareScenario>(); },
+        "own.yaml:1:", key));
+  EXPECT_TRUE(Throws<ParameterError>([] { LoadHardware({"standart"}); }, "'standart'", "'standard'"));
 }
 
 }  // namespace

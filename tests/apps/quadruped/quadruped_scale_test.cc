@@ -11,7 +11,7 @@ QuadrupedScenario Load(const char* name, std::vector<std::string> settings) {
   return LoadScenario(name, settings, "tenon-quadruped").Read<QuadrupedScenario>();
 }
 
-// A1: 12.78 kg and legs of 0.4 m, by hand from its URDF; DogBot: 21.256 kg and 0.617 m.
+// Ratios of A1 (12.78 kg, legs of 0.4 m, from its URDF) to DogBot (21.256 kg, 0.617 m).
 constexpr double kWeight = (6 + 4 * (0.595 + 0.888 + 0.151 + 0.06)) / 21.256,
                  kLength = 0.4 / 0.6170347662107791;
 
@@ -27,13 +27,14 @@ TEST(QuadrupedScaleTest, ForcesGoWithTheWeightAndBlocksWithTheLegs) {
   EXPECT_NEAR(pushed.world.pulses[0].push.force_W[0], kWeight * 80, 1e-9);
 }
 
-TEST(QuadrupedScaleTest, DogBotIsItsOwnMeasure) {
-  const QuadrupedScenario scenario = Load("B2", {"scale_forces=true"});
-  EXPECT_EQ(ScaledToRobot(scenario, RatioOf(scenario)).random_forces[1].upper_N, 40);
-  EXPECT_EQ(RatioOf(Load("B2", {"robot=a1"})).weight, 1);  // not asked for
+TEST(QuadrupedScaleTest, DogBotIsNotScaled) {
+  const QuadrupedScenario scenario = ScaledToRobot(Load("B2", {"scale_forces=true"}));
+  EXPECT_EQ(scenario.random_forces[1].upper_N, 40);
+  EXPECT_FALSE(scenario.scale_forces);
+  EXPECT_EQ(RatioOf(Load("B2", {"robot=a1"})).weight, 1);  // scale_forces is false
 }
 
-// The stiffness over what gravity does to a leg: alike for all.
+// The stiffness over weight times leg length is equal for all robots.
 TEST(QuadrupedScaleTest, JointsAreAsStiffAsTheRobotIsHeavy) {
   const auto stiffness = [](const QuadrupedScenario& scenario) {
     const QuadrupedStandParams params = MakeStandParams(scenario);

@@ -169,7 +169,7 @@ TEST(CdprEstimator, DoesNotAllocate) {
   TestRig<CdprEstimator> rig(CdprEstimatorParams{.robot = robot});
   rig.Fix(rig->pose, Pose(At(0))).Fix(rig->inertial, Inertial(At(0)));
   rig.Fix(rig->cables, Lengths(robot, At(0).platform)).Tick();
-  EXPECT_EQ(Allocations([&] { rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.Tick(); }), 0);
 }
 
 TEST(CdprEstimator, RefusesSignalsOfAnotherNumberOfCables) {

@@ -243,7 +243,7 @@ TEST(CdprMpc, DoesWithoutACableThatIsBroken) {
   balanced.Run(rig);
   EXPECT_EQ(rig[rig->command][3], 0);
   EXPECT_THAT(rig[rig->command], IsNear(balanced.reference.tension(), 0.2));
-  EXPECT_EQ(Allocations([&] { rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.Tick(); }), 0);
 }
 
 // Three cables hold the platform only above the triangle of their anchors. Elsewhere the run ends after

@@ -36,7 +36,7 @@ TEST(ReferenceGeneratorTest, DoesNotAllocate) {
                                         StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
   TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path});
   rig.RunTo(0.1);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(ReferenceGeneratorTest, NeedsAPath) {

@@ -207,7 +207,7 @@ TEST(AdmittanceFilterTest, StandsAtOnceAndStartsFromRest) {
 TEST(AdmittanceFilterTest, DoesNotAllocate) {
   Filter filter;
   filter.Run(2);
-  EXPECT_EQ(Allocations([&] { filter.Run(100); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { filter.Run(100); }), 0);
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {

@@ -290,7 +290,7 @@ TEST(SupervisorTest, DoesNotAllocate) {
   dog.Run(2);
   dog.Pull(60, 1);
   dog.Tick();
-  EXPECT_EQ(Allocations([&] { dog.Run(2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { dog.Run(2); }), 0);
 }
 
 TEST(SupervisorTest, RefusesNonsense) {

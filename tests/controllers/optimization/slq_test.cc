@@ -169,7 +169,7 @@ TEST(Slq, SizesMayBeKnownAtRunTimeOnly) {
       SomeLinearProblem<Eigen::Dynamic, Eigen::Dynamic>(), kUneven);
   const Eigen::VectorXd x0 = Eigen::Vector3d(1, -2, 0.5);
   fixed.Solve(x0);
-  EXPECT_EQ(Allocations([&] { dynamic.Solve(x0); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { dynamic.Solve(x0); }), 0);
   EXPECT_THAT(InputsOf(dynamic), IsNear(InputsOf(fixed), 1e-12));
 }
 

@@ -2,36 +2,21 @@
 
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/testing/matchers.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
-#include <thread>
 
 namespace tenon::cdpr_mpc_loop_test {
 namespace {
 
-constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-3, .atol = 1e-5};
+using test::WithMpc;
 
-CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<const EquilibriumPath> path) {
-  CdprLoopParams params;
-  params.robot = robot;
-  params.path = path;
-  params.mpc.emplace();
-  params.mpc->path = path;
-  params.mpc->horizon = 1.2;
-  params.mpc->num_steps = 25;
-  params.mpc->weights = {
-      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
-  params.offset_free = false;
-  params.forbid_slack = false;
-  return params;
-}
+constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-3, .atol = 1e-5};
 
 /// The loop in a diagram of its own, run to `end`.
 struct Flight {
@@ -55,14 +40,12 @@ struct Flight {
   RunStatus status;
 };
 
-// From the middle of a circle; the PD follows the same reference.
-TEST(CdprMpcLoop, FollowsAGoalThatComesAsItFlies) {
-  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  const auto path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2));
-  CdprLoopParams pd = WithMpc(robot, path);
-  pd.mpc.reset();
-  pd.pd_stiffness_N_per_m = 2000;
-  pd.pd_damping_N_s_per_m = 200;
+// The goal arrives in the middle of a circle. The PD controller follows the reference too.
+TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
+  const CdprDescription robot = test::FourCableRobot();
+  const auto path = test::CirclePath(robot);
+  CdprLoopParams pd = test::WithPd(robot, path);
+  pd.offset_free = pd.forbid_slack = false;
   for (const CdprLoopParams& params : {WithMpc(robot, path), pd}) {
     DiagramBuilder builder;
     auto& loop = builder.Add<CdprLoop>("loop", params);
@@ -89,7 +72,7 @@ TEST(CdprMpcLoop, FollowsAGoalThatComesAsItFlies) {
 }
 
 TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
-  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  const CdprDescription robot = test::FourCableRobot();
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto ball = [&](double radius) {
@@ -98,7 +81,7 @@ TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
     while (v.norm() > 1);
     return Eigen::Vector3d(radius * v);
   };
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d goal(1.2 * uniform(generator), 1.6 * uniform(generator),
                                2 + 0.6 * uniform(generator));
     CdprLoopParams params = WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Hold(goal)));
@@ -117,50 +100,13 @@ TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
 }
 
 TEST(CdprMpcLoop, FollowsTheCircleWithAWrongMass) {
-  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  const CdprDescription robot = test::FourCableRobot();
   CdprDescription believed = robot;
   believed.mass *= 1.1;
-  Flight run(WithMpc(robot, std::make_shared<EquilibriumPath>(believed, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
-             10);
+  Flight run(WithMpc(robot, test::CirclePath(believed)), 10);
   EXPECT_FALSE(run.status.ended);
-  EXPECT_GT(run.Error(), 0.005);  // the weight that is not there
+  EXPECT_GT(run.Error(), 0.005);  // due to the wrong weight
   EXPECT_LT(run.Error(), 0.05);
-}
-
-// All but the wall-clock time that the solves took.
-TEST(CdprMpcLoop, RestoredRunGoesOnBitForBit) {
-  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  Flight run(WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2))),
-             0.333);
-  auto context = run.diagram->CreateContext();
-  context->Restore(run.simulator.context().Save());
-  Simulator restored(std::move(context), kOptions);
-  restored.RunTo(0.7);
-  Simulator fresh(*run.diagram, kOptions);
-  fresh.RunTo(0.7);
-  const PlatformState a = restored.context().Eval(run.loop.world.plant.platform);
-  const PlatformState b = fresh.context().Eval(run.loop.world.plant.platform);
-  EXPECT_THAT(a.p_WB, IsNear(b.p_WB, 0));
-  EXPECT_THAT(a.q_WB, IsNear(b.q_WB, 0));
-  EXPECT_THAT(restored.context().Eval(run.loop.command), IsNear(fresh.context().Eval(run.loop.command), 0));
-}
-
-// One diagram, two threads with a context each: the numbers of one thread.
-TEST(CdprMpcLoop, ThreadsGiveTheNumbersOfOne) {
-  const CdprDescription robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  const Flight alone(
-      WithMpc(robot, std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2))), 0.5);
-  const auto run = [&](Eigen::VectorXd* end) {
-    Simulator simulator(*alone.diagram, kOptions);
-    simulator.RunTo(0.5);
-    *end = simulator.context().continuous_state();
-  };
-  Eigen::VectorXd first, second;
-  std::thread one(run, &first), two(run, &second);
-  one.join();
-  two.join();
-  EXPECT_EQ(first, alone.simulator.context().continuous_state());
-  EXPECT_EQ(second, alone.simulator.context().continuous_state());
 }
 
 }  // namespace

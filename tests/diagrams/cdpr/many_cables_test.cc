@@ -1,10 +1,10 @@
-// Robots of more cables than ship, from their YAML alone.
+// Robots with more cables than any shipped one, read from YAML.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/matchers.h>
@@ -20,7 +20,7 @@
 namespace tenon::many_cables_test {
 namespace {
 
-/// Of so many cables, read from a file.
+/// A robot with this number of cables, read from a file.
 CdprDescription RobotFromFile(int cables) {
   CdprDescription robot = test::TwoRingRobot(cables);
   robot.cable.tension_min = 1;
@@ -32,19 +32,13 @@ CdprDescription RobotFromFile(int cables) {
 }
 
 CdprLoopParams Circle(const CdprDescription& robot, bool mpc) {
-  CdprLoopParams params;
-  params.robot = robot;
-  params.path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.1, 4, 0.5),
-                                                  StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
-  params.pd_stiffness_N_per_m = 2000;
-  params.pd_damping_N_s_per_m = 200;
+  const auto path = std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.1, 4, 0.5),
+                                                      StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
+  CdprLoopParams params = test::WithPd(robot, path);
   if (mpc) {
-    params.mpc.emplace();
-    params.mpc->path = params.path;
+    params.mpc = test::WithMpc(robot, path).mpc;
     params.mpc->horizon = 0.5;
     params.mpc->num_steps = 10;
-    params.mpc->weights = {
-        .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
   }
   return params;
 }
@@ -52,7 +46,7 @@ CdprLoopParams Circle(const CdprDescription& robot, bool mpc) {
 class ManyCables : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Robots, ManyCables, ::testing::Values(12, 16));
 
-// W u + [m g; 0] = 0, with W made from the description here, and the plant of the same robot stays there.
+// Force and torque of the cables balance the weight, and the plant rests at this pose.
 TEST_P(ManyCables, RestInBalance) {
   const CdprDescription robot = RobotFromFile(GetParam());
   ASSERT_EQ(robot.num_cables(), GetParam());
@@ -100,7 +94,7 @@ TEST_P(ManyCables, FollowTheCircleUnderPdAndMpc) {
     ASSERT_FALSE(status.ended) << status.reason;
     const Vec<3> should = simulator.context().Eval(loop.reference.reference).position;
     EXPECT_THAT(simulator.context().Eval(loop.platform).p_WB, IsNear(should, 0.01));
-    EXPECT_GT((should - Vec<3>(0.1, 0, 2)).norm(), 0.1);  // it has been under way
+    EXPECT_GT((should - Vec<3>(0.1, 0, 2)).norm(), 0.1);  // the platform has moved
     if (mpc) {
       EXPECT_EQ(simulator.context().Eval(loop.control.mpc->diagnostics).fallbacks, 0);
     }

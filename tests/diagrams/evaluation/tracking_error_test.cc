@@ -28,7 +28,7 @@ class TrackingErrorTest : public ::testing::Test {
   TestRig<TrackingError> rig_{TrackingErrorParams{robot_}};
 };
 
-TEST_F(TrackingErrorTest, TellsWhatIsPlannedFromWhatIs) {
+TEST_F(TrackingErrorTest, IsTheDifferenceOfPlanAndState) {
   auto& block = rig_.system();
   BodyReference body;
   body.com_W = dynamics_.com_W - Vec<3>(0.01, 0.02, -0.03);
@@ -50,9 +50,8 @@ TEST_F(TrackingErrorTest, TellsWhatIsPlannedFromWhatIs) {
   EXPECT_THAT(errors.ground_force, IsNear(Vec<4>(5, 0, 0, 0), 1e-14));
 }
 
-// A robot that is where it believes to be but for its place and heading, which it cannot see, errs by
-// nothing.
-TEST_F(TrackingErrorTest, DriftIsNoErrorOverGround) {
+// A drift of the estimated position and heading, which the robot cannot observe, is no error of the path.
+TEST_F(TrackingErrorTest, DriftIsNoPathError) {
   auto& block = rig_.system();
   const Eigen::AngleAxisd turn(0.7, Vec<3>::UnitZ());
   const Vec<3> shift(2, -1, 0.05);
@@ -75,8 +74,8 @@ TEST_F(TrackingErrorTest, DriftIsNoErrorOverGround) {
   EXPECT_GT(rig_[block.errors].com.norm(), 1);
 }
 
-// A force at a foot is told as itself.
-TEST_F(TrackingErrorTest, TellsDisturbancesAsForcesAtTheFeet) {
+// The joint torques of a force at a foot give this force.
+TEST_F(TrackingErrorTest, MapsExternalTorquesToForcesAtTheFeet) {
   auto& block = rig_.system();
   EXPECT_EQ(rig_[block.external_foot_forces][kFrontRight].norm(), 0) << "none connected";
   const Vec<3> force(10, -20, 5);

@@ -1,6 +1,6 @@
-// A person, a leash, supervisor and admittance filter around a robot that goes exactly as commanded, but
-// takes a new command at each footstep only, as a trot does. The force is known as through an observer of 20
-// rad/s.
+// A person, a leash, the supervisor and the admittance filter with a kinematic robot, which follows its
+// commands exactly but takes new ones only at its footsteps. The force is filtered with 20 rad/s, like by an
+// observer.
 
 #include <tenon/controllers/guide_dog/admittance_filter.h>
 #include <tenon/controllers/guide_dog/supervisor.h>
@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kForward = 0.12;  // [m/s]
 
-/// A trunk that moves over ground with the velocities of its last command.
+/// A trunk that moves with the velocities of its last command.
 class KinematicRobot final : public LeafSystem<void> {
  public:
   InputPort<WalkCommand> command{this, {"command"}};
@@ -61,10 +61,10 @@ struct Walk {
   };
   PersonParams person = {};
   LeashParams leash = {};
-  Vec<2> obstacle{1e3, 0};  ///< that the robot sees from 1 m on, within 0.5 m of its way [m]
+  Vec<2> obstacle{1e3, 0};  ///< seen from 1 m away, within 0.5 m of the path [m]
 };
 
-/// Runs a walk for a while and keeps 100 samples a second.
+/// Runs a walk and logs it at 100 Hz.
 class WalkRun {
  public:
   WalkRun(const Walk& walk, double duration) {
@@ -111,13 +111,13 @@ class WalkRun {
                                       &robot.state, &supervisor.status, &filter.motion});
     simulator.RunTo(duration);
   }
-  /// Of a signal from `from` to `to` [s].
+  /// The values of a signal from `from` to `to` [s].
   std::vector<double> operator()(const std::string& column, double from, double to) const {
     const std::vector<double> all = log_->column(column);
     return {all.begin() + std::lround(100 * from), all.begin() + std::lround(100 * to) + 1};
   }
   double operator()(const std::string& column, double at) const { return (*this)(column, at, at).front(); }
-  /// The first time from `from` on at which the mode is `mode`, or infinity [s].
+  /// The first time after `from` at which the mode is `mode`, or infinity [s].
   double When(GuideMode mode, double from) const {
     const std::vector<double> modes = log_->column("supervisor.status.mode");
     for (auto i = static_cast<std::size_t>(std::lround(100 * from)); i < modes.size(); ++i)
@@ -153,7 +153,7 @@ double Radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-/// Of a walk between two times: about the desired tension, and the leash of constant length.
+/// Expects about the desired tension and a constant length of the leash between two times.
 void ExpectSteady(const WalkRun& run, double from, double to) {
   const auto tension = run("leash.leash.tension", from, to), length = run("leash.leash.length", from, to);
   EXPECT_NEAR(Mean(tension), 30, 3);
@@ -170,7 +170,7 @@ TEST(LeashWalkTest, AdaptsToThePersonAndStopsWithThePerson) {
   EXPECT_NEAR(Mean(run("robot.state.v_W.x", 20, 39)), 0.10, 0.001);
   EXPECT_NEAR(Mean(run("robot.state.v_W.x", 45, 61)), 0.05, 0.001);
 
-  // The robot creeps on until the person who stands has pulled by more than 50 N.
+  // The robot moves on until the standing person pulls with more than 50 N.
   const double stop = run.When(GuideMode::kStop, 0);
   const auto before = run("leash.leash.tension", 0, stop - 1);
   EXPECT_GT(stop, 62);
@@ -179,7 +179,8 @@ TEST(LeashWalkTest, AdaptsToThePersonAndStopsWithThePerson) {
   EXPECT_GT(run("leash.leash.tension", stop), 50);
   EXPECT_LT(Max(run("leash.leash.tension", 0, 82)), 60);
   EXPECT_EQ(Max(run("robot.state.v_W.x", stop + 0.3, 82)), 0);
-  EXPECT_EQ(run.When(GuideMode::kTurn, 0), INFINITY) << "the pull that has stopped it does not start it";
+  EXPECT_EQ(run.When(GuideMode::kTurn, 0), INFINITY)
+      << "the pull that stops the robot does not start it again";
 }
 
 TEST(LeashWalkTest, FollowsAPersonOfChangingSpeed) {
@@ -192,7 +193,7 @@ TEST(LeashWalkTest, FollowsAPersonOfChangingSpeed) {
     EXPECT_NEAR(run("robot.state.v_W.x", t), run("person.intent.speed", t), 0.008) << t;
 }
 
-// Lighter and heavier people, softer and stiffer ones, another leash.
+// Other masses and stiffnesses of the person, and another leash.
 TEST(LeashWalkTest, HoldsTheTensionOfOtherPeople) {
   for (const double mass : {45.0, 100.0}) {
     for (const double stiffness : {300.0, 1500.0}) {
@@ -230,7 +231,7 @@ TEST(LeashWalkTest, LeadsThePersonAlongACurve) {
   EXPECT_NEAR(last, 2, Radians(10));
 }
 
-/// The robot stops before an obstacle; the person steps aside to the left, and pulls there at 31 s.
+/// The robot stops before an obstacle. The person steps to the left and pulls there at 31 s.
 Walk AtTheObstacle() {
   return {.phases = {Follow(23, 0.09),
                      {.activity = Activity::kWalk, .duration = 5, .speed = 0.44, .direction = Radians(47)},
@@ -245,17 +246,17 @@ TEST(LeashWalkTest, StopsAtAnObstacleAndGoesWhereThePersonPulls) {
   const double stop = run.When(GuideMode::kStop, 0), turn = run.When(GuideMode::kTurn, 0);
   EXPECT_LT(stop, 22);
   EXPECT_LT(Max(run("robot.pose.x", stop, 31)), 1.8 + 0.265 * 0.1);
-  EXPECT_LT(Mean(run("leash.leash.tension", stop + 2, 23)), 3) << "the person feels that it has stopped";
+  EXPECT_LT(Mean(run("leash.leash.tension", stop + 2, 23)), 3) << "the person feels the stop";
   EXPECT_GT(turn, 31);
   EXPECT_LT(turn, 35);
   const double move = run.When(GuideMode::kMove, turn);
   EXPECT_LT(move, turn + 10);
   const Vec<2> pull(-run("leash.leash.direction_W.x", turn), -run("leash.leash.direction_W.y", turn));
   const double yaw = run("robot.pose.yaw", 90.0);
-  EXPECT_NEAR(yaw, std::atan2(pull[1], pull[0]), Radians(2)) << "of the force";
-  EXPECT_NEAR(yaw, Radians(90), Radians(5)) << "of what the person meant";
+  EXPECT_NEAR(yaw, std::atan2(pull[1], pull[0]), Radians(2)) << "the direction of the force";
+  EXPECT_NEAR(yaw, Radians(90), Radians(5)) << "the direction that the person means";
   EXPECT_EQ(run.When(GuideMode::kStop, turn), INFINITY);
-  // It passes the person and leads again.
+  // The robot passes the person and leads again.
   ExpectSteady(run, 65, 90);
   EXPECT_GT(run("robot.pose.y", 90.0), run("person.person.p_W.y", 90.0) + 1.5);
 }

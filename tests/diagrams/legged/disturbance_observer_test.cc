@@ -33,15 +33,12 @@ DisturbanceObserverParams Params(ObserverKind kind) {
 
 /// A push on a body.
 PulseForceParams Push(const ExternalForce& where, const Vec<3>& force) {
-  PulseForceParams push;
-  push.push = where;
+  PulseForceParams push{.push = where, .start = 0.3, .duration = 10};
   push.push.force_W = force;
-  push.start = 0.3;
-  push.duration = 10;
   return push;
 }
 
-/// The Simbody plant, which stands by joint PD without friction in its joints, and an observer.
+/// A robot without joint friction that stands by joint PD, and an observer.
 struct Cell {
   explicit Cell(ObserverKind kind, const PulseForceParams& pulse) {
     QuadrupedPlantParams plant_params;
@@ -84,7 +81,7 @@ struct Cell {
   std::unique_ptr<Simulator> simulator;
 };
 
-// The signs, against Simbody: a force on the trunk is in the wrench and not in the legs.
+// A force on the trunk is in the estimated wrench, and not in the forces of the legs.
 TEST(DisturbanceObserverTest, ForceOnTheTrunk) {
   const Vec<3> force(15, -10, -40);
   ExternalForce where;
@@ -103,7 +100,7 @@ TEST(DisturbanceObserverTest, ForceOnTheTrunk) {
     EXPECT_LT(cell.legs().foot_force[leg].norm(), 0.01 * force.norm()) << leg;
 }
 
-// A force on the knee of a standing leg is in both, each in its own sense.
+// A force on the shank of a standing leg is in the wrench and in the torques of this leg.
 TEST(DisturbanceObserverTest, ForceOnAStandingLeg) {
   const Vec<3> force(12, 16, -5);
   const ExternalForce where = PointOnLeg(DogBot(), 1, 0.3);
@@ -115,7 +112,7 @@ TEST(DisturbanceObserverTest, ForceOnAStandingLeg) {
   EXPECT_LT(cell.legs().joint_torque.head<3>().norm(), 0.02);
   EXPECT_LT(cell.legs().joint_torque.tail<6>().norm(), 0.02);
   EXPECT_GT(cell.legs().joint_torque.segment<3>(3).norm(), 1);
-  // The torque of the push at its leg's joints; a point of the shank 0.3 along the leg from the foot up.
+  // The push acts on the shank, at 0.3 of the leg length above the foot.
   const Vec<3> foot = dynamics.feet[1].p_W;
   const Vec<3> knee = dynamics.origin_W[5];
   const Vec<3> p_W = foot + 0.6 * (knee - foot);
@@ -123,9 +120,8 @@ TEST(DisturbanceObserverTest, ForceOnAStandingLeg) {
               IsNear(dynamics.LegJacobian(1, p_W).transpose() * force, 0.05));
 }
 
-// What the nonlinear observer has of a force at a foot after `time`, for a robot at rest: of F, the torque
-// that is left at the joints when the trunk gives way, the modes of its error F_hat' = x M_q^-1 (F - F_hat)
-// decay.
+// The estimate of the nonlinear observer at `time` after a force at a foot begins, for a robot at rest. F is
+// the joint torque reduced by the motion of the trunk; the error decays by F_hat' = x M_q^-1 (F - F_hat).
 Vec<12> TorqueOfTheNonlinearObserver(const LeggedState& state, int leg, const Vec<3>& force, double x,
                                      double time) {
   QuadrupedDynamics dynamics;
@@ -156,7 +152,7 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
     EXPECT_EQ(cell.observer->com != nullptr, com) << name;
     EXPECT_EQ(cell.observer->legs != nullptr || cell.observer->ndo != nullptr, legs) << name;
     EXPECT_THAT(cell.wrench().force_W, IsNear(com ? force : Vec<3>(Vec<3>::Zero()), com ? 0.3 : 0)) << name;
-    if (kind == ObserverKind::kNdoInverse) {  // on its way
+    if (kind == ObserverKind::kNdoInverse) {  // its estimate has not settled
       EXPECT_THAT(cell.legs().joint_torque,
                   IsNear(TorqueOfTheNonlinearObserver(cell.state(), 1, force, 0.1, 0.7), 0.05));
       continue;
@@ -167,7 +163,7 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
   }
 }
 
-/// A robot that stands by its whole-body controller, which takes off what the observer estimates.
+/// A robot that stands by its whole-body controller, which compensates the estimated disturbance.
 WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
   QuadrupedWorldParams world_params;
   world_params.plant.robot = DogBot();
@@ -206,14 +202,16 @@ WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
   return simulator.context().Eval(errors.errors);
 }
 
-// A force on a standing leg, whose effect at the joints and whose net wrench are both taken off: were either
-// counted twice or not at all, the ground would not bear what is planned, and the robot would be pushed away.
-TEST(DisturbanceObserverTest, ForceOnAStandingLegIsTakenOffOnce) {
+// The controller compensates both the joint torque and the wrench of a force on a standing leg. If either
+// were missing or counted twice, the ground forces would differ from the plan and the robot would be
+// displaced.
+TEST(DisturbanceObserverTest, ForceOnAStandingLegIsCompensatedOnce) {
   for (const double height : {0.0, 0.5}) {
     const PulseForceParams push = Push(PointOnLeg(DogBot(), 1, height), {20, 15, -10});
     const WalkingErrors with = StandUnderPush(ObserverKind::kHybrid, push);
     EXPECT_LT(with.com.norm(), 1.5e-3) << height;
-    EXPECT_LT(with.ground_force.maxCoeff(), 1.5) << height;  // the controller has it at the feet's centres
+    EXPECT_LT(with.ground_force.maxCoeff(), 1.5)
+        << height;  // the controller assumes contact at the centres of the feet
     const WalkingErrors legs = StandUnderPush(ObserverKind::kLegs, push);
     const WalkingErrors com = StandUnderPush(ObserverKind::kCom, push);
     const WalkingErrors none = StandUnderPush(ObserverKind::kNone, push);

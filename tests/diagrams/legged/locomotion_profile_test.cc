@@ -12,7 +12,7 @@
 namespace tenon::locomotion_profile_test {
 namespace {
 
-// The gains in SI units with which DogBot's figures were found.
+// The gains of the standard profile are round numbers in SI units for DogBot.
 TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
   const RobotScale scale = ScaleOf(test::DogBot());
   EXPECT_NEAR(scale.Weight(), 9.81 * (9.3 + 4 * (0.836 + 1.851 + 0.302)), 1e-9);
@@ -36,8 +36,8 @@ TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
   EXPECT_NEAR(LoadGaits({"standard"}, scale).touchdown_force / 4, 1, kDigits);
 }
 
-// What decides how a robot moves is the same for one that is larger by 2 in length and by 8 in mass, in its
-// own units of time, sqrt(2): a frequency of the CoM over 1 / t, a damping ratio, and the ratio of two costs.
+// A robot of twice the length and eight times the mass has the same dimensionless gains: the frequency of the
+// CoM times the time unit, its damping ratio, and the ratios of the costs.
 TEST(LocomotionProfileTest, RobotsOfAllSizesAreAlike) {
   const RobotScale small = ScaleOf(test::DogBot()), large{8 * small.mass, 2 * small.length};
   const LocomotionProfile a = LoadLocomotionProfile({"standard"}, small),
@@ -50,7 +50,8 @@ TEST(LocomotionProfileTest, RobotsOfAllSizesAreAlike) {
     return p.whole_body.com_damping / (2 * std::sqrt(p.whole_body.com_stiffness * s.mass));
   };
   EXPECT_NEAR(damping_ratio(a, small), damping_ratio(b, large), 1e-9);
-  // Costs of a force of 1 % of the weight, of that force at the end of a leg, and of an acceleration of g.
+  // The costs of a force of 1 % of the weight, of its moment at the length of a leg, and of an acceleration
+  // of g.
   const auto costs = [](const LocomotionProfile& p, const RobotScale& s) {
     const WholeBodyQpParams& qp = p.whole_body.qp;
     const double force = 0.01 * s.Weight(), moment = force * s.length;

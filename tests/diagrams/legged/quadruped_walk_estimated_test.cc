@@ -1,4 +1,4 @@
-// Walking by the state estimator, against the true state of the plant.
+// Walks that use the state estimator, compared with the true state of the plant.
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 namespace tenon::quadruped_walk_estimated_test {
 namespace {
@@ -18,12 +17,7 @@ QuadrupedWalkParams Trot() {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.world.encoders = {Hz(1000), {.absolute = 1e-4}, {.absolute = 0.02}};
   params.world.foot_sensor = {Hz(1000), {.relative = 0.1}};
-  WalkSegment stand, trot;
-  stand.duration = 0.3;
-  trot.gait = Gait::kTrot;
-  trot.forward = 0.12;
-  trot.duration = 10;
-  params.walk.segments = {stand, trot};
+  params.walk.segments = {{.duration = 0.3}, {.gait = Gait::kTrot, .forward = 0.12, .duration = 10}};
   params.estimator.emplace();
   params.estimator->robot = params.world.plant.robot;
   params.estimator->initial = params.world.plant.initial;
@@ -33,7 +27,7 @@ QuadrupedWalkParams Trot() {
 struct Errors {
   bool ended = false;
   double velocity_rms = 0, velocity_max = 0, tilt_max = 0;
-  double weighted = 0;  ///< mean of the squares of the velocity's error over those of its deviation
+  double weighted = 0;  ///< mean square of the velocity error over its estimated deviation
   Vec<3> drift = Vec<3>::Zero();
   int min_feet = kNumLegs;
   LeggedEstimatorDiagnostics diagnostics;
@@ -80,21 +74,21 @@ TEST(QuadrupedWalkEstimatedTest, TrotsByImuEncodersAndContacts) {
   EXPECT_LT(errors.velocity_max, 0.01);
   EXPECT_LT(errors.tilt_max, 2e-3);
   EXPECT_LT(errors.drift.norm(), 0.005);
-  EXPECT_GT(errors.velocity_rms, 1e-4);  // it is not the truth
-  EXPECT_LT(errors.weighted, 1);         // nor does it believe itself better than it is
+  EXPECT_GT(errors.velocity_rms, 1e-4);  // the estimate is not the true state
+  EXPECT_LT(errors.weighted, 1);         // the estimated deviation is not too small
   EXPECT_EQ(errors.min_feet, 2);
   EXPECT_EQ(errors.diagnostics.moved_feet, 0);
 }
 
-// Feet of 28 mm roll forwards by some millimetres in each stance.
-TEST(QuadrupedWalkEstimatedTest, FeetThatDidNotRollWouldHurt) {
+// Feet of 28 mm radius roll forward by some millimetres in each stance. A filter of point feet drifts.
+TEST(QuadrupedWalkEstimatedTest, PointFeetWouldDrift) {
   const QuadrupedWalkParams params = Trot();
   QuadrupedWalkParams points = params;
   points.estimator->robot.foot_radius = 0;
   EXPECT_GT(std::abs(Walk(points, 3).drift[0]), 4 * std::abs(Walk(params, 3).drift[0]));
 }
 
-TEST(QuadrupedWalkEstimatedTest, BiasedSensorsDoNotMakeItFall) {
+TEST(QuadrupedWalkEstimatedTest, WalksWithBiasedSensors) {
   QuadrupedWalkParams params = Trot();
   params.world.imu.specific_force_bias = {0.03, -0.02, 0.04};
   params.world.imu.angular_velocity_bias = {0.003, -0.002, 0.002};
@@ -104,27 +98,6 @@ TEST(QuadrupedWalkEstimatedTest, BiasedSensorsDoNotMakeItFall) {
   EXPECT_LT((errors.diagnostics.angular_velocity_bias_B - params.world.imu.angular_velocity_bias).norm(),
             1e-3);
   EXPECT_NEAR(errors.diagnostics.specific_force_bias_B[2], 0.04, 0.005);
-}
-
-// One diagram, two threads with a context each: the numbers of one thread.
-TEST(QuadrupedWalkEstimatedTest, ThreadsGiveTheNumbersOfOne) {
-  QuadrupedWalkParams params = Trot();
-  params.locomotion.com_planner.reference = ComReference::kZmpSpline;  // one solver more
-  DiagramBuilder builder;
-  builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  const auto run = [&](Eigen::VectorXd* end) {
-    Simulator simulator(*diagram, Options());
-    simulator.RunTo(0.6);
-    *end = simulator.context().continuous_state();
-  };
-  Eigen::VectorXd alone, first, second;
-  run(&alone);
-  std::thread one(run, &first), two(run, &second);
-  one.join();
-  two.join();
-  EXPECT_EQ(first, alone);
-  EXPECT_EQ(second, alone);
 }
 
 }  // namespace

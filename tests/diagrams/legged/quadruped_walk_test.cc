@@ -1,7 +1,8 @@
-// Closed loops: what the controllers promise each other, on the plant.
+// Closed loops of plant, observers and controllers.
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -15,46 +16,32 @@ namespace tenon::quadruped_walk_test {
 namespace {
 
 WalkSegment Segment(Gait gait, double forward, double duration) {
-  WalkSegment segment;
-  segment.gait = gait;
-  segment.forward = forward;
-  segment.duration = duration;
-  return segment;
+  return {.gait = gait, .forward = forward, .duration = duration};
 }
 
-/// What a walk shows, tick by tick.
+/// Figures of a walk, from all ticks of the controller.
 struct Findings {
   bool fell = false;
   double com = 0, foot = 0;        // largest errors [m]
   double cone = 0;                 // largest ratio of planned tangential to normal force
   double torque = 0;               // largest ratio to the limit
-  double slip = 0;                 // farthest in one stance [m]
-  double ground_force = 0;         // mean error [N]
-  long failures = 0;               // of the optimisation
-  Vec<3> wrench = Vec<3>::Zero();  // last estimate [N]
-  Vec<3> end = Vec<3>::Zero();     // of the trunk [m]
+  double slip = 0;                 // largest in one stance [m]
+  double ground_force = 0;         // mean error of the ground forces [N]
+  long failures = 0;               // of the quadratic programme
+  Vec<3> wrench = Vec<3>::Zero();  // last estimate of the force [N]
+  Vec<3> end = Vec<3>::Zero();     // last position of the trunk [m]
 };
-
-SimulatorOptions WalkOptions() {
-  return {.order = 2,
-          .rtol = 1e-2,
-          .atol = 1e-4,
-          .state_atol = {{"loop.world.plant.motion.v_W", 1e-2},
-                         {"loop.world.plant.motion.w_W", 1e-2},
-                         {"loop.world.plant.motion.qd", 1e-2},
-                         {"loop.world.plant.bristles", 1e-6}}};
-}
 
 Findings Walk(const QuadrupedWalkParams& params, double duration) {
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, WalkOptions());
+  Simulator simulator(*diagram, RecommendedOptions(loop));
   Context& context = simulator.context();
   const Vec<12> limit = WholeBodyController::TorqueLimit(params.world.plant.robot);
   Findings found;
   std::array<Vec<3>, kNumLegs> slip;
-  std::array<double, kNumLegs> stood{};  // for how long [s]
+  std::array<double, kNumLegs> stood{};  // time since touchdown [s]
   double samples = 0;
   const int ticks = static_cast<int>(std::lround(1000 * duration));
   for (int k = 1; k <= ticks && !found.fell; ++k) {
@@ -104,8 +91,7 @@ TEST_P(GaitTest, FollowsItsReferenceWithinFrictionAndTorques) {
     EXPECT_LE(found.cone, params.locomotion.whole_body.gains.qp.friction + 1e-6) << robot.name;
     EXPECT_LE(found.torque, 1) << robot.name;
     EXPECT_EQ(found.failures, 0) << robot.name;
-    // The ramp to full speed and the wait for the first footstep take a quarter of a second of way each, at
-    // most.
+    // The ramp to full speed and the wait for the first footstep cost up to a quarter of a second each.
     EXPECT_NEAR(found.end[0], 0.12 * 2.45, 0.03) << robot.name;
     if (GetParam() == Gait::kTrot) {
       EXPECT_LT(found.ground_force, robot.name == "dogbot" ? 2 : 3) << robot.name;
@@ -124,10 +110,10 @@ TEST(QuadrupedWalkTest, SquatsAndTrotsInPlace) {
   EXPECT_LT(found.slip, 2e-3);
 }
 
-/// The first foot that is late when a trot steps down an edge of 3 cm.
+/// The first foot that is late when a trot steps off an edge of 3 cm.
 struct LateFoot {
   bool found = false, landed = false;
-  double pressed = 0;  // the largest force on it until then [N]
+  double pressed = 0;  // largest force on it until then [N]
 };
 
 LateFoot StepDown(double touchdown_force) {
@@ -140,7 +126,7 @@ LateFoot StepDown(double touchdown_force) {
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, WalkOptions());
+  Simulator simulator(*diagram, RecommendedOptions(loop));
   LateFoot late;
   int leg = -1;
   for (int k = 1; k <= 3000; ++k) {
@@ -159,14 +145,14 @@ LateFoot StepDown(double touchdown_force) {
   return late;
 }
 
-// The force is the one with which the foot, on its way down, comes upon the ground: no other is needed.
-TEST(QuadrupedWalkTest, ALateFootLandsByTheForceThatItPressesWith) {
+// The foot touches down by its own downward motion, with more than the threshold of the touchdown force.
+TEST(QuadrupedWalkTest, ALateFootReachesTheTouchdownForce) {
   const double shipped = MakeQuadrupedWalk(test::DogBot()).locomotion.scheduler.touchdown_force;
   const LateFoot foot = StepDown(shipped);
   ASSERT_TRUE(foot.found);
   EXPECT_TRUE(foot.landed);
   EXPECT_GT(foot.pressed, 3 * shipped);
-  EXPECT_TRUE(StepDown(5 * shipped).landed) << "there is a margin";
+  EXPECT_TRUE(StepDown(5 * shipped).landed) << "with five times the threshold";
 }
 
 TEST(QuadrupedWalkTest, ChangesGaitsAndTurnsWhileItWalks) {
@@ -180,7 +166,7 @@ TEST(QuadrupedWalkTest, ChangesGaitsAndTurnsWhileItWalks) {
   EXPECT_EQ(found.failures, 0);
 }
 
-// A steady pull on the trunk is estimated, and costs the CoM nothing; without an observer it costs f / K_p.
+// The observer compensates a steady pull on the trunk. Without it the CoM is displaced by f / K_p.
 TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};

@@ -1,4 +1,4 @@
-// The CoM's spline as reference of the whole controller, with the plant.
+// Walks whose reference of the CoM is the ZMP spline.
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
@@ -21,13 +21,9 @@ INSTANTIATE_TEST_SUITE_P(Gaits, SplineWalkTest,
 TEST_P(SplineWalkTest, ThePlantFollows) {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.locomotion.com_planner.reference = ComReference::kZmpSpline;
-  params.walk.segments.resize(3);
-  params.walk.segments[0].duration = 0.5;
-  params.walk.segments[1].gait = GetParam();
-  params.walk.segments[1].forward = 0.12;
-  params.walk.segments[1].yaw_rate = 0.05;
-  params.walk.segments[1].duration = 3;
-  params.walk.segments[2].duration = 1;
+  params.walk.segments = {{.duration = 0.5},
+                          {.gait = GetParam(), .forward = 0.12, .yaw_rate = 0.05, .duration = 3},
+                          {.duration = 1}};
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
   const auto diagram = builder.Build();

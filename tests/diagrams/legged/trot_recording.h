@@ -21,17 +21,13 @@ struct TrotLoop {
     pull.force_W << 20, 0, 0;
     params.world.pulses.push_back({pull, 0, 60});
     params.observer.kind = ObserverKind::kNone;
-    params.walk.segments.resize(2);
-    params.walk.segments[0].duration = 0.5;
-    params.walk.segments[1].gait = Gait::kTrot;
-    params.walk.segments[1].forward = 0.12;
-    params.walk.segments[1].yaw_rate = 0.05;
-    params.walk.segments[1].duration = 60;
+    params.walk.segments = {{.duration = 0.5},
+                            {.gait = Gait::kTrot, .forward = 0.12, .yaw_rate = 0.05, .duration = 60}};
     DiagramBuilder builder;
     loop = &builder.Add<QuadrupedWalk>("loop", params);
     diagram = builder.Build();
   }
-  /// As tenon-quadruped integrates; `plant` is the plant's path.
+  /// Tolerances of the walk; `plant` is the path of the plant.
   static SimulatorOptions Options(const std::string& plant = "loop.world.plant") {
     return {.order = 2,
             .rtol = 1e-2,
@@ -46,7 +42,7 @@ struct TrotLoop {
   std::shared_ptr<const Diagram> diagram;
 };
 
-/// What the blocks read at one tick of the walk.
+/// The signals of the controller at one tick.
 struct TrotTick {
   WalkCommand command;
   FootForces foot_forces;
@@ -87,7 +83,7 @@ inline std::vector<TrotTick> RecordTrot(const TrotLoop& trot, double seconds) {
   return ticks;
 }
 
-/// What the controller's optimisation is given at a tick.
+/// The task of the whole-body controller at one tick.
 struct TrotTask {
   QuadrupedDynamics dynamics;
   WholeBodyTask task;

@@ -173,7 +173,7 @@ TEST(CdprCablesTest, DoesNotAllocate) {
   Rig rig(params);
   rig.Fix(rig->command, CableVector::Constant(4, 60));
   rig.RunTo(0.1);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(CdprCablesTest, RefusesImpossibleStarts) {

@@ -100,7 +100,7 @@ TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
     const Vec<3> span = cable.anchor_W - x.p_WB - x.R_WB() * cable.attachment_B;
     cables.push_back(CalcCableStatics(robot, i, span, span.norm(), 9.81));
   }
-  EXPECT_EQ(Allocations([&] { MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry); }), 0);
 }
 
 }  // namespace

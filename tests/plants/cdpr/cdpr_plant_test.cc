@@ -332,7 +332,7 @@ TEST_P(CdprPlantOfRobots, DoesNotAllocate) {
   Rig rig(Hanging(test::RobotWithCables(GetParam())));
   rig.Fix(rig->command, Same(60, GetParam())).Fix(rig->payload, Payload{1, {0, 0, 0.1}});
   rig.RunTo(0.1);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(CdprPlantTest, LengthsAtTheStartAreThoseOfHoming) {

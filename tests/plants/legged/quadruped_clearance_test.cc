@@ -123,7 +123,7 @@ TEST_F(QuadrupedClearanceTest, FindsKneesInTheGround) {
 
 TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
   const LeggedState x = Standing();
-  EXPECT_EQ(Allocations([&] { clearance.At(x); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { clearance.At(x); }), 0);
 }
 
 }  // namespace

@@ -183,7 +183,7 @@ TEST(QuadrupedGeometryTest, MovingItDoesNotAllocate) {
   Geometry geometry = MakeQuadrupedGeometry(robot, {}, {});
   RandomStream random(1);
   const LeggedState x = RandomState(random);
-  EXPECT_EQ(Allocations([&] { MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry); }), 0);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
 TEST(ImuTest, DoesNotAllocate) {
   Rig rig;
   rig.Fix(rig->body, Tilted()).Fix(rig->acceleration, PlatformAcceleration{}).RunTo(0.1);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(ImuTest, RefusesParametersThatMakeNoSense) {

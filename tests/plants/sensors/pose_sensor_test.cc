@@ -82,7 +82,7 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
 TEST(PoseSensorTest, DoesNotAllocate) {
   Rig rig;
   rig.Fix(rig->platform, Somewhere()).RunTo(0.1);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.2); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
 TEST(PoseSensorTest, RefusesImpossibleDeviations) {

@@ -90,7 +90,7 @@ TEST(NonlinearDisturbanceObserverTest, EstimatesTheForceOnAFoot) {
 TEST(NonlinearDisturbanceObserverTest, DoesNotAllocate) {
   Observed run(Flying(), Params(NdoReading::kM));
   run.Tick();
-  EXPECT_EQ(Allocations([&] { run.rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { run.rig.Tick(); }), 0);
 }
 
 TEST(NonlinearDisturbanceObserverTest, RefusesNonsense) {

@@ -185,7 +185,7 @@ TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
 TEST(ComObserverTest, DoesNotAllocate) {
   Observed run(Standing(DogBot()), Params(DogBot()));
   run.Tick();
-  EXPECT_EQ(Allocations([&] { run.rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { run.rig.Tick(); }), 0);
 }
 
 TEST(ComObserverTest, RefusesNonsense) {

@@ -96,7 +96,7 @@ TEST(GroundEstimatorTest, DoesNotAllocate) {
   Walk walk;
   walk.Stand({});
   walk.rig().Fix(walk.rig()->state, test::Standing(walk.robot()));
-  EXPECT_EQ(Allocations([&] { walk.rig().Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { walk.rig().Tick(); }), 0);
 }
 
 TEST(GroundEstimatorTest, RefusesNonsense) {

@@ -66,7 +66,7 @@ TEST(GroundForceObserverTest, OnlyAFootThatPressesOnTheGroundStands) {
 TEST(GroundForceObserverTest, DoesNotAllocate) {
   Standing standing;
   standing.Observe(All({0, 0, 50}));
-  EXPECT_EQ(Allocations([&] { standing.rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { standing.rig.Tick(); }), 0);
 }
 
 TEST(GroundForceObserverTest, RefusesNonsense) {

@@ -188,7 +188,7 @@ TEST(LegMomentumObserverTest, DoesNotAllocate) {
     params.gains.dynamics = form;
     Observed run(Flying(params.robot), params);
     run.Tick();
-    EXPECT_EQ(Allocations([&] { run.rig.Tick(); }), 0);
+    EXPECT_EQ(AllocationsOf([&] { run.rig.Tick(); }), 0);
   }
 }
 

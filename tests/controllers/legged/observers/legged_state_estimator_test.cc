@@ -293,7 +293,7 @@ TEST(LeggedStateEstimatorTest, DoesNotAllocate) {
   SwayingRobot robot(DogBot());
   Rig rig(Params(robot, DogBot()));
   Feed(rig, robot.Imu(), robot.State(), AllStand());
-  EXPECT_EQ(Allocations([&] { rig.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.Tick(); }), 0);
 }
 
 TEST(LeggedStateEstimatorTest, RefusesNonsense) {

@@ -263,7 +263,7 @@ TEST(ComPlannerTest, DoesNotAllocate) {
   walk.Tick();
   walk.Change(Gait::kTrot, kTrot);
   walk.Tick();
-  EXPECT_EQ(Allocations([&] { walk.Run(1); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { walk.Run(1); }), 0);
 }
 
 TEST(ComPlannerTest, RefusesNonsense) {

@@ -169,7 +169,7 @@ TEST(TrunkPlannerTest, DoesNotAllocate) {
   Walk walk;
   walk.wrench.force_W = {0, 30, 0};
   walk.Tick();
-  EXPECT_EQ(Allocations([&] { walk.rig().Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { walk.rig().Tick(); }), 0);
 }
 
 TEST(TrunkPlannerTest, FiltersThePush) {

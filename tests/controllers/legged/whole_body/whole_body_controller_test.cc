@@ -408,7 +408,7 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
 TEST(WholeBodyController, DoesNotAllocate) {
   Inputs inputs(Params().robot);
   Ticked rig(inputs);
-  EXPECT_EQ(Allocations([&] { rig.RunTo(0.02); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.02); }), 0);
 }
 
 TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <memory>
+
+namespace tenon::test {
+
+inline CdprDescription FourCableRobot() {
+  return LoadCdpr(FindResource("robots", "cdpr_4"));
+}
+
+/// A loop along a path, with a PD controller.
+inline CdprLoopParams WithPd(const CdprDescription& robot, std::shared_ptr<const EquilibriumPath> path) {
+  CdprLoopParams params;
+  params.robot = robot;
+  params.path = path;
+  params.pd_stiffness_N_per_m = 2000;
+  params.pd_damping_N_s_per_m = 200;
+  return params;
+}
+
+/// A loop along a path, with an MPC that has no estimate of the load. Cables may be slack.
+inline CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<const EquilibriumPath> path) {
+  CdprLoopParams params;
+  params.robot = robot;
+  params.path = path;
+  params.mpc.emplace();
+  params.mpc->path = path;
+  params.mpc->horizon = 1.2;
+  params.mpc->num_steps = 25;
+  params.mpc->weights = {
+      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  params.offset_free = false;
+  params.forbid_slack = false;
+  return params;
+}
+
+/// A circle of 0.5 m radius in 10 s, 2 m above the floor, for the robot that the path is planned with.
+inline std::shared_ptr<const EquilibriumPath> CirclePath(const CdprDescription& robot) {
+  return std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2));
+}
+inline CdprLoopParams CircleWithPd() {
+  const CdprDescription robot = FourCableRobot();
+  return WithPd(robot, CirclePath(robot));
+}
+inline CdprLoopParams CircleWithMpc() {
+  const CdprDescription robot = FourCableRobot();
+  return WithMpc(robot, CirclePath(robot));
+}
+
+}  // namespace tenon::test

@@ -1,0 +1,88 @@
+// A run of a shipped diagram gives the same numbers in every thread, and after its context is restored.
+
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/simulation/simulator.h>
+#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
+#include <tenon/tests/diagrams/legged/trot_recording.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+
+namespace tenon::repeatable_test {
+namespace {
+
+template <class Loop>
+std::shared_ptr<const Diagram> MakeDiagram(const auto& params) {
+  DiagramBuilder builder;
+  builder.Add<Loop>("loop", params);
+  return builder.Build();
+}
+
+/// A trot that uses the state estimator and the ZMP spline.
+QuadrupedWalkParams Trot() {
+  QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
+  params.locomotion.com_planner.reference = ComReference::kZmpSpline;
+  params.walk.segments = {{.duration = 0.3}, {.gait = Gait::kTrot, .forward = 0.12, .duration = 10}};
+  params.estimator.emplace();
+  params.estimator->robot = params.world.plant.robot;
+  params.estimator->initial = params.world.plant.initial;
+  return params;
+}
+
+struct Case {
+  std::string name;
+  std::shared_ptr<const Diagram> diagram;
+  SimulatorOptions options;
+  friend void PrintTo(const Case& shipped, std::ostream* out) { *out << shipped.name; }
+};
+std::vector<Case> Cases() {
+  const SimulatorOptions cables{.order = 2, .rtol = 1e-3, .atol = 1e-5};
+  return {{"pd", MakeDiagram<CdprLoop>(test::CircleWithPd()), cables},
+          {"mpc", MakeDiagram<CdprLoop>(test::CircleWithMpc()), cables},
+          {"trot", MakeDiagram<QuadrupedWalk>(Trot()), test::TrotLoop::Options()}};
+}
+
+Eigen::VectorXd EndOf(Simulator& simulator, double time) {
+  simulator.RunTo(time);
+  return simulator.context().continuous_state();
+}
+
+TEST(RepeatableTest, ThreadsGiveTheNumbersOfOne) {
+  for (const auto& [name, diagram, options] : Cases()) {
+    const auto run = [&](Eigen::VectorXd* end) {
+      Simulator simulator(*diagram, options);
+      *end = EndOf(simulator, 0.6);
+    };
+    Eigen::VectorXd alone, first, second;
+    run(&alone);
+    std::thread one(run, &first), two(run, &second);
+    one.join();
+    two.join();
+    EXPECT_EQ(first, alone) << name;
+    EXPECT_EQ(second, alone) << name;
+  }
+}
+
+// 0.385 s is a tick of the controllers of the cable robot; the other times lie between their ticks.
+TEST(RepeatableTest, ARestoredRunGoesOnBitForBit) {
+  for (const auto& [name, diagram, options] : Cases()) {
+    for (const double pause : {0.001, 0.333, 0.385}) {
+      Simulator straight(*diagram, options);
+      straight.RunTo(pause);
+      auto context = diagram->CreateContext();
+      context->Restore(straight.context().Save());
+      Simulator restored(std::move(context), options), fresh(*diagram, options);
+      EXPECT_EQ(EndOf(restored, 0.6), EndOf(fresh, 0.6)) << name << ", saved at " << pause << " s";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tenon::repeatable_test
