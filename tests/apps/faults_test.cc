@@ -220,19 +220,6 @@ TEST_F(FaultTest, ABrokenCableEndsARunThatForbidsSlack) {
   EXPECT_EQ(Column(out, "loop.plant.cables.tension.2 [N]").back(), 0);
 }
 
-TEST_F(FaultTest, AStuckWinchKeepsItsRestLength) {
-  Run({kCdpr, "D1", {}, ""}, "{at: winch, kind: stuck, elements: [3], start_s: 0.1}");
-  const std::vector<double> time = Column(out, "time [s]"),
-                            stuck = Column(out, "loop.plant.cables.rest_length.3 [m]"),
-                            other = Column(out, "loop.plant.cables.rest_length.1 [m]");
-  for (std::size_t i = 1; i < time.size(); ++i) {
-    if (time[i] > 0.1001) {
-      EXPECT_EQ(stuck[i], stuck[i - 1]);
-      EXPECT_NE(other[i], other[i - 1]);
-    }
-  }
-}
-
 TEST_F(FaultTest, ABrokenJointHasNoTorque) {
   Run({kQuadruped, "A1", {}, ""},
       "{at: joint, kind: broken, elements: [front_right_hip_pitch]}, "

@@ -62,6 +62,12 @@ QuadrupedDescription DogBot() {
   return LoadQuadruped(FindResource("robots", "dogbot"));
 }
 
+void ExpectSameWalk(const std::string& name, const QuadrupedWalkParams& by_hand) {
+  ExpectSameRun<QuadrupedWalk, WalkFigures>(
+      Read<QuadrupedScenario>(name, "tenon-quadruped"),
+      [](const QuadrupedScenario& scenario) { return MakeWalkParams(scenario); }, by_hand);
+}
+
 WalkSegment Stand(double duration) {
   return {.gait = Gait::kStand, .duration = duration};
 }
@@ -76,9 +82,7 @@ TEST(SameRunTest, A1) {
   ExternalForce push = PointOnLeg(robot, kFrontLeft, 0.5);
   push.force_W << 20, 0, 0;
   params.world.sines = {{.amplitude = push, .angular_frequency = 1, .start = 0, .end = 100}};
-  ExpectSameRun<QuadrupedWalk, WalkFigures>(
-      Read<QuadrupedScenario>("A1", "tenon-quadruped"),
-      [](const QuadrupedScenario& scenario) { return MakeWalkParams(scenario); }, params);
+  ExpectSameWalk("A1", params);
 }
 
 TEST(SameRunTest, B2) {
@@ -93,9 +97,7 @@ TEST(SameRunTest, B2) {
   world.imu.angular_velocity_noise.setConstant(0.005);
   world.imu.specific_force_noise.setConstant(0.05);
   world.encoders.angle.absolute = 1e-4;
-  ExpectSameRun<QuadrupedWalk, WalkFigures>(
-      Read<QuadrupedScenario>("B2", "tenon-quadruped"),
-      [](const QuadrupedScenario& scenario) { return MakeWalkParams(scenario); }, params);
+  ExpectSameWalk("B2", params);
 }
 
 TEST(SameRunTest, C1) {
@@ -111,10 +113,16 @@ TEST(SameRunTest, C1) {
                                            MakeGuideDogParams, params);
 }
 
-TEST(SameRunTest, D1) {
+/// The robot and the path of D1.
+CdprLoopParams Circle() {
   CdprLoopParams params;
   params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
   params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Circle({0, 0, 2}, 0.5, 10, 0.5));
+  return params;
+}
+
+TEST(SameRunTest, D1) {
+  CdprLoopParams params = Circle();
   params.mpc.emplace();
   params.mpc->path = params.path;
   params.mpc->horizon = 1.2;
@@ -125,9 +133,7 @@ TEST(SameRunTest, D1) {
 
 // A PD controller with the load estimator.
 TEST(SameRunTest, D1WithPd) {
-  CdprLoopParams params;
-  params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Circle({0, 0, 2}, 0.5, 10, 0.5));
+  CdprLoopParams params = Circle();
   params.pd_stiffness_N_per_m = 3833;
   params.pd_damping_N_s_per_m = 343;
   params.offset_free = true;
