@@ -24,8 +24,7 @@ namespace {
 constexpr double kSafety = 0.9;
 constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
-constexpr double kProportional = 0.7,
-                 kIntegral = 0.4;  // exponents of the errors, times the order
+constexpr double kProportional = 0.7, kIntegral = 0.4;  // exponents of the errors, times the order
 /// By order of the estimate: if two successive errors are below this, the second not larger, the step grows
 /// by the maximum factor; rounded down from (kSafety / kMaxGrowth)^(order / (kProportional - kIntegral)).
 constexpr std::array<double, 6> kNegligible{0, 0, 1e-5, 3.5e-8, 1.1e-10, 0};

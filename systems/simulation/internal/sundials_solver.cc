@@ -176,9 +176,9 @@ ARKodeButcherTable Table(int order, int embedded, std::initializer_list<double> 
   return table;
 }
 
-/// Explicit midpoint with a stage at the end of the step, reused as the first of the next step. e = (-1, 2,
-/// -1) is a second difference, large enough for the accumulated error of many steps. Jumps cause errors of up
-/// to 1/2 and have a weight of 1 in the estimate.
+/// Explicit midpoint with a stage at the end of the step, reused as the first of the next step.
+/// e = (-1, 2, -1) is a second difference, large enough for the accumulated error of many steps. Jumps cause
+/// errors of up to 1/2 and have a weight of 1 in the estimate.
 ARKodeButcherTable MidpointTable() {
   return Table(2, 1, {0.5, 0, 1}, {0, 1, 0}, {1, -1, 1});
 }
