@@ -11,14 +11,14 @@
 
 namespace tenon::apps {
 
-/// Figures of a person on a leash, computed during the run from a log of every control tick. Tension and length
-/// of the leash are the true ones.
+/// Figures of a person on a leash, computed during the run from a log of every control tick. Tension and
+/// length of the leash are the true ones.
 ///
-/// Mean tension and distance are taken while the robot walks as commanded and the person follows, starting when
-/// the tension first reaches the desired one after each start. The delay of the stop is the time from the first
-/// cause, a tension above the threshold or an obstacle, until the trunk has been slower than `kStanding` for
-/// half a second. The heading error is that of the mean heading in the last second of the run, relative to the
-/// direction in which the leash pulled the robot at its last start.
+/// Mean tension and distance are taken while the robot walks as commanded and the person follows, starting
+/// when the tension first reaches the desired one after each start. The delay of the stop is the time from
+/// the first cause, a tension above the threshold or an obstacle, until the trunk has been slower than
+/// `kStanding` for half a second. The heading error is that of the mean heading in the last second of the
+/// run, relative to the direction in which the leash pulled the robot at its last start.
 class GuideDogFigures final : public LogSink {
  public:
   static constexpr double kStanding = 0.02;  ///< [m/s]

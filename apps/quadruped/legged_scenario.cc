@@ -23,7 +23,7 @@ void WalkScenario::Validate() const {
 void LiveScenario::Validate() const {
   const auto range = [](const char* key, const Vec<2>& limits) {
     Demand(limits.allFinite() && limits[0] <= 0 && limits[1] >= 0,
-           fmt::format("{} = [{}, {}] must hold 0: give the least value, then the largest one", key,
+           fmt::format("{} = [{}, {}] must contain 0: give the least value, then the largest one", key,
                        limits[0], limits[1]));
   };
   range("forward_m_per_s", forward_m_per_s);
