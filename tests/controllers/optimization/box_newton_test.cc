@@ -61,7 +61,8 @@ TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
   auto problem = RandomProblem<Eigen::Dynamic>(generator, 7);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
   EXPECT_EQ(
-      AllocationsOf([&] { ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x)); }), 0);
+      AllocationsOf([&] { ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x)); }),
+      0);
   ExpectOptimal(problem, x);
 }
 

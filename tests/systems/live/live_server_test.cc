@@ -177,8 +177,7 @@ TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
       [&](std::size_t step) {
         if (step == 0) return Take();
         EXPECT_THAT(Command({{"command", "back"}, {"to_s", 5}})["error"], HasSubstr("can only go back"));
-        EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"],
-                    HasSubstr("at most to 0 s"));
+        EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"], HasSubstr("at most to 0 s"));
       },
       1.1);
 }

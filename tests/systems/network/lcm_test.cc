@@ -306,11 +306,9 @@ TEST(LcmTest, PublishesIntoALog) {
 TEST(LcmTest, RefusesWhatItCannotOpen) {
   EXPECT_TRUE(Refuses<LcmPublisher<double>>({}, "channel = ''"));
   EXPECT_TRUE(Refuses<LcmInput<double>>({.channel = std::string(64, 'x')}, "1 to 63 characters"));
-  EXPECT_TRUE(
-      Refuses<LcmPublisher<double>>({.channel = "X", .url = "no provider"}, "url = 'no provider'"));
+  EXPECT_TRUE(Refuses<LcmPublisher<double>>({.channel = "X", .url = "no provider"}, "url = 'no provider'"));
   EXPECT_TRUE(Refuses<LcmInput<std::string>>({.channel = "X", .url = kUrl}, "std::string"));
-  EXPECT_TRUE(
-      Refuses<LcmInput<double>>({.channel = "X", .url = kUrl, .timeout_s = -1}, "timeout_s = -1"));
+  EXPECT_TRUE(Refuses<LcmInput<double>>({.channel = "X", .url = kUrl, .timeout_s = -1}, "timeout_s = -1"));
 }
 
 }  // namespace tenon::lcm_test

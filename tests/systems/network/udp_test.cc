@@ -338,8 +338,7 @@ TEST(UdpInputTest, RefusesAnEnumerationsValueWithoutName) {
 TEST(UdpInputTest, RefusesWhatItCannotOpen) {
   const Peer peer;
   using Input = UdpInput<double>;
-  EXPECT_TRUE(
-      Refuses<Input>({.name = "x", .port = peer.port()}, "127.0.0.1:" + std::to_string(peer.port())));
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .port = peer.port()}, "127.0.0.1:" + std::to_string(peer.port())));
   EXPECT_TRUE(Refuses<Input>({.name = "x", .address = "192.0.2.1", .port = 0}, "192.0.2.1:0"));
   EXPECT_TRUE(Refuses<Input>({.name = "x", .address = "no address", .port = 9}, "'no address'"));
   EXPECT_TRUE(Refuses<Input>({.name = "x", .port = 65536}, "port = 65536"));
