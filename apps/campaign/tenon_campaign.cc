@@ -333,7 +333,7 @@ int Run(const CampaignArguments& arguments) {
   if (!StartedByMpi()) return RunCampaign(arguments, file, plan, runner, shard, directory, nullptr);
 
   MpiSession mpi;
-  try {  // an error of one rank ends all ranks, which would wait for it
+  try {  // an error of one rank ends all ranks; otherwise they would wait
     if (mpi.rank() > 0) {
       mpi.Follow(runner);
       return kRan;

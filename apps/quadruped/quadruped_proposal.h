@@ -20,8 +20,8 @@ struct QuadrupedProposal {
 ///    their angle in `locked` [rad].
 ///  - A foot is the sphere among the collision shapes below the knee that is farthest from the knee, or the
 ///    farthest frame if there is no sphere.
-///  - In the nominal stance the feet are below the hips, at 0.7 of the leg's length. Of the two directions of
-///  the
+///  - In the nominal stance the feet are below the hips, at 0.7 of the leg's length. From the two directions
+///  of the
 ///    knee, within the joints' ranges, the one with less bending is chosen, or backward if both are alike.
 ///  - Torque and speed limits are those of the URDF, if it has any. With the weight W and the leg's length l,
 ///  end

@@ -46,7 +46,7 @@ class BalancedReference {
 
   const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX [rad], next to the reference's
   const CableVector& tension() const { return tension_; }  ///< [N]
-  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< the same; without load, the reference's
+  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< attitude; without load, the reference's
 
  private:
   CdprDescription robot_;

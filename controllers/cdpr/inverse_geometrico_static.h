@@ -37,7 +37,7 @@ struct StaticsOptions {
 ///
 /// Four cables leave 3 + 4 unknowns for six equations, five leave 8: the equilibria at a point form a family
 /// of one or two parameters (the matrix H of (3.22) is 3 x n and has no inverse; how hard the cables pull
-/// against each other is free). Of this family, the member is returned that
+/// against each other is free). The member of this family is returned that
 ///   - has its tensions within the bounds,
 ///   - is stable: CalcLockedStiffness() > 0,
 ///   - is a minimum of |u| among its neighbours, and of several such minima the least one.

@@ -72,7 +72,7 @@ class KinoCentroidalModel {
 
   /// See TakesOwnSteps.
   struct StepWorkspace {
-    /// Of every cable d(momentum's rate)/d(tension), in all stages and lanes.
+    /// d(rate of the momentum)/d(tension) of each cable, in all stages and lanes.
     Eigen::Matrix<double, 6 * 4 * StepTableau::kMaxStages, n> wrench;
 
     explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}

@@ -82,7 +82,7 @@ class PoseFeasibility {
   /// Whether no two cables are nearer than `diameter` [m] and none runs through the platform.
   PoseVerdict IsClearOver(const PoseBall& poses, double diameter);
 
-  /// Of the last call, at the centre:
+  /// Results of the last call, at the centre:
   const WrenchMargins& margins() const { return margins_; }
   const CableClearance& clearance() const { return clearance_; }  ///< after IsClearOver()
 
@@ -111,8 +111,8 @@ class PoseFeasibility {
   CableInterference interference_;
   CableKinematics cables_;
   Eigen::MatrixXd structure_;  // torques over the lever
-  // Of each cable over the set of poses: how far its direction and its column change at most; the derivatives
-  // of its column by p and theta, and what they leave.
+  // For each cable over the set of poses: the largest change of its direction and of its column; the
+  // derivatives of its column by p and theta, and what they leave.
   double distance_ = 0, angle_ = 0;
   Eigen::VectorXd turn_, change_, remainder_;
   std::vector<Matrix6d> derivative_;

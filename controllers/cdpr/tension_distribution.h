@@ -38,7 +38,7 @@ class TensionDistributor {
   explicit TensionDistributor(int num_cables);
 
   /// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the
-  /// balance. Either bound may be infinite. What is returned holds until the next call.
+  /// balance. Either bound may be infinite. The result is valid until the next call.
   /// @throws ParameterError if W has another number of columns than there are cables, and nothing else.
   const TensionDistribution& Solve(const CableMatrix6& structure, const Vector6d& wrench, double tension_min,
                                    double tension_max, double tolerance = 1e-8);
@@ -57,8 +57,8 @@ class TensionDistributor {
   TensionDistribution result_;
 };
 
-/// The same for once, of least distance |u - aim| [N] instead of least norm. It changes continuously with
-/// structure and wrench.
+/// Solves one problem, with the least distance |u - aim| [N] instead of the least norm. It changes
+/// continuously with structure and wrench.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
                                       double tension_min, double tension_max, double aim = 0,
                                       double tolerance = 1e-8);

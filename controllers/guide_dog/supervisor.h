@@ -138,7 +138,7 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<bool> obstacle{this, {"obstacle"}, false};
   Parameter<SupervisorGains> gains{
-      this, {"gains"}, params.gains, "what counts as a pull, and how the robot turns"};
+      this, {"gains"}, params.gains, "threshold of a pull, and gains of turning"};
   Scratch<GuideStatus> memory{this, "memory", GuideStatus()};
   OutputPort<GuideStatus> status{this,
                                  {"status"},

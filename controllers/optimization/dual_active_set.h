@@ -64,8 +64,8 @@ struct QpReport {
 /// it ends after finitely many, at the solution or at a constraint that contradicts the others.
 ///
 /// With H = L D L^T and J = L^-T D^-1/2 the columns V = J^T A^T of the active constraints are factored as
-/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. What
-/// follows from that are steps of two kinds:
+/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. This
+/// gives steps of two kinds:
 ///
 /// - Several at once, where few are violated: all these join, and those that then have negative multipliers
 ///   leave, as long as that raises the cost. The reflections are applied and never multiplied out. The start

@@ -11,16 +11,16 @@ namespace tenon {
 ///
 /// In a vertical plane with z up, it starts at the origin and ends at (x, z), x >= 0. s is the length along
 /// it without strain, L in all; w its weight per such length. The tension T has the horizontal part H all
-/// along and the vertical part V(s) = V_m + w (s - L/2), by which it pulls forward. As Hooke's law stretches
-/// each piece to (1 + T/EA) ds along its tangent,
+/// along and the vertical part V(s) = V_m + w (s - L/2), by which it pulls forward. Because Hooke's law
+/// stretches each piece to (1 + T/EA) ds along its tangent,
 ///
 ///     (x, z) = integral of (1/EA + 1/T) (H, V) ds,
 ///     x = H L/EA + (H/w) (asinh(V_e/H) - asinh(V_s/H)),     V_s, V_e = V_m -+ w L/2
 ///     z = V_m L/EA + (T_e - T_s)/w.
 ///
-/// The right-hand side is the gradient of the convex function integral of (T^2/(2 EA) + T) ds of (H, V_m), so
-/// that there is one solution for every place of the ends, taut or slack, and Newton's method finds it from
-/// everywhere if it does not step past the minimum along its direction. The differences are written such
+/// The right-hand side is the gradient of the convex function integral of (T^2/(2 EA) + T) ds of (H, V_m).
+/// There is thus one solution for every place of the ends, taut or slack, and Newton's method finds it from
+/// any start if it does not step past the minimum along its direction. The differences are written such
 /// that a weight that tends to 0 costs no digit: the limit is the straight cable.
 struct ElasticCatenary {
   // Properties.

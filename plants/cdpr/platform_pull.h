@@ -44,7 +44,8 @@ class PlatformPull final : public LeafSystem<PlatformPullParams> {
   using LeafSystem::LeafSystem;
   InputPort<PlatformState> platform{this, {"platform"}};
   InputPort<PlatformWrench> others{this, {"others"}, PlatformWrench{}};
-  Parameter<PlatformGrip> grip{this, {"grip"}, PlatformGrip{}, "what is held, and where it is pulled"};
+  Parameter<PlatformGrip> grip{
+      this, {"grip"}, PlatformGrip{}, "point that is held, and the target it is pulled to"};
   OutputPort<PlatformWrench> wrench{
       this, {"wrench"}, Uses(platform, others, grip), &PlatformPull::CalcWrench};
 

@@ -48,7 +48,7 @@ struct FootContact {
 /// **Slippery ground.** The derivative of z_c' with respect to z is bounded by 5 |v| / z_max, so a deflection
 /// of mu / sigma_0 would be arbitrarily stiff as mu goes to 0. Below mu_0 the friction is that of mu_0 scaled
 /// by mu / mu_0, which scales both sigmas: the bristle does not depend on mu, and the force goes to 0 with
-/// mu. As a consequence, the foot moves by mu_0 / sigma_0 before it slides. For mu = 0 the bristle decays as
+/// mu. Consequently, the foot moves by mu_0 / sigma_0 before it slides. For mu = 0 the bristle decays as
 /// without contact.
 ///
 /// **Limitations.** The model has no difference between static and sliding friction, no spinning friction

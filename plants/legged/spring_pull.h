@@ -57,7 +57,8 @@ class SpringPull final : public LeafSystem<SpringPullParams> {
   explicit SpringPull(const SpringPullParams& params) : LeafSystem(Complete(params)) {}
 
   InputPort<LeggedState> state{this, {"state"}};
-  Parameter<SpringGrip> grip{this, {"grip"}, SpringGrip{}, "what is held, and where it is pulled"};
+  Parameter<SpringGrip> grip{
+      this, {"grip"}, SpringGrip{}, "point that is held, and the target it is pulled to"};
   OutputPort<ExternalForce> force{this, {"force"}, Uses(state, grip), &SpringPull::CalcForce};
 
  private:

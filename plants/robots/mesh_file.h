@@ -12,7 +12,7 @@ namespace tenon {
 inline constexpr std::size_t kMostTriangles = 2000;
 
 /// Reads a mesh in STL, OBJ, COLLADA (.dae) or another format of the library assimp. Equal corners are
-/// merged, and meshes of more than kMostTriangles triangles are simplified. As in ROS, COLLADA's unit is
+/// merged, and meshes of more than kMostTriangles triangles are simplified. Like in ROS, COLLADA's unit is
 /// applied and its upward axis is ignored. Colours and textures are omitted. A process caches each file.
 /// Throws ParameterError with the name of the file if it cannot be read or has no triangles.
 std::shared_ptr<const TriangleMesh> ReadMesh(const std::filesystem::path& file);

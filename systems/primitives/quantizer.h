@@ -21,7 +21,7 @@ struct QuantizerParams {
   }
 };
 
-/// Rounds to the nearest multiple of a step, like an encoder or an analog-to-digital converter, element by
+/// Rounds to the nearest multiple of a step, like an encoder or an analogue-to-digital converter, element by
 /// element:
 ///
 ///     y = step round(u / step)

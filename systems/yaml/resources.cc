@@ -56,7 +56,7 @@ std::vector<std::string> ListResources(const std::string& kind, const std::strin
 
 YamlDocument ResourceMap(const YamlFile& what) {
   const bool is_map = what.text.starts_with('{');
-  return YamlDocument::Parse(is_map ? what.text : "file: " + what.text, kWhatDiffers);
+  return YamlDocument::Parse(is_map ? what.text : "file: " + what.text, kChanges);
 }
 
 std::string ResourceName(const YamlFile& what) {

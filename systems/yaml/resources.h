@@ -6,8 +6,8 @@
 
 namespace tenon {
 
-/// The name of a ResourceMap in errors, in place of a file: "what differs:1:20: mass_kg: …".
-inline constexpr const char* kWhatDiffers = "what differs";
+/// The name of a ResourceMap in errors, in place of a file: "changes:1:20: mass_kg: …".
+inline constexpr const char* kChanges = "changes";
 
 class YamlDocument;
 struct YamlFile;

@@ -197,8 +197,8 @@ void Plant(benchmark::State& state) {
   state.counters["evaluations"] = static_cast<double>(evaluations) / static_cast<double>(measured);
 }
 
-/// The run repeats bit by bit. Of each hundredth of a second the least time over the iterations counts, so
-/// that other load of the machine does not.
+/// The run repeats bit by bit. The least time of each hundredth of a second over the iterations counts, so
+/// that other load of the machine does not count.
 void All(benchmark::State& state, bool logged) {
   constexpr int kChunk = 10;
   std::vector<double> best((kTicks - kFirst) / kChunk, 1e300);

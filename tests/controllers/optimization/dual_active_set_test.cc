@@ -307,7 +307,7 @@ TEST(DualActiveSet, RefusesProblemsThatAreNotConvexOrNotFinite) {
     EXPECT_EQ(solver.Solve(qp.view()).status, QpStatus::kNotFinite) << where;
   }
   qp = Triangle();
-  ASSERT_TRUE(solver.Solve(qp.view()).ok());  // and is none the worse for it
+  ASSERT_TRUE(solver.Solve(qp.view()).ok());  // and still solves the next problem
   EXPECT_TRUE(IsOptimal(qp.view(), solver));
 }
 

@@ -62,8 +62,8 @@ inline CdprDescription EightCableRobot() {
   return robot;
 }
 
-/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Those of
-/// one ring are led to attachments to the left of them, those of the other to the right.
+/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Cables of
+/// one ring are led to attachments to the left of them, cables of the other ring to the right.
 inline CdprDescription TwoRingRobot(int cables) {
   CdprDescription robot = FourCableRobot();
   robot.name = "rings";

@@ -60,7 +60,7 @@ TEST(PidTest, AGainThatIsSetMakesNoJumpByTheIntegral) {
   rig.Fix(rig->ref, 1).Fix(rig->y, 0).Tick().Tick().Tick();
   EXPECT_NEAR(rig[rig->u], 1, 1e-15);
   rig.Set(rig->ki, 20);
-  EXPECT_NEAR(rig.Tick()[rig->u], 1.5, 1e-15);  // what was integrated before
+  EXPECT_NEAR(rig.Tick()[rig->u], 1.5, 1e-15);  // the integral from before
   EXPECT_NEAR(rig.Tick()[rig->u], 3.5, 1e-15);
 }
 
