@@ -74,7 +74,7 @@ YamlTree WithAbsolutePaths(YamlTree tree, bool names_file);
 /// Returns whether a value can be a name: a text other than a number, true or false.
 bool IsName(const YamlTree& tree);
 
-/// Describes a value in a message: "nothing", "'`abc`'", "a list of 3".
+/// Describes a value in a message: "nothing", "'text'", "a list of 3".
 std::string Describe(const YamlTree& tree);
 
 [[noreturn]] void FailAt(std::string_view place, std::string_view what);
