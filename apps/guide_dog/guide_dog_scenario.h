@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 

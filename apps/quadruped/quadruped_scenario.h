@@ -1,10 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/path_verdict.h>
-#include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
-#include <tenon/apps/quadruped/quadruped_faults.h>
-#include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>

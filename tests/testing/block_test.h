@@ -18,6 +18,13 @@
 
 namespace tenon {
 
+namespace test {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace test
+
 /// Returns whether the constructor of a Block throws a ParameterError that names all the `keys`.
 ///
 ///     EXPECT_TRUE(Refuses<Pd>({.kp = -1}, "kp"));

@@ -66,8 +66,8 @@ TEST(RankCorrelationTest, GivesTheClosedForm) {
 }
 
 TEST(RankCorrelationTest, OfNothingIsNothing) {
-  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, NAN, 3}, std::vector<double>{1, 2, 3}));
-  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2, 3}, std::vector<double>{NAN, NAN, 3}));
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, test::kNan, 3}, std::vector<double>{1, 2, 3}));
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2, 3}, std::vector<double>{test::kNan, test::kNan, 3}));
   EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2}, std::vector<double>{1, 2}));
   EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}));
 }

@@ -45,7 +45,7 @@ TEST(RateTest, WhatIsNoRateIsRefused) {
     EXPECT_THROW(Milliseconds(bad), ParameterError);
   }
   EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(0, 5); }, "0/5 s"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Rate(1, -5); }, "1/-5 s"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(1, -5); }, "1/-5 s"));
   EXPECT_TRUE(Throws<ParameterError>([] { Hz(1e10); }, "10000000000 Hz"));
 }
 

@@ -32,7 +32,7 @@ TEST(AdderTest, WeightsAreSaved) {
 
 TEST(AdderTest, RefusesBadWeights) {
   EXPECT_TRUE(Refuses<Adder<>>({.weights = {}}, "weights"));
-  EXPECT_TRUE(Refuses<Adder<>>({.weights = {1, INFINITY}}, "weights"));
+  EXPECT_TRUE(Refuses<Adder<>>({.weights = {1, test::kInfinity}}, "weights"));
 }
 
 TEST(AdderTest, WeightsAreSetInARun) {

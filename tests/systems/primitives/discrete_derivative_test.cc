@@ -31,7 +31,7 @@ TEST(DiscreteDerivativeTest, TheFilterCanBeSetInARun) {
 }
 
 TEST(DiscreteDerivativeTest, RefusesABadTimeConstant) {
-  for (const double bad : {-1.0, NAN, INFINITY})
+  for (const double bad : {-1.0, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<DiscreteDerivative<>>({.time_constant = bad}, "time_constant"));
 }
 

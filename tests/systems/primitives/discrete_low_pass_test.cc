@@ -38,7 +38,7 @@ TEST(DiscreteLowPassTest, DoesNotAllocate) {
 
 TEST(DiscreteLowPassTest, RefusesBadParameters) {
   EXPECT_TRUE(Refuses<DiscreteLowPass<>>({.time_constant = 0}, "time_constant"));
-  EXPECT_TRUE(Refuses<DiscreteLowPass<>>({.initial = NAN}, "initial"));
+  EXPECT_TRUE(Refuses<DiscreteLowPass<>>({.initial = test::kNan}, "initial"));
 }
 
 TEST(DiscreteLowPassTest, TheTimeConstantIsSetInARun) {

@@ -52,7 +52,7 @@ TEST(DiscreteTransferFunctionTest, RefusesBadCoefficients) {
   EXPECT_TRUE(Refuses<DiscreteTransferFunction>({.denominator = {0, 1}}, "denominator"));
   EXPECT_TRUE(
       Refuses<DiscreteTransferFunction>({.numerator = {1, 2, 3}, .denominator = {1, 1}}, "numerator"));
-  EXPECT_TRUE(Refuses<DiscreteTransferFunction>({.denominator = {1, NAN}}, "coefficients"));
+  EXPECT_TRUE(Refuses<DiscreteTransferFunction>({.denominator = {1, test::kNan}}, "coefficients"));
 }
 
 }  // namespace tenon::discrete_transfer_function_test

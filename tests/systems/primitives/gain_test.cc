@@ -15,7 +15,7 @@ TEST(GainTest, CarriesItsUnits) {
 }
 
 TEST(GainTest, RefusesAGainThatIsNotFinite) {
-  EXPECT_TRUE(Refuses<Gain<>>({.gain = NAN}, "gain"));
+  EXPECT_TRUE(Refuses<Gain<>>({.gain = test::kNan}, "gain"));
 }
 
 TEST(GainTest, IsSetInARun) {

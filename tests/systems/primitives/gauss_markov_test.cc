@@ -51,9 +51,9 @@ TEST(GaussMarkovTest, DecaysWhenItsDeviationIsSetToZero) {
 }
 
 TEST(GaussMarkovTest, RefusesBadParameters) {
-  for (const double bad : {-1.0, NAN})
+  for (const double bad : {-1.0, test::kNan})
     EXPECT_TRUE(Refuses<GaussMarkov<>>({.standard_deviation = bad}, "standard_deviation"));
-  for (const double bad : {0.0, -1.0, NAN})
+  for (const double bad : {0.0, -1.0, test::kNan})
     EXPECT_TRUE(Refuses<GaussMarkov<>>({.time_constant = bad}, "time_constant"));
 }
 

@@ -27,7 +27,7 @@ TEST(IntegratorTest, BreaksLoops) {
 }
 
 TEST(IntegratorTest, RefusesAnInitialValueThatIsNotFinite) {
-  EXPECT_TRUE(Refuses<Integrator<>>({.initial = NAN}, "initial"));
+  EXPECT_TRUE(Refuses<Integrator<>>({.initial = test::kNan}, "initial"));
 }
 
 }  // namespace tenon::integrator_test

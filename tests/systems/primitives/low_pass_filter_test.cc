@@ -25,9 +25,9 @@ TEST(LowPassFilterTest, BreaksLoops) {
 }
 
 TEST(LowPassFilterTest, RefusesBadParameters) {
-  for (const double bad : {0.0, -1.0, NAN})
+  for (const double bad : {0.0, -1.0, test::kNan})
     EXPECT_TRUE(Refuses<LowPassFilter<>>({.time_constant = bad}, "time_constant"));
-  EXPECT_TRUE(Refuses<LowPassFilter<>>({.initial = NAN}, "initial"));
+  EXPECT_TRUE(Refuses<LowPassFilter<>>({.initial = test::kNan}, "initial"));
 }
 
 TEST(LowPassFilterTest, TheTimeConstantIsSetInARun) {

@@ -35,7 +35,7 @@ TEST(MatrixGainTest, DoesNotAllocate) {
 
 TEST(MatrixGainTest, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(Refuses<MatrixGain<>>({}, "gain"));
-  EXPECT_TRUE(Refuses<MatrixGain<>>({.gain = Eigen::MatrixXd::Constant(2, 2, NAN)}, "gain"));
+  EXPECT_TRUE(Refuses<MatrixGain<>>({.gain = Eigen::MatrixXd::Constant(2, 2, test::kNan)}, "gain"));
   TestRig<MatrixGain<>> rig({.gain = Eigen::MatrixXd::Ones(2, 3)});
   rig.Fix(rig->u, Eigen::Vector2d(1, 2));
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'"));

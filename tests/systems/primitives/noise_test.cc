@@ -37,7 +37,7 @@ TEST(AddNoiseTest, PassesElementsWithoutNoise) {
 }
 
 TEST(NoiseTest, RefusesBadDeviations) {
-  for (const double bad : {-1.0, NAN, INFINITY})
+  for (const double bad : {-1.0, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<WhiteNoise<>>({.standard_deviation = bad}, "standard_deviation"));
   EXPECT_TRUE(Refuses<AddNoise<Vec<2>>>({.standard_deviation = {1, -1}}, "standard_deviation"));
 }

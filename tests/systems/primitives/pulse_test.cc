@@ -47,7 +47,7 @@ TEST(PulseTest, IsIntegratedExactly) {
 }
 
 TEST(PulseTest, RefusesWhatIsNoPulse) {
-  EXPECT_TRUE(Refuses<Pulse<>>({.start = INFINITY}, "start"));
+  EXPECT_TRUE(Refuses<Pulse<>>({.start = test::kInfinity}, "start"));
   EXPECT_TRUE(Refuses<Pulse<>>({.width = 0}, "width"));
   EXPECT_TRUE(Refuses<Pulse<>>({.width = 1, .period = 1}, "period"));
 }

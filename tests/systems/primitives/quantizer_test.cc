@@ -11,7 +11,7 @@ TEST(QuantizerTest, RoundsToTheNearestStep) {
 }
 
 TEST(QuantizerTest, RefusesABadStep) {
-  for (const double bad : {0.0, -1.0, NAN, INFINITY})
+  for (const double bad : {0.0, -1.0, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<Quantizer<>>({.step = bad}, "step"));
 }
 

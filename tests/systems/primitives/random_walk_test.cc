@@ -36,7 +36,7 @@ TEST(RandomWalkTest, WithoutDensityIsABiasThatStays) {
 }
 
 TEST(RandomWalkTest, RefusesBadParameters) {
-  for (const double bad : {-1.0, NAN}) {
+  for (const double bad : {-1.0, test::kNan}) {
     EXPECT_TRUE(Refuses<RandomWalk<>>({.density = bad}, "density"));
     EXPECT_TRUE(Refuses<RandomWalk<>>({.start_deviation = bad}, "start_deviation"));
   }

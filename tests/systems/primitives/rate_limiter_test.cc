@@ -27,14 +27,14 @@ TEST(RateLimiterTest, LimitsEachElementFromItsInitialValue) {
 
 TEST(RateLimiterTest, DoesNotHideNan) {
   TestRig<RateLimiter<>> rig({.falling = -1, .rising = 1});
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->u, NAN).Tick(); }, "block"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->u, test::kNan).Tick(); }, "block"));
 }
 
 TEST(RateLimiterTest, RefusesBadLimits) {
   EXPECT_TRUE(Refuses<RateLimiter<>>({.falling = 1}, "falling"));
   EXPECT_TRUE(Refuses<RateLimiter<>>({.rising = -1}, "rising"));
-  EXPECT_TRUE(Refuses<RateLimiter<>>({.rising = NAN}, "rising"));
-  EXPECT_TRUE(Refuses<RateLimiter<>>({.initial = NAN}, "initial"));
+  EXPECT_TRUE(Refuses<RateLimiter<>>({.rising = test::kNan}, "rising"));
+  EXPECT_TRUE(Refuses<RateLimiter<>>({.initial = test::kNan}, "initial"));
 }
 
 }  // namespace tenon::rate_limiter_test

@@ -19,13 +19,13 @@ TEST(SaturationTest, LimitsElementByElement) {
 
 TEST(SaturationTest, DoesNotHideNan) {
   TestRig<Saturation<>> rig({.lower = -1, .upper = 2});
-  EXPECT_TRUE(std::isnan(rig.Fix(rig->u, NAN)[rig->y]));
+  EXPECT_TRUE(std::isnan(rig.Fix(rig->u, test::kNan)[rig->y]));
 }
 
 TEST(SaturationTest, RefusesCrossedLimits) {
   EXPECT_TRUE(Refuses<Saturation<>>({.lower = 1, .upper = 0}, "lower"));
   EXPECT_TRUE(Refuses<Saturation<Vec<2>>>({.lower = {0, 3}, .upper = {1, 2}}, "upper"));
-  EXPECT_TRUE(Refuses<Saturation<>>({.upper = NAN}, "lower"));
+  EXPECT_TRUE(Refuses<Saturation<>>({.upper = test::kNan}, "lower"));
 }
 
 TEST(SaturationTest, LimitsAreSetInARun) {

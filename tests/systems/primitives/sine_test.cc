@@ -31,10 +31,10 @@ TEST(SineTest, IsSetInARun) {
 }
 
 TEST(SineTest, RefusesWhatIsNotFinite) {
-  EXPECT_TRUE(Refuses<Sine<>>({.amplitude = NAN}, "amplitude"));
-  EXPECT_TRUE(Refuses<Sine<>>({.angular_frequency = NAN}, "angular_frequency"));
-  EXPECT_TRUE(Refuses<Sine<>>({.phase = NAN}, "phase"));
-  EXPECT_TRUE(Refuses<Sine<>>({.offset = NAN}, "offset"));
+  EXPECT_TRUE(Refuses<Sine<>>({.amplitude = test::kNan}, "amplitude"));
+  EXPECT_TRUE(Refuses<Sine<>>({.angular_frequency = test::kNan}, "angular_frequency"));
+  EXPECT_TRUE(Refuses<Sine<>>({.phase = test::kNan}, "phase"));
+  EXPECT_TRUE(Refuses<Sine<>>({.offset = test::kNan}, "offset"));
 }
 
 }  // namespace tenon::sine_test

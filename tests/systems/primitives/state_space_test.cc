@@ -75,7 +75,7 @@ TEST(StateSpaceTest, RefusesMatricesThatDoNotFit) {
   EXPECT_TRUE(refuses([](auto& p) { p.C.resize(1, 3); }, "C must"));
   EXPECT_TRUE(refuses([](auto& p) { p.D.resize(1, 1); }, "D must"));
   EXPECT_TRUE(refuses([](auto& p) { p.initial.resize(3); }, "initial must"));
-  EXPECT_TRUE(refuses([](auto& p) { p.B(1, 0) = NAN; }, "finite"));
+  EXPECT_TRUE(refuses([](auto& p) { p.B(1, 0) = test::kNan; }, "finite"));
   EXPECT_TRUE(Refuses<DiscreteStateSpace>({}, "A must be square"));
 }
 

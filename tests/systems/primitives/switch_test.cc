@@ -19,7 +19,7 @@ TEST(ThresholdSwitchTest, ComparesWithItsThreshold) {
 }
 
 TEST(ThresholdSwitchTest, RefusesAThresholdThatIsNotFinite) {
-  EXPECT_TRUE(Refuses<ThresholdSwitch<>>({.threshold = NAN}, "threshold"));
+  EXPECT_TRUE(Refuses<ThresholdSwitch<>>({.threshold = test::kNan}, "threshold"));
 }
 
 TEST(ThresholdSwitchTest, TheThresholdIsSetInARun) {

@@ -19,7 +19,7 @@ TEST(TableTest, GivesVectors) {
 
 TEST(TableTest, DoesNotHideNan) {
   TestRig<Table<>> rig({.u = {0, 1}, .y = {2, 4}});
-  EXPECT_TRUE(std::isnan(rig.Fix(rig->u, NAN)[rig->y]));
+  EXPECT_TRUE(std::isnan(rig.Fix(rig->u, test::kNan)[rig->y]));
 }
 
 TEST(TableTest, RefusesBadPoints) {
@@ -27,7 +27,7 @@ TEST(TableTest, RefusesBadPoints) {
   EXPECT_TRUE(Refuses<Table<>>({.u = {0}, .y = {0}}, "two points"));
   EXPECT_TRUE(Refuses<Table<>>({.u = {0, 1}, .y = {0, 1, 2}}, "2 u and 3 y"));
   EXPECT_TRUE(Refuses<Table<>>({.u = {0, 1, 1}, .y = {0, 1, 2}}, "u must increase"));
-  EXPECT_TRUE(Refuses<Table<>>({.u = {0, 1}, .y = {0, NAN}}, "finite"));
+  EXPECT_TRUE(Refuses<Table<>>({.u = {0, 1}, .y = {0, test::kNan}}, "finite"));
 }
 
 }  // namespace tenon::table_test

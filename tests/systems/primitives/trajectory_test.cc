@@ -54,8 +54,9 @@ TEST(TrajectoryTest, RefusesBadPoints) {
   EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0}, .values = {0}}, "times"));
   EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0}}, "values"));
   EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 2, 1}, .values = {0, 0, 0}}, "times"));
-  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, NAN}}, "finite"));
-  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, 1}, .end_velocity = NAN}, "finite"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, test::kNan}}, "finite"));
+  EXPECT_TRUE(
+      Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, 1}, .end_velocity = test::kNan}, "finite"));
 }
 
 }  // namespace tenon::trajectory_test

@@ -103,7 +103,7 @@ TEST(TransferFunctionTest, RefusesBadCoefficients) {
   EXPECT_TRUE(
       Refuses<TransferFunction<2>>({.numerator = {1, 0, 0, 0}, .denominator = {1, 1, 2}}, "numerator"));
   EXPECT_TRUE(Refuses<TransferFunction<2>>({.numerator = {}, .denominator = {1, 1, 2}}, "numerator"));
-  EXPECT_TRUE(Refuses<TransferFunction<2>>({.denominator = {1, NAN, 2}}, "coefficients"));
+  EXPECT_TRUE(Refuses<TransferFunction<2>>({.denominator = {1, test::kNan, 2}}, "coefficients"));
 }
 
 }  // namespace tenon::transfer_function_test

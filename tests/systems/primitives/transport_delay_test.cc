@@ -89,9 +89,9 @@ TEST(TransportDelayTest, DoesNotAllocate) {
 }
 
 TEST(TransportDelayTest, RefusesBadParameters) {
-  for (const double bad : {0.0, -1.0, 0.0009, NAN, INFINITY})
+  for (const double bad : {0.0, -1.0, 0.0009, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<TransportDelay<>>({.delay = bad}, "delay"));
-  EXPECT_TRUE(Refuses<TransportDelay<>>({.initial = NAN}, "initial"));
+  EXPECT_TRUE(Refuses<TransportDelay<>>({.initial = test::kNan}, "initial"));
 }
 
 }  // namespace tenon::transport_delay_test

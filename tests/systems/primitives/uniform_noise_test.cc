@@ -34,7 +34,7 @@ TEST(UniformNoiseTest, LimitsAreSetInARun) {
 
 TEST(UniformNoiseTest, RefusesBadLimits) {
   EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = 2}, "lower"));
-  EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = NAN}, "lower"));
+  EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = test::kNan}, "lower"));
 }
 
 }  // namespace tenon::uniform_noise_test

@@ -25,11 +25,11 @@ VolumeReport Example() {
                         .cells = {4, 3, 2},
                         .quantities = {"margin_N", "stiffness_N_per_m"},
                         .parts = {{{0, 0, 0}, {2, 2, 2}, State::kHolds, {5, 100}},
-                                  {{2, 0, 0}, {1, 1, 1}, State::kUndecided, {1, NAN}},
-                                  {{2, 0, 1}, {1, 1, 1}, State::kFails, {-1, NAN}},
-                                  {{3, 0, 0}, {1, 1, 2}, State::kFails, {-2, NAN}},
-                                  {{2, 1, 0}, {2, 1, 2}, State::kFails, {-2, NAN}},
-                                  {{0, 2, 0}, {4, 1, 2}, State::kFails, {-3, NAN}}},
+                                  {{2, 0, 0}, {1, 1, 1}, State::kUndecided, {1, test::kNan}},
+                                  {{2, 0, 1}, {1, 1, 1}, State::kFails, {-1, test::kNan}},
+                                  {{3, 0, 0}, {1, 1, 2}, State::kFails, {-2, test::kNan}},
+                                  {{2, 1, 0}, {2, 1, 2}, State::kFails, {-2, test::kNan}},
+                                  {{0, 2, 0}, {4, 1, 2}, State::kFails, {-3, test::kNan}}},
                         .shapes = {Shape::Box(ShapeRole::kBody, "body", {0.5, 0.5, 0.5})}};
   VolumeReport::Map other = map;
   other.title = "turns";
