@@ -1,4 +1,5 @@
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/run_options.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

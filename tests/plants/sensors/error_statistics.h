@@ -18,15 +18,14 @@ struct ErrorStatistics {
     products += error.cwiseProduct(last);
     last = error;
   }
-  /// Expects white noise: all within 4 deviations of what as many normal numbers would have, 5 for the
-  /// correlation.
+  /// Expects white noise: each statistic is within 4 of its standard deviations for normal numbers.
   void Expect(const Vec<N>& mean, const Vec<N>& deviation) const {
     const double n = count;
     for (int i = 0; i < N; ++i) {
       const double m = sum[i] / n;
       EXPECT_NEAR(m, mean[i], 4 * deviation[i] / std::sqrt(n)) << i;
       EXPECT_NEAR(std::sqrt(squares[i] / n - m * m) / deviation[i], 1, 4 / std::sqrt(2 * n)) << i;
-      EXPECT_NEAR(products[i] / n - m * m, 0, 5 * deviation[i] * deviation[i] / std::sqrt(n)) << i;
+      EXPECT_NEAR(products[i] / n - m * m, 0, 4 * deviation[i] * deviation[i] / std::sqrt(n)) << i;
     }
   }
   int count = 0;

@@ -22,8 +22,8 @@ using test::Cloud;
 using test::Everything;
 using test::Peer;
 
-using INFINITY;
-using NAN;
+using test::kInfinity;
+using test::kNan;
 
 template <class T>
 std::string Sent(const T& value) {

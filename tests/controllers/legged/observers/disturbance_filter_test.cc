@@ -59,7 +59,7 @@ TEST(EstimatorGainsTest, RefusesUnstableGains) {
   // Gains in reverse order, as a reader of the thesis may give them.
   const std::vector<double> reversed{17.5, 6.28, 2.25};
   EXPECT_TRUE(
-      Throws<ParameterError>([] { DemandHurwitz(reversed); }, "17.5, 6.28, 2.25", "2.01 ± 5.95i, -6.28"));
+      Throws<ParameterError>([&] { DemandHurwitz(reversed); }, "17.5, 6.28, 2.25", "2.01 ± 5.95i, -6.28"));
   for (const std::vector<double>& gains :
        {std::vector<double>{-1}, {0}, {}, std::vector<double>(13, 1.0), {1, NAN}})
     EXPECT_TRUE(Throws<ParameterError>([&] { DemandHurwitz(gains); }, "gain"));

@@ -115,7 +115,8 @@ TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
     ASSERT_EQ(swings.size(), 2 * expected.size()) << EnumName(gait);
     for (std::size_t k = 0; k < swings.size(); ++k) EXPECT_EQ(swings[k], expected[k % expected.size()]);
     for (const int count : stance_ticks)
-      EXPECT_NEAR(count, ticks * walk.schedule().timing.duty(), 2.0) << EnumName(gait);
+      EXPECT_NEAR(count, ticks * walk.schedule().timing.leg_stance() / walk.schedule().timing.cycle(), 2.0)
+          << EnumName(gait);
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps - 1);
     walk.Tick();
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps);
