@@ -52,7 +52,7 @@ TEST(CdprLoopTest, RefusesAStartAtAnAnchor) {
 
 // With locked winches the plant stays at the equilibrium of the solver.
 TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
-  const CdprDescription robot = test::FourCableRobot();
+  const CdprDescription robot = test::ShippedFourCableRobot();
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0.8, -1.1, 1.6)}) {
     const StaticEquilibrium rest = SolveInverseGeometricoStatic(robot, p);
     CdprPlantParams params;

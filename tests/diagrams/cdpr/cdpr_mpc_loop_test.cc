@@ -41,7 +41,7 @@ struct Flight {
 
 // The goal arrives in the middle of a circle. The PD controller follows the reference too.
 TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
-  const CdprDescription robot = test::FourCableRobot();
+  const CdprDescription robot = test::ShippedFourCableRobot();
   const auto path = test::CirclePath(robot);
   CdprLoopParams pd = test::WithPd(robot, path);
   pd.offset_free = pd.forbid_slack = false;
@@ -70,7 +70,7 @@ TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
 }
 
 TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
-  const CdprDescription robot = test::FourCableRobot();
+  const CdprDescription robot = test::ShippedFourCableRobot();
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto ball = [&](double radius) {
@@ -98,7 +98,7 @@ TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
 }
 
 TEST(CdprMpcLoop, FollowsTheCircleWithAWrongMass) {
-  const CdprDescription robot = test::FourCableRobot();
+  const CdprDescription robot = test::ShippedFourCableRobot();
   CdprDescription believed = robot;
   believed.mass *= 1.1;
   Flight run(WithMpc(robot, test::CirclePath(believed)), 10);

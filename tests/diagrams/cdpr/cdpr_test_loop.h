@@ -8,7 +8,7 @@
 
 namespace tenon::test {
 
-inline CdprDescription FourCableRobot() {
+inline CdprDescription ShippedFourCableRobot() {
   return LoadCdpr(FindResource("robots", "cdpr_4"));
 }
 
@@ -43,11 +43,11 @@ inline std::shared_ptr<const EquilibriumPath> CirclePath(const CdprDescription& 
   return std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.5, 10, 2));
 }
 inline CdprLoopParams CircleWithPd() {
-  const CdprDescription robot = FourCableRobot();
+  const CdprDescription robot = ShippedFourCableRobot();
   return WithPd(robot, CirclePath(robot));
 }
 inline CdprLoopParams CircleWithMpc() {
-  const CdprDescription robot = FourCableRobot();
+  const CdprDescription robot = ShippedFourCableRobot();
   return WithMpc(robot, CirclePath(robot));
 }
 
