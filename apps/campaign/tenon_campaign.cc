@@ -90,10 +90,13 @@ ScenarioApp FindApp(const YamlDocument& file, const std::string& name) {
       file.PlaceOf("app"), name, names, name));
 }
 
-/// Returns a hash of the files of a directory.
+/// Returns a hash of the data files of a directory. The source tree has code beside them.
 std::string HashOf(const fs::path& directory) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(directory)) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const fs::path ending = entry.path().extension();
+    if (entry.is_regular_file() && ending != ".h" && ending != ".cc") files.push_back(entry.path());
+  }
   std::ranges::sort(files);
   internal::Fnv1a hash;
   for (const fs::path& file : files) hash.Add(file.filename().string() + ReadText(file));

@@ -29,7 +29,7 @@ constexpr auto EnumNames(PathKind) {
 /// A place on the platform's way, how it gets there, and how long it stays: it comes to rest where it dwells,
 /// at the first and at the last, and passes through the others without stopping.
 struct WaypointScenario {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< of the CoM
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position of the CoM
   std::optional<Eigen::Vector3d> attitude_rad;           ///< roll, pitch, yaw; without: as before
   std::optional<double> travel_s;                        ///< from the waypoint before; this
   std::optional<double> speed_m_per_s;                   ///< or this: on average, along a straight line
@@ -54,19 +54,19 @@ struct PlatformPath {
 /// The path of the platform's CoM, in the world.
 struct PathScenario {
   PathKind kind = PathKind::kCircle;      ///< shape of the path
-  Eigen::Vector3d center_m{0, 0, 2};      ///< of the circle
-  double radius_m = 0.5;                  ///< of the circle
-  double period_s = 10;                   ///< of a turn
+  Eigen::Vector3d center_m{0, 0, 2};      ///< centre of the circle
+  double radius_m = 0.5;                  ///< radius of the circle
+  double period_s = 10;                   ///< time of one turn
   double ramp_s = 5;                      ///< time in which the circle's speed is reached
-  std::vector<Eigen::Vector3d> points_m;  ///< of hold (1), line (2) and spline
-  std::vector<double> times_s;            ///< of the points; a line and a spline need them
+  std::vector<Eigen::Vector3d> points_m;  ///< points of a hold (1), a line (2) or a spline
+  std::vector<double> times_s;            ///< times of the points; a line and a spline need them
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
   /// Attitude at each of the points, for a line or a spline that turns the platform on its way.
   std::vector<Eigen::Vector3d> attitudes_rad;
-  std::vector<WaypointScenario> waypoints;  ///< of the kind waypoints
+  std::vector<WaypointScenario> waypoints;  ///< waypoints, for kind waypoints
   std::optional<YamlFile>
-      file;  ///< of the kind file: CSV with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
+      file;  ///< for kind file: CSV with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
   double tension_aim_N = 0;  ///< with an attitude: of the tensions that hold it, those nearest to this
 
   static FieldList Fields() {
@@ -90,7 +90,7 @@ struct PathScenario {
 struct PdScenario {
   double stiffness_N_per_m = 0;                         ///< K_p of the cables' lengths
   double damping_N_s_per_m = 0;                         ///< K_d of their rates
-  double rate_hz = CdprLoopParams().control_rate.hz();  ///< of the controller
+  double rate_hz = CdprLoopParams().control_rate.hz();  ///< rate of the controller
 
   static FieldList Fields() {
     return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
@@ -102,17 +102,17 @@ struct PdScenario {
 
 struct MpcScenario {
   double horizon_s = CdprMpcParams().horizon;                  ///< how far it plans
-  int num_steps = CdprMpcParams().num_steps;                   ///< of the horizon
-  double rate_hz = CdprMpcParams().rate.hz();                  ///< of new plans
-  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< of the feedback along a plan
+  int num_steps = CdprMpcParams().num_steps;                   ///< number of steps of the horizon
+  double rate_hz = CdprMpcParams().rate.hz();                  ///< rate of the solves
+  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along a plan
   CdprMpcWeights weights;
   StepMethod method = SlqOptions().method;               ///< by which the model is integrated
-  SlqBounds bounds = SlqOptions().bounds;                ///< of the tensions, in the solver
+  SlqBounds bounds = SlqOptions().bounds;                ///< handling of the tension bounds in the solver
   TerminalCost final_weight = CdprMpcParams().terminal;  ///< diagonal: `weights` times a second
-  double mass_error = 0;                                 ///< of the controller's model: 0.3 is 30 % too heavy
+  double mass_error = 0;  ///< relative error of the model's mass: 0.3 is 30 % too heavy
   int max_fallbacks_in_a_row =
       CdprMpcParams().max_fallbacks_in_a_row;  ///< more failed solves than this end the run
-  bool offset_free = true;  ///< of mpc_equilibrium: the load is estimated, and in model and reference
+  bool offset_free = true;  ///< mpc_equilibrium estimates the load, and uses it in model and reference
 
   static FieldList Fields() {
     return {{"horizon_s", &MpcScenario::horizon_s},
@@ -132,7 +132,7 @@ struct MpcScenario {
 
 /// A mass hung at the platform for part of the run; the controller does not know of it.
 struct PayloadScenario {
-  double mass_kg = 0;                                    ///< of a point
+  double mass_kg = 0;                                    ///< mass of the point
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
   double attach_s = 0;                                   ///< when it is hung there
   double release_s = 0;                                  ///< when it drops
@@ -161,10 +161,10 @@ struct GustScenario {
 
 /// A load that swings under the platform, on a rope like the robot's cables, see HangingLoad.
 struct HangingLoadScenario {
-  double mass_kg = 0;                                      ///< of the load, a point mass
-  double length_m = HangingLoadParams().length;            ///< of the rope
+  double mass_kg = 0;                                      ///< mass of the load, a point mass
+  double length_m = HangingLoadParams().length;            ///< length of the rope
   Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
-  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< of the load at the start, aside of straight down
+  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();       ///< initial horizontal offset of the load
 
   static FieldList Fields() {
     return {Required("mass_kg", &HangingLoadScenario::mass_kg),
@@ -182,9 +182,9 @@ struct NoiseScenario {
   double attitude_rad = PoseSensorParams().attitude_noise[0];  ///< standard deviation of the attitude
   double angular_velocity_rad_per_s =
       ImuParams().angular_velocity_noise[0];  ///< standard deviation of the gyroscope
-  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];  ///< of the accelerometer
-  double pose_rate_hz = PoseSensorParams().rate.hz();                  ///< of the pose sensor
-  double imu_rate_hz = CdprLoopParams().imu.rate.hz();                 ///< of gyroscope and accelerometer
+  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];  ///< noise of the accelerometer
+  double pose_rate_hz = PoseSensorParams().rate.hz();                  ///< rate of the pose sensor
+  double imu_rate_hz = CdprLoopParams().imu.rate.hz();  ///< rate of gyroscope and accelerometer
 
   static FieldList Fields() {
     return {{"position_m", &NoiseScenario::position_m},
@@ -201,8 +201,8 @@ struct NoiseScenario {
 /// Without values the bandwidths are those of MakeLoadEstimator: 20 and 100 rad/s for an MPC, 3 and 3 for a
 /// PD.
 struct LoadEstimateScenario {
-  std::optional<double> bandwidth_rad_per_s;       ///< of the rest of the load
-  std::optional<double> mass_bandwidth_rad_per_s;  ///< of its mass
+  std::optional<double> bandwidth_rad_per_s;       ///< bandwidth of the other estimates of the load
+  std::optional<double> mass_bandwidth_rad_per_s;  ///< bandwidth of the estimate of the load's mass
 
   static FieldList Fields() {
     return {{"bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s},
@@ -213,7 +213,7 @@ struct LoadEstimateScenario {
 enum class CdprController {
   kMpcEquilibrium,  ///< offset-free, unless mpc.offset_free says no
   kMpcZero,         ///< Morlando 2023: tensions as small as may be; knows of no load
-  kPd,              ///< of the cables' lengths, to those of the static equilibrium
+  kPd,              ///< PD on the cable lengths, about those of the static equilibrium
   kPdFeedforward,   ///< and of what accelerates the platform
   kPdOffsetFree,    ///< and of the load that is estimated
 };
@@ -234,14 +234,14 @@ struct CdprScenario {
   std::string case_name;                  ///< the run's name
   YamlFile robot{"cdpr_4"};               ///< a shipped robot, a file, or a shipped one with changes
   double duration_s = 60;                 ///< simulated time
-  std::uint64_t seed = kRecommendedSeed;  ///< of all random streams
+  std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
   CdprController controller = CdprController::kPd;  ///< controller that commands the tensions
-  PathScenario path;                                ///< of the platform
-  PdScenario pd;                                    ///< of the controllers pd...
+  PathScenario path;                                ///< path of the platform
+  PdScenario pd;                                    ///< gains of the controllers pd...
   std::optional<MpcScenario> mpc;                   ///< needed for the controllers mpc_...
   LoadEstimateScenario load;
   bool known_pulleys = true;  ///< the controllers and their estimators know the pulleys of the robot
-  Eigen::Vector3d start_offset_m{0, 0, 0};  ///< of the platform from the start of the path
+  Eigen::Vector3d start_offset_m{0, 0, 0};  ///< initial offset of the platform from the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
   PayloadScenario payload;
   std::vector<GustScenario> gusts;
@@ -252,7 +252,7 @@ struct CdprScenario {
   YamlFile hardware{"ideal"};
   std::vector<CdprFault> faults;  ///< faults, in the order of their insertion
   CdprIntegration integrator;
-  double log_rate_hz = 200;                           ///< of signals.csv
+  double log_rate_hz = 200;                           ///< rate of signals.csv
   bool forbid_slack = CdprLoopParams().forbid_slack;  ///< a slack cable ends the run, exit code 3
   double max_tension_ratio =
       CdprLoopParams().max_tension_ratio;  ///< so does one pulled harder than this times the winches' maximum
@@ -260,8 +260,9 @@ struct CdprScenario {
   /// How far the platform may leave its path: in position by this part of the path's length (a circle's is
   /// one turn), in heading by this part of half a turn; beyond, the run is not finished.
   double path_tolerance = 0.1;
-  ReportScenario report;                                  ///< contents of the report
-  std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
+  ReportScenario report;  ///< contents of the report
+  std::map<std::string, std::vector<double>>
+      parameters;  ///< Parameters of the diagram, by path, set at the start
 
   static FieldList Fields() {
     return {Required("app", &CdprScenario::app),

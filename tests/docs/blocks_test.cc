@@ -45,10 +45,10 @@ TEST(BlocksTest, EveryBlockOfThePublicHeadersIsInTheCatalogue) {
 TEST(BlocksTest, HeadersHaveSummaries) {
   const auto declarations = ReadHeaders(kSource);
   EXPECT_EQ(declarations.at("Gain").header, "systems/primitives/gain.h");
-  EXPECT_EQ(declarations.at("Gain").summary, "A factor.");
+  EXPECT_EQ(declarations.at("Gain").summary, "A multiplication by a scalar.");
   EXPECT_EQ(declarations.at("QuadrupedPlant").summary,
-            "A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), feet that stick "
-            "(foot_contact.h).");
+            "A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), compliant "
+            "contacts with friction (foot_contact.h).");
   EXPECT_FALSE(declarations.at("LeggedState").is_block);
   for (const auto& [name, declaration] : declarations) {
     EXPECT_TRUE(!declaration.is_block || !declaration.summary.empty()) << name;
@@ -118,7 +118,7 @@ TEST(ScenarioPageTest, DocstringsAreFoundWhereverTheyStand) {
         "    ramp_s: \"time in which the circle's speed is reached\"\n",  // behind the member
         "    attitude_rad: \"Roll, pitch, yaw all along the path",        // above the member
         "    desired_tension_N: \"f_d\"\n",                               // without the unit of the key
-        "    about: \"When a robot counts as fallen.\"\n"})
+        "    about: \"Limits of the trunk's pose beyond which a robot counts as fallen.\"\n"})
     EXPECT_NE(meanings.find(line), meanings.npos) << line;
 }
 

@@ -114,7 +114,7 @@ TEST_F(TenonStoppedRunTest, PlacesThatCannotBeWrittenAreExitCode5) {
   const std::string stand = app + " stand --duration 0.1", full = " 2>&1 >/dev/full'";
   for (const auto& [command, place] :
        {std::pair{stand + " --out /dev/full", "'/dev/full'"},
-        {"sh -c '" + stand + Out() + full, "the figures cannot be printed"},
+        {"sh -c '" + stand + Out() + full, "stdout"},
         {"sh -c '" + app + " A2 --compare --duration 0.1" + Out() + full, ""},  // more than one buffer
         {stand + Out() + " --graph /nonexistent/a.svg", "--graph /nonexistent/a.svg: "}}) {
     const Result result = RunCommand(command);
@@ -151,7 +151,7 @@ TEST_F(TenonStoppedRunTest, AGraphThatCannotBeWrittenLeavesTheOneBefore) {
                  " --graph " + (out / "graph.svg").string());
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(result.text,
-              AllOf(HasSubstr("graph.svg': Graphviz's `dot` ended with 1"), HasSubstr("disk full")));
+              AllOf(HasSubstr("graph.svg'"), HasSubstr("`dot`"), HasSubstr("disk")));
   EXPECT_EQ(Read(out / "graph.svg"), "of before");
   for (const auto& entry : fs::directory_iterator(out))
     EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));

@@ -178,7 +178,7 @@ TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
   const std::string stand = "stand --set fall.min_height_ratio=0 --set fall.max_tilt_rad=3 ";
   for (const auto& [run, reason] : {
            std::pair<std::string, std::string>{"flat --duration 1.5 --set limit_speed=false",
-                                               "a drive gave what it cannot: "},
+                                               "a drive exceeded its torque-speed line: "},
            {stand + "--duration 0.2 --set robot.contact.stiffness_N_per_m=2000",
             "a foot went into the ground: "},
            {stand + "--set pd.stiffness_N_m_per_rad=1 --set pd.damping_N_m_s_per_rad=0.5 "

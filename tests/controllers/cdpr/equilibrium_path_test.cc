@@ -161,11 +161,11 @@ TEST(Path, RefusesNonsense) {
                            Path::Spline({p, p, p}, {0, 2, 1});
                          },
                          "Path::Spline", "time 3"},
-                        {[=] { Path::Waypoints({p}, {0}); }, "Path::Waypoints", "1 point"},
+                        {[=] { Path::Waypoints({p}, {0}); }, "Path::Spline", "1 point"},
                         {[=] {
                            Path::Waypoints({p, p, p}, {0, 2, 1});
                          },
-                         "Path::Waypoints", "time"},
+                         "Path::Spline", "time"},
                         {[=] { Path::Hold(bad); }, "Path::Hold", "position"}};
   for (const auto& [call, where, what] : cases) EXPECT_TRUE(Throws<ParameterError>(call, where, what));
 }

@@ -47,7 +47,7 @@ TEST(WilsonIntervalTest, OfNothingIsEverything) {
 
 TEST(WilsonIntervalTest, RefusesWhatCannotBe) {
   EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(3, 2, 0.95); }, "3 successes of 2 trials"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(1, 2, 95); }, "confidence = 95", "say 0.95"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(1, 2, 95); }, "confidence = 95"));
 }
 
 TEST(RankCorrelationTest, SeesOrderNotShape) {

@@ -313,7 +313,7 @@ TEST(SignalTest, ArchivesRefuseWhatNoValueCanBe) {
   EXPECT_THAT(LoadError<Small>({5, 1, 7, 8, 9, 10, 11}), HasSubstr("Vec<X>"));
   EXPECT_THAT(LoadError<Eigen::VectorXd>({1, 2, 7, 8}), HasSubstr("Vec<X>"));
   EXPECT_THAT(LoadError<std::optional<double>>({2, 1, 7, 8}), HasSubstr("std::optional<double>"));
-  EXPECT_THAT(LoadError<Eigen::MatrixXd>({30, 30, 7, 8}), HasSubstr("cut short"));
+  EXPECT_THAT(LoadError<Eigen::MatrixXd>({30, 30, 7, 8}), HasSubstr("32 bytes"));
   EXPECT_THAT(LoadError<bool>({2}), HasSubstr("damaged"));
   EXPECT_THAT(LoadError<Side>({99}), HasSubstr("damaged"));
 }

@@ -261,14 +261,14 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
         refused({{"command", "gait"}, {"name", "trot"}}, "'gait'");
         refused({{"command", "drive"}, {"velocity", {2, 0, 0}}}, "give -1 to 1");
         refused({{"command", "drive"}, {"velocity", {0, 0}}}, "three numbers");
-        refused({{"command", "drive"}}, "lacks something");
+        refused({{"command", "drive"}}, "'drive'");
         refused({{"command", "load"}, {"mass_kg", 3}}, "give 1 to 2");
         refused({{"command", "parameter"}, {"path", "engine.force"}, {"value", 11}}, "10 N at most");
         refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}}, "'engine.force'");
         refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
         refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}}, "'engine.gear'");
         refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
-        refused({{"command", "reset"}, {"seed", "x"}}, "another type");
+        refused({{"command", "reset"}, {"seed", "x"}}, "'reset'");
         refused({{"command", "save"}}, "has no scenario");
         refused({"command"}, "a command must be an object");
         EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);

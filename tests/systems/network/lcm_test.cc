@@ -162,14 +162,14 @@ TEST(LcmTypeTest, SaysWhyItRefusesAMessage) {
   EXPECT_THAT(reason(Encoded(Vec<2>(1, 2), 0)),
               testing::MatchesRegex(
                   "the message has another type than EverythingSample: its fingerprint is 0x.*, not 0x.*"));
-  EXPECT_EQ(reason({}), "the message is truncated: 0 bytes");
-  EXPECT_EQ(reason({message.begin(), message.end() - 1}),
-            "the message is truncated: " + std::to_string(message.size() - 1) + " bytes, more are needed");
+  EXPECT_THAT(reason({}), testing::HasSubstr("0 bytes"));
+  EXPECT_THAT(reason({message.begin(), message.end() - 1}),
+              testing::HasSubstr(std::to_string(message.size() - 1) + " bytes"));
   message.push_back(0);
   EXPECT_EQ(reason(message), "the message is longer than its type");
   message.pop_back();
   message[16] = 2;  // fingerprint and timestamp are in front
-  EXPECT_EQ(reason(message), "'on' holds a number that");
+  EXPECT_THAT(reason(message), testing::HasSubstr("'on'"));
   test::Leg leg;
   EXPECT_EQ(LcmType(TypeInfoOf<test::Leg>())
                 .Decode(Encoded(test::Leg{.phase = static_cast<test::Phase>(9)}, 0), &timestamp, &leg),

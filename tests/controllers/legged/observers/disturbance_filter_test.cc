@@ -63,7 +63,7 @@ TEST(EstimatorGainsTest, RefusesUnstableGains) {
   for (const std::vector<double>& gains :
        {std::vector<double>{-1}, {0}, {}, std::vector<double>(13, 1.0), {1, NAN}})
     EXPECT_TRUE(Throws<ParameterError>([&] { DemandHurwitz(gains); }, "gain"));
-  EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(0, 1); }, "order 0"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(0, 1); }, "order", "0"));
   EXPECT_TRUE(Throws<ParameterError>([] { ButterworthGains(2, 0); }, "0 rad/s"));
   EXPECT_TRUE(Throws<ParameterError>([] { GainsOfPolynomial({1, 0}); }));
   EXPECT_TRUE(Throws<ParameterError>([] { NoiseBandwidth({-1}); }));

@@ -212,7 +212,7 @@ TEST(LegMomentumObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "gains_per_s", "butterworth"));
   params = Params(DogBot(), {});
   params.gains.butterworth = ButterworthDesign{0, 100};
-  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "order 0"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "order", "0"));
   // The order in which the thesis prints its gains.
   params = Params(DogBot(), {17.5, 6.28, 2.25});
   EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "17.5, 6.28, 2.25", "-6.23, -5.63 ± 2.82i"));
