@@ -58,8 +58,8 @@ TEST_F(TenonObserverOrderTest, RefusesBadUsage) {
   ExpectRefused({{"", "no scenario given"},
                  {"A00", "'A0'"},
                  {"A0 --set app=tenon-cdpr", "run tenon-cdpr A0"},
-                 {"A0 --set start_s=3", "A0.yaml:4:1: "},
-                 {"A0 --set variants=[]", "A0.yaml:4:1: "}});
+                 {"A0 --set start_s=3", "start_s"},
+                 {"A0 --set variants=[]", "variants"}});
   ExpectSettingsRefused("A0", {"force_N=[0,0,0]", "robot=dogbt"});
   const auto variants = [](const std::string& text) { return "A0 --set \"variants=[" + text + "]\""; };
   ExpectRefused({{variants("{name: a, gains_per_s: [1], butterworth: {order: 1, bandwidth_rad_per_s: 1}}"),

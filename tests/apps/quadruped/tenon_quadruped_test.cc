@@ -250,7 +250,7 @@ TEST_F(TenonQuadrupedTest, RefusesBadSettings) {
 TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
   ExpectRefused(
       {{Write("none.yaml", "app: tenon-quadruped\ncase: none\n"), "none.yaml:1:1: "},
-       {Write("sweep.yaml", "extends: flat\nsweep: {period_s: 1}\n"), "sweep.yaml:1:1: "},
+       {Write("sweep.yaml", "extends: flat\nsweep: {period_s: 1}\n"), "sweep.yaml:2:8: sweep: "},
        {"A3-sweep --set sweep.phases=0", ": sweep"},
        {"A3-sweep --set sweep.phases=100000", "A3-sweep.yaml:9:8: sweep: "},
        {"A3-sweep --set sweep.phases=101 --set sweep.directions=100", "A3-sweep.yaml:9:8: sweep: "},
