@@ -1,7 +1,7 @@
 # `cmake -D NM=… -D LIBRARY=… -P vector_clones.cmake`: checks that the library contains AVX2 clones of the hot loops. In some
 # cases GCC 12 omits clones of templates without a warning.
 execute_process(COMMAND ${NM} -C ${LIBRARY} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-foreach(cables 4 5 6 7 8 -1)
+foreach(cables 4 8 -1)
   set(slq "Slq<tenon::CdprTrackingProblem<${cables}> >")
   foreach(function
       "KinoCentroidalModel<${cables}>::Derivative" "KinoCentroidalModel<${cables}>::Step"

